@@ -30,7 +30,8 @@ class Header:
     of one channel. `bands`: of the file, of which the image is one; 1 where it is made of several.
     `not_applied`: fields that would change the samples, which are as stored. `wavelengths_assumed`:
     it gives wavelengths without their unit, which are taken as µm. `absent_chunks`: files of a Zarr
-    store that are not there, whose samples count as missing.
+    store that are not there, whose samples count as missing. `bad_bands`: how many bands the file
+    marks as bad, which are left out. `coverage`: share of the wavelengths that its bands cover.
     """
 
     fov_x_deg: float | None = None
@@ -43,6 +44,8 @@ class Header:
     bands: int = 1
     wavelengths_assumed: bool = False
     absent_chunks: int = 0
+    bad_bands: int = 0
+    coverage: float = 1.0
 
 
 def _bound(factors: Iterable[Factor]) -> tuple[Recipe, ...]:

@@ -23,6 +23,7 @@ from nodes.files.frames.envi_frames import envi_header_text
 from nodes.files.frames.frame_series import FrameSeries
 from nodes.files.frames.frame_writing import header_beside_frames
 from nodes.input_output.held_samples import HeldSamples
+from nodes.input_output.sample_unit import DEFAULT_UNIT
 
 _PLAIN = re.compile(r"[^\w.-]+")
 
@@ -69,7 +70,8 @@ def saved(
     text = format_network(network, library=library)
     parse_network(text, library=library, name_of_source=str(target))
     for node, name in names.items():
-        _write(target.parent / name, samples[node])
+        unit = network.nodes[node].params.get("unit", DEFAULT_UNIT)
+        _write(target.parent / name, samples[node], named=unit != DEFAULT_UNIT)
     save_network(network, target, library=library)
     return network
 
@@ -108,8 +110,11 @@ def _is_plain(held: HeldSamples) -> bool:
     return held.wavelengths_um is None
 
 
-def _write(file: Path, held: HeldSamples) -> None:
-    """Write samples: a picture as ``.npy``, a cube as ENVI has it, with its header beside it."""
+def _write(file: Path, held: HeldSamples, *, named: bool) -> None:
+    """Write samples: a picture as ``.npy``, a cube as ENVI has it, with its header beside it.
+
+    Where the network names no unit of a cube, the header does.
+    """
     if _is_plain(held):
         write_npy(file, held.samples)
         return
@@ -118,6 +123,8 @@ def _write(file: Path, held: HeldSamples) -> None:
         "wavelength_units": "Micrometers",
         "wavelength": held.wavelengths_um,
     }
+    if not named:
+        fields["unit"] = "W/m^2/sr/um"
     if held.widths_um is not None:
         fields["fwhm"] = held.widths_um
     dtype = held.samples.dtype.newbyteorder("<")

@@ -229,7 +229,9 @@ def chosen_bands(
 
 def _check_ends(info: PictureInfo, first: Array, last: Array) -> None:
     """Refuse a band that reaches where no light is: widths in another unit than wavelengths."""
-    for place in np.flatnonzero(~((first > 0.0) & (first < last) & (last <= _WIDEST_UM)))[:1]:
+    sound = (first > 0.0) & (first < last) & (last <= _WIDEST_UM)
+    sound[list(info.bad_bands)] = True  # left out
+    for place in np.flatnonzero(~sound)[:1]:
         raise FileError(
             f"{info.path}: band {place} at {_centre(info, int(place)):g} µm reaches from "
             f"{first[place]:g} to {last[place]:g} µm; allowed: bands that have a width, between 0 "

@@ -20,6 +20,7 @@ from core.spectrum.band_stack import BandStack
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.formats import readable_formats
+from nodes.files.headers.envi_bands import coverage
 from nodes.input_output.file_bands import file_bands
 from nodes.input_output.held_bands import HeldBands
 from nodes.input_output.held_samples import HeldSamples
@@ -29,6 +30,8 @@ from nodes.input_output.source_file import Source, count_missing, picture_source
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import is_radiance
 
+_WHOLE = 0.99  # of the wavelengths: less is warned of
+
 
 class ReadImage(Module, key="read_image", title="Read Image", group="Input and output"):
     """Read a picture from a file: ENVI as DIRSIG writes it, or of any format that `path` names.
@@ -37,9 +40,10 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for every other
     file these two give the band of the samples. Radiance comes out in W/m²/sr, one spectral
     band in W/m²/sr/µm: where the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
-    `scale` is 1, from that one, else from `unit`. K, DN and the like stay what they are; photons
-    are not turned into watts; a unit of radiance not understood is refused. Of a colour picture
-    one channel is read, of a cube one band or plane, the first unless `band` names another. An
+    `scale` is 1, from that one, else from `unit`; a cube whose header names no unit needs one of
+    the two. Gains and offsets of an ENVI header are applied, and its bad bands left out. K, DN and
+    the like stay what they are; photons are not turned into watts; a unit of radiance not
+    understood is refused. Of a colour picture one channel is read, of a cube one band or plane, the first unless `band` names another. An
     empty field of view is taken from the header. FITS pictures come with their first row at the
     bottom. Of a cube whose header gives wavelengths, `bands` all takes every band between
     `cut_on_um` and `cut_off_um`, each in W/m²/sr/µm (photons too, by the energy of its
@@ -184,6 +188,8 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
                 bands=1 if spectral else info.bands,
                 wavelengths_assumed=info.wavelengths_assumed,
                 absent_chunks=info.absent_chunks,
+                bad_bands=len(info.bad_bands) if spectral else 0,
+                coverage=coverage(info, self._stated_band()) if spectral else 1.0,
             ),
         )
 
@@ -220,6 +226,8 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
                 not_applied=info.not_applied,
                 unit_named=bool(info.unit),
                 wavelengths_assumed=info.wavelengths_assumed,
+                bad_bands=len(info.bad_bands),
+                coverage=coverage(info, self._stated_band()),
             ),
             bands=stack,
         )
@@ -237,13 +245,39 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
 
     @warning
     def as_stored(self, outputs: ImageOutput) -> Caution | None:
-        """A header with gains or offsets, which are not applied."""
+        """A header with a factor that is not applied."""
         fields = outputs.image.header.not_applied
         if not fields or self.scale != 1.0:
             return None
         return Caution(
             f"the header has {' and '.join(fields)}, and the samples are read as they are stored",
             "give the gain as scale, and the unit that it makes; an offset needs a converted file",
+        )
+
+    @warning
+    def bands_left_out(self, outputs: ImageOutput) -> Caution | None:
+        """Bands that the header marks as bad."""
+        count = outputs.image.header.bad_bands
+        if not count:
+            return None
+        return Caution(
+            f"{count} bands are left out, which the header marks as bad (bbl = 0)",
+            "remove bbl from the header, if their samples are sound",
+        )
+
+    @warning
+    def bands_with_gaps(self, outputs: ImageOutput) -> Caution | None:
+        """Bands that leave out a part of the wavelengths."""
+        share = outputs.image.header.coverage
+        if share >= _WHOLE:
+            return None
+        stated = self._stated_band()
+        ends = "those from the first to the last" if stated is None else "{:g} to {:g} µm"
+        where = ends.format(*stated or ())
+        return Caution(
+            f"the bands cover {100 * share:.0f} % of the wavelengths, {where}: the radiance "
+            "between them is left out",
+            "choose cut_on_um and cut_off_um within the bands, or a cube without gaps",
         )
 
     @warning

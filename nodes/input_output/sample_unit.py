@@ -39,13 +39,16 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
     Raises
     ------
     FileError
-        The file's unit is not understood, or is of photons and none is typed.
+        The file's unit is not understood, or is of photons and none is typed; or there is none, of
+        a cube of bands.
     ParameterError
         The typed unit is not understood, or is of another kind of quantity than the file's.
     """
     own = _typed(typed)
     chosen = bool(typed) and own != RadianceUnit(1.0)
     if not info.unit or scale != 1.0:
+        if integrated or info.bands > 1:
+            _refuse_unnamed(info, named=chosen or scale != 1.0)
         return _of_typed(info, typed, own, integrated)
     try:
         stored = radiance_unit(info.unit)
@@ -70,13 +73,13 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
 def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUnit | None:
     """Unit of the samples of a file's bands times `scale`; None where they are no radiance.
 
-    As in `sample_unit` the file's own unit holds where it gives one and the scale is 1. A file
-    without one, and a radiance typed without a share of wavelength, is per µm, as DIRSIG's are.
+    As in `sample_unit` the file's own unit holds where it gives one and the scale is 1. A radiance
+    typed without a share of wavelength is per µm.
 
     Raises
     ------
     FileError
-        The file's unit is not understood.
+        The file's unit is not understood, or there is none.
     ParameterError
         The typed unit is not understood, or is of another kind of quantity than the file's.
     """
@@ -94,9 +97,19 @@ def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUni
             return stored
         allowed = f"a unit of the same kind as {info.unit}, in which the file is; or give scale"
         raise ParameterError("unit", typed, allowed)
+    _refuse_unnamed(info, named=chosen or scale != 1.0)
     if own is None or own.spectral:
         return own
     return RadianceUnit(own.factor, own.photons, "µm")
+
+
+def _refuse_unnamed(info: PictureInfo, *, named: bool) -> None:
+    """Refuse the cube of a file of which nobody says what its samples are in."""
+    if info.kind == "envi" and info.wavelengths_um and not info.unit and not named:
+        raise FileError(
+            f"{info.path}: its header has no data units: add a line such as data units = "
+            "W/m^2/sr/um, or set unit to what the samples are in, such as W/cm²/sr/µm or DN"
+        )
 
 
 def _typed(text: str) -> RadianceUnit | None:

@@ -50,6 +50,8 @@ class PictureInfo:
         The file's compression leaves out what the eye would not miss.
     absent_chunks
         Files of a Zarr store that are not there, whose samples are missing.
+    bad_bands
+        Bands that the header marks as bad, counted from 0; sums leave them out.
     """
 
     path: Path
@@ -70,6 +72,7 @@ class PictureInfo:
     wavelengths_assumed: bool = False
     lossy: bool = False
     absent_chunks: int = 0
+    bad_bands: tuple[int, ...] = ()
 
 
 def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:

@@ -144,9 +144,8 @@ def _npy(path: Path) -> FrameFile:
 def _envi(path: Path) -> FrameFile:
     layout = read_layout(path)
     info = info_of(layout)
-    return FrameFile(
-        layout.data, "envi", layout.bands, layout.rows, layout.columns, layout.dtype, info.unit
-    )
+    size = layout.bands, layout.rows, layout.columns
+    return FrameFile(layout.data, "envi", *size, layout.value_dtype, info.unit)
 
 
 def _tiff(path: Path) -> FrameFile:

@@ -1,15 +1,14 @@
 """ENVI pictures as DIRSIG writes them: raw samples, described by a text header.
 
 Interleave bsq, bil and bip, every real data type (1, 2, 3, 4, 5, 12, 13, 14, 15), both byte
-orders and a header offset. Samples are delivered as stored: gain and offset fields of the header
-are not applied. A sample equal to the header's ``data ignore value`` is missing: NaN. See
+orders and a header offset. ``data gain values`` and ``data offset values`` are applied. A sample
+equal to the header's ``data ignore value`` is missing: NaN. See
 `nodes.files.headers.header_fields` for the header keys that are read besides ENVI's own
 ``wavelength``, ``wavelength units`` and ``fwhm``.
 """
 
 from __future__ import annotations
 
-import math
 import os
 
 import numpy as np
@@ -19,9 +18,8 @@ from core.scratch.allocation import Empty
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.common.size_limits import refuse_oversized
-from nodes.files.common.table_cells import number_of
 from nodes.files.headers.envi_cube import row_blocks, sample_block
-from nodes.files.headers.envi_header import EnviLayout, read_layout
+from nodes.files.headers.envi_header import EnviLayout, number_list, read_layout
 from nodes.files.headers.header_fields import header_fields
 
 _TO_UM = {
@@ -44,12 +42,7 @@ _TO_UM = {
     "meters": 1e6,
     "m": 1e6,
 }
-# Fields that change what the samples mean, and their value that changes nothing.
-_SCALING = (
-    ("data gain values", 1.0),
-    ("data offset values", 0.0),
-    ("reflectance scale factor", 1.0),
-)
+_NOT_APPLIED = "reflectance scale factor"
 _LONGEST_ASSUMED_UM = 100.0  # beyond thermal infrared: numbers above, with no unit, are no µm
 _WAVENUMBERS = ("wavenumber", "wavenumbers", "cm-1", "1/cm", "cm^-1")
 
@@ -80,6 +73,8 @@ def info_of(layout: EnviLayout) -> PictureInfo:
         where=str(layout.header),
     )
     wavelengths_um, fwhm_um = _wavelengths(layout)
+    listed = number_list(layout.fields, "bbl", layout.header, layout.bands) or ()
+    bad_bands = tuple(place for place, good in enumerate(listed) if good == 0.0)
     return PictureInfo(
         path=layout.data,
         rows=layout.rows,
@@ -92,10 +87,11 @@ def info_of(layout: EnviLayout) -> PictureInfo:
         focal_length_mm=common.focal_length_mm,
         fov_x_deg=common.fov_x_deg,
         fov_y_deg=common.fov_y_deg,
-        dtype=layout.dtype.newbyteorder("=").name,
+        dtype=layout.value_dtype.name,
         kind="envi",
         not_applied=_not_applied(layout),
         wavelengths_assumed=wavelengths_um is not None and not _wavelength_unit(layout),
+        bad_bands=bad_bands if layout.bands > 1 else (),
     )
 
 
@@ -140,14 +136,11 @@ def band_of(layout: EnviLayout, band: int, *, empty: Empty = np.empty) -> Sample
 
 
 def _not_applied(layout: EnviLayout) -> tuple[str, ...]:
-    """Names of the fields by which the header would scale or shift the samples."""
-    keys = []
-    for key, neutral in _SCALING:
-        texts = layout.fields.get(key, ())
-        texts = [texts] if isinstance(texts, str) else texts
-        if any(text and not _is_number(text, neutral) for text in texts):
-            keys.append(key)
-    return tuple(keys)
+    """Names of the fields by which the header would scale the samples."""
+    texts = layout.fields.get(_NOT_APPLIED, ())
+    texts = [texts] if isinstance(texts, str) else texts
+    scales = any(text and not _is_number(text, 1.0) for text in texts)
+    return (_NOT_APPLIED,) if scales else ()
 
 
 def _is_number(text: str, number: float) -> bool:
@@ -201,22 +194,17 @@ def _from_wavenumbers(
 
 
 def _numbers(layout: EnviLayout, key: str) -> tuple[float, ...] | None:
-    texts = layout.fields.get(key)
-    if texts is None:
+    values = number_list(layout.fields, key, layout.header, layout.bands)
+    if values is None:
         return None
-    texts = [texts] if isinstance(texts, str) else texts
-    texts = [text for text in texts if text]
-    if not texts:
-        return None
-    if len(texts) != layout.bands:
+    if len(values) != layout.bands:
         raise FileError(
-            f"{layout.header}: {key} has {len(texts)} values; allowed: one for each of the "
+            f"{layout.header}: {key} has {len(values)} values; allowed: one for each of the "
             f"{layout.bands} bands"
         )
-    try:
-        values = tuple(number_of(text) for text in texts)
-    except ValueError as error:
-        raise FileError(f"{layout.header}: {key} holds what is no number: {error}") from error
-    if not all(math.isfinite(value) and value > 0 for value in values):
-        raise FileError(f"{layout.header}: {key} = {texts}; allowed: positive numbers")
+    for place, value in enumerate(values):
+        if value <= 0:
+            raise FileError(
+                f"{layout.header}: {key} of band {place} = {value:g}; allowed: positive numbers"
+            )
     return values

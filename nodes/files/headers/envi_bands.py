@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,10 +64,10 @@ def integrate_bands(
     if empty is np.empty:
         refuse_oversized(info)
     weights = band_weights_um(info, cut_on_um=cut_on_um, cut_off_um=cut_off_um)
-    _check_coverage(info, weights, cut_on_um, cut_off_um, min_coverage)
+    _check_coverage(info, cut_on_um, cut_off_um, min_coverage)
     weights = weights * _per_um(info)
     used = np.flatnonzero(weights)
-    total = empty((info.rows, info.columns), delivered_dtype(layout.dtype))
+    total = empty((info.rows, info.columns), delivered_dtype(layout.value_dtype))
     for rows in row_blocks(layout, len(used)):
         block = sample_block(layout, rows, used, np.dtype(np.float64))
         block *= weights[used][:, None]
@@ -82,7 +83,8 @@ def band_weights_um(
     A band reaches over wavelength ± fwhm/2. Without ``fwhm`` it reaches half-way to its
     neighbours (the outer ones as far outward), which inside the spectrum is the trapezoid rule.
     Where bands overlap they share the width equally, so that a constant spectrum L gives
-    L·(covered width) whatever the widths; gaps between bands count nothing. Shares that the header
+    L·(covered width) whatever the widths; gaps between bands count nothing, nor do bands that the
+    header marks as bad. Shares that the header
     gives itself (``band shares``, µm, as cubes of our own that overlap have it) hold as they are.
 
     Parameters
@@ -114,7 +116,8 @@ def band_weights_um(
     low, high = np.maximum(low, cut_on_um), np.minimum(high, cut_off_um)
     high = np.maximum(low, high)
     if info.shares_um is not None:
-        return np.asarray(np.array(info.shares_um) * ((high - low) / whole))
+        parts = np.divide(high - low, whole, out=np.zeros_like(whole), where=whole > 0)
+        return np.asarray(np.array(info.shares_um) * parts)
     edges = np.unique(np.concatenate([low, high]))
     # Of the pieces between two edges, where each band begins and ends: no table of both.
     first, last = np.searchsorted(edges, low), np.searchsorted(edges, high)
@@ -136,31 +139,42 @@ def band_ends_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.flo
     centres = np.asarray(info.wavelengths_um)
     if info.fwhm_um is not None:
         half = np.asarray(info.fwhm_um) / 2
+        half[list(info.bad_bands)] = 0.0
         return centres - half, centres + half
     order = np.argsort(centres)
+    order = order[~np.isin(order, info.bad_bands)]
     spacing = np.diff(centres[order])
-    if centres.size < 2 or not np.all(spacing > 0):
+    if order.size < 2 or not np.all(spacing > 0):
         raise FileError(
             f"{info.path}: the header gives no fwhm, and without it the bands can be integrated "
             "only where there are two or more of different wavelength"
         )
-    low, high = np.empty_like(centres), np.empty_like(centres)
+    low, high = centres.copy(), centres.copy()  # a bad band has no width
     low[order] = centres[order] - np.concatenate([spacing[:1], spacing]) / 2
     high[order] = centres[order] + np.concatenate([spacing, spacing[-1:]]) / 2
     return low, high
 
 
+def coverage(info: PictureInfo, interval_um: tuple[float, float] | None) -> float:
+    """Share of an interval that the bands cover, 0 to 1; of all from first to last without one.
+
+    Errors as `band_weights_um`.
+    """
+    low, high = band_ends_um(info)
+    first, last = interval_um or (max(0.0, float(low.min())), float(high.max()))
+    covered = band_weights_um(replace(info, shares_um=None), cut_on_um=first, cut_off_um=last)
+    return float(covered.sum() / (last - first))
+
+
 def _check_coverage(
-    info: PictureInfo,
-    weights: NDArray[np.float64],
-    cut_on_um: float,
-    cut_off_um: float,
-    min_coverage: float,
+    info: PictureInfo, cut_on_um: float, cut_off_um: float, min_coverage: float
 ) -> None:
-    covered = float(weights.sum())
+    """Bands that are bad count here as if they were there: a warning tells of those."""
+    every = replace(info, bad_bands=())
+    covered = coverage(every, (cut_on_um, cut_off_um)) * (cut_off_um - cut_on_um)
     if covered > 0 and covered >= min_coverage * (cut_off_um - cut_on_um):
         return
-    low, high = band_ends_um(info)
+    low, high = band_ends_um(every)
     raise ParameterError(
         "cut_on_um, cut_off_um",
         (cut_on_um, cut_off_um),

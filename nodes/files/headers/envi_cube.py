@@ -24,6 +24,7 @@ class CubeInMemory:
     samples: Array
     interleave: str = "bsq"
     missing: np.generic | None = None
+    scaling: None = None
 
     @property
     def bands(self) -> int:
@@ -90,6 +91,7 @@ def weighted_sums(
         return sums
     chosen = np.ascontiguousarray(weights[:, used].astype(dtype))
     as_stored = fill is None and layout.missing is None and layout.dtype == dtype
+    as_stored = as_stored and layout.scaling is None
     in_a_row = int(used[-1]) - int(used[0]) == len(used) - 1
 
     def one(rows: slice) -> None:
@@ -166,7 +168,7 @@ def row_blocks(layout: Layout, bands: int) -> Iterator[slice]:
 
 
 def sample_block(layout: Layout, rows: slice, bands: Array, dtype: np.dtype[Any]) -> Array:
-    """Samples of some rows, (bands, rows·columns), NaN where they are missing."""
+    """Samples of some rows, (bands, rows·columns), by gain and offset; NaN where missing."""
     stored = _stored_rows(layout, rows, bands)
     if layout.interleave == "bil":
         stored = stored[:, bands].transpose(1, 0, 2)
@@ -174,10 +176,13 @@ def sample_block(layout: Layout, rows: slice, bands: Array, dtype: np.dtype[Any]
         stored = stored.reshape(-1, layout.bands).T[bands]
     stored = stored.reshape(len(bands), -1)
     samples = np.ascontiguousarray(stored, dtype)
-    if layout.missing is not None:
-        if samples is stored:
-            samples = samples.copy()
-        samples[stored == layout.missing] = np.nan
+    missing = None if layout.missing is None else stored == layout.missing
+    if layout.scaling is not None:  # in place: only a file's samples, which are nobody else's
+        gains, offsets = layout.scaling[:, bands]
+        samples *= gains[:, None]
+        samples += offsets[:, None]
+    if missing is not None:
+        samples[missing] = np.nan
     return samples
 
 

@@ -10,9 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.errors import FileError
 from nodes.files.common.paths import first_bytes, is_file, readable_file
+from nodes.files.common.picture_info import delivered_dtype
+from nodes.files.common.table_cells import number_of
 
 REAL_TYPES: Mapping[str, str] = {
     "1": "u1",
@@ -41,8 +44,9 @@ class EnviLayout:
     """Where an ENVI file's samples lie: everything needed to map it, checked.
 
     `dtype` carries the file's byte order; `offset_bytes` is the length of what precedes the
-    samples; `missing` is the sample that stands for none, of that type, or None; `fields` are all
-    the header's fields, keys in lower case.
+    samples; `missing` is the sample that stands for none, of that type, or None; `scaling` has a
+    gain and an offset for each band, (2, bands), or None; `fields` are all the header's fields,
+    keys in lower case.
     """
 
     data: Path
@@ -54,7 +58,14 @@ class EnviLayout:
     interleave: str
     offset_bytes: int
     missing: np.generic | None
+    scaling: NDArray[np.float64] | None
     fields: Fields
+
+    @property
+    def value_dtype(self) -> np.dtype[np.generic]:
+        """Type of the samples as they are delivered: gains make fractions of integers."""
+        dtype = self.dtype.newbyteorder("=")
+        return dtype if self.scaling is None else delivered_dtype(dtype)
 
 
 def is_envi_header(path: Path) -> bool:
@@ -97,16 +108,18 @@ def read_layout(path: str | os.PathLike[str]) -> EnviLayout:
     fields = _fields(header)
     _refuse_unsupported(fields, header)
     dtype = _dtype(fields, header)
+    bands = _count(fields, "bands", header)
     layout = EnviLayout(
         data=data,
         header=header,
         rows=_count(fields, "lines", header),
         columns=_count(fields, "samples", header),
-        bands=_count(fields, "bands", header),
+        bands=bands,
         dtype=dtype,
         interleave=_interleave(fields, header),
         offset_bytes=_count(fields, "header offset", header, low=0, default="0"),
         missing=_missing(fields, header, dtype),
+        scaling=_scaling(fields, header, bands),
         fields=fields,
     )
     _check_size(layout)
@@ -254,6 +267,42 @@ def _missing(fields: Fields, header: Path, dtype: np.dtype[np.generic]) -> np.ge
     limits = np.iinfo(dtype.name)
     held = math.isfinite(value) and value == int(value) and limits.min <= value <= limits.max
     return dtype.type(int(value)) if held else None
+
+
+def _scaling(fields: Fields, header: Path, bands: int) -> NDArray[np.float64] | None:
+    """Gain and offset of every band; None where they change nothing."""
+    rows = []
+    for key, neutral in (("data gain values", 1.0), ("data offset values", 0.0)):
+        row = number_list(fields, key, header, bands)
+        row = (neutral,) if row is None else row
+        rows.append(np.broadcast_to(np.array(row), bands))
+    scaling = np.stack(rows)
+    return None if np.all(scaling == [[1.0], [0.0]]) else scaling
+
+
+def number_list(fields: Fields, key: str, header: Path, bands: int) -> tuple[float, ...] | None:
+    """The finite numbers of a field, one for each band or one for all; None without the field.
+
+    Raises
+    ------
+    FileError
+        They are not.
+    """
+    texts = fields.get(key, ())
+    texts = [text for text in ([texts] if isinstance(texts, str) else texts) if text]
+    if not texts:
+        return None
+    if len(texts) not in (1, bands):
+        raise FileError(
+            f"{header}: {key} has {len(texts)} values; allowed: one for each of the {bands} bands"
+        )
+    try:
+        values = tuple(number_of(text) for text in texts)
+    except ValueError as error:
+        raise FileError(f"{header}: {key} holds what is no number") from error
+    if not all(map(math.isfinite, values)):
+        raise FileError(f"{header}: {key} holds a number that is not finite")
+    return values
 
 
 def _interleave(fields: Fields, header: Path) -> str:

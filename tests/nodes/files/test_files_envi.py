@@ -6,6 +6,7 @@ import pytest
 
 from core.errors import FileError
 from nodes.files.headers import envi
+from nodes.files.headers.envi_cube import weighted_sums
 from nodes.files.read import read_info, read_pixels
 
 ROWS, COLUMNS, BANDS = 5, 7, 3
@@ -130,7 +131,7 @@ def test_missing_byte_order_is_not_guessed(tmp_path):
         ("major_frame_offsets", "{0, 4}", "major frame offsets"),
         ("wavelength", "{1, 2}", "wavelength has 2 values; allowed: one for each of the 3 bands"),
         ("wavelength", "{1, 2, x}", "wavelength holds what is no number"),
-        ("fwhm", "{1, 2, -1}", "fwhm = .*positive"),
+        ("fwhm", "{1, 2, -1}", "fwhm of band 2 = -1; allowed: positive"),
         ("fov", "wide", "fov = 'wide' is not a positive number"),
         ("fov", "190", "field of view 190 deg; allowed: above 0, below 180"),
         ("focal_length", "-38", "focal length = '-38'"),
@@ -349,15 +350,39 @@ def test_data_in_a_format_of_their_own(tmp_path, kind):
         envi.read_info(data)
 
 
+@pytest.mark.parametrize("code", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("interleave", ["bsq", "bil", "bip"])
+def test_gains_and_offsets_of_the_header_are_applied(tmp_path, code, interleave):
+    stored = cube(code).astype(np.float64)
+    missing = cube(code)[1, 2, 0]
+    extra = "data gain values = {2, 1, 0.5}\ndata offset values = {0, 0, -3}\n"
+    extra += f"data ignore value = {missing}"
+    data = write(tmp_path, code=code, interleave=interleave, extra=extra)
+    truth = np.where(stored == missing, np.nan, stored * [2, 1, 0.5] + [0, 0, -3])
+    info = read_info(data)
+    assert np.dtype(info.dtype).kind == "f"
+    for band in range(3):
+        read = read_pixels(data, band)
+        assert read.dtype == info.dtype
+        np.testing.assert_allclose(read, truth[:, :, band], rtol=1e-6)
+    layout = envi.read_layout(data)
+    sums = weighted_sums(layout, np.array([[1.0, 2.0, 3.0]]), dtype=np.dtype(np.float64))
+    np.testing.assert_allclose(sums[0], truth @ [1.0, 2.0, 3.0], rtol=1e-14)
+    one_for_all = write(tmp_path, code=code, interleave=interleave, extra="data gain values = 3")
+    np.testing.assert_allclose(read_pixels(one_for_all, 1), 3 * stored[:, :, 1], rtol=1e-6)
+
+
+@pytest.mark.parametrize("text", ["{1, 2}", "{1, 2, x}", "{1, 2, nan}", "{1, 2, 1e999}"])
+def test_gains_that_are_no_numbers_are_refused(tmp_path, text):
+    with pytest.raises(FileError, match=r"x.img.hdr: data gain values h(as 2|olds)"):
+        read_info(write(tmp_path, extra=f"data gain values = {text}"))
+
+
 @pytest.mark.parametrize(
     ("extra", "named"),
     [
-        ("data gain values = {2, 1, 1}", ("data gain values",)),
-        (
-            "data gain values = {1.0, 1, 1}\ndata offset values = {0, 0, -3}",
-            ("data offset values",),
-        ),
         ("reflectance scale factor = 10000", ("reflectance scale factor",)),
+        ("reflectance scale factor = 1.0", ()),
         ("data gain values = {1, 1, 1}\ndata offset values = {0, 0, 0}", ()),
         ("", ()),
     ],
@@ -365,4 +390,5 @@ def test_data_in_a_format_of_their_own(tmp_path, kind):
 def test_what_would_change_the_samples_is_named(tmp_path, extra, named):
     data = write(tmp_path, extra=extra)
     assert read_info(data).not_applied == named
+    assert read_info(data).dtype == "float64"
     np.testing.assert_array_equal(read_pixels(data, 1), cube(5)[:, :, 1])

@@ -86,6 +86,7 @@ def test_envi_band_and_integration(tmp_path):
         "wavelength": "{8.0, 9.0, 10.0}",
         "fwhm": "{1.0, 1.0, 1.0}",
         "wavelength_units": "Micrometers",
+        "data_units": "W/m^2/sr/um",
         "fov_x_deg": 4.0,
         "focal_length_mm": 130,
     }
@@ -119,11 +120,52 @@ def test_wavelengths_without_unit_are_warned_of(tmp_path, bands):
     assert not any("µm" in line for line in said[1])
 
 
+def said_by(bench):
+    return [str(caution) for caution in bench.engine.warnings(bench.plan, bench.work)]
+
+
+BANDS = {"wavelength_units": "um", "data_units": "W/m^2/sr/um", "wavelength": "{8, 9, 10, 11}"}
+
+
+@pytest.mark.parametrize("fwhm", [None, "{1, 1, 1, 1}"])
+@pytest.mark.parametrize("params", [{"bands": "all"}, {}])
+def test_bands_that_the_header_marks_as_bad_are_left_out(tmp_path, fwhm, params):
+    """Without fwhm their neighbours reach half-way to one another: the trapezoid rule."""
+    cube = np.random.default_rng(3).uniform(1, 2, (4, 3, 5))
+    cube[2] = np.nan
+    widths = {} if fwhm is None else {"fwhm": fwhm}
+    envi(tmp_path, cube, **BANDS, **widths, bbl="{1, 1, 0, 1}")
+    bench = reading(tmp_path, path="x.img", cut_on_um=7.5, cut_off_um=11.5, **params)
+    weights = [1.0, 1.5, 1.5] if fwhm is None else [1.0, 1.0, 1.0]
+    truth = np.tensordot(weights, cube[[0, 1, 3]], 1)
+    np.testing.assert_allclose(bench.value("in.image"), truth, rtol=1e-14)
+    said = said_by(bench)
+    assert any("1 bands are left out, which the header marks as bad (bbl = 0)" in it for it in said)
+    assert any("the bands cover 75 % of the wavelengths, 7.5 to 11.5 µm" in it for it in said) == (
+        fwhm is not None
+    )
+
+
+@pytest.mark.parametrize(
+    ("interval", "share"), [({}, "80 % of the wavelengths, those from the first to the last"),
+                            ({"cut_on_um": 7.0, "cut_off_um": 9.5}, "60 % of the wavelengths, 7 t"),
+                            ({"cut_on_um": 7.75, "cut_off_um": 8.25}, None)]
+)  # fmt: skip
+def test_bands_that_cover_a_part_of_the_range_are_warned_of(tmp_path, interval, share):
+    """3 of the 3.75 µm from 7.75 to 11.5; from 7 to 9.5 µm 1.5 of 2.5."""
+    widths = {"fwhm": "{0.5, 1, 0.5, 1}"}
+    envi(tmp_path, np.ones((4, 3, 5)), **BANDS, **widths)
+    said = said_by(reading(tmp_path, path="x.img", bands="all", **interval))
+    found = [line for line in said if "the bands cover" in line]
+    assert len(found) == (share is not None)
+    assert share is None or share in found[0]
+
+
 def test_chunks_that_a_store_lacks_are_warned_of(tmp_path):
     stored = zarr.create_array(tmp_path / "a.zarr", shape=(40, 40), chunks=(5, 20), dtype="f4")
     stored[10:] = 3.0
     bench = reading(tmp_path, path="a.zarr", missing="zero")
-    said = [str(caution) for caution in bench.engine.warnings(bench.plan, bench.work)]
+    said = said_by(bench)
     assert any("4 chunks of the store are not there" in line for line in said)
     assert bench.value("in.image").sum() == 3.0 * 30 * 40
     with pytest.raises(DataError, match="400 samples are not finite"):

@@ -48,7 +48,6 @@ def cube_in(folder, unit):
         ("mW/cm2/sr", 10.0, "W/m²/sr"),
         ("K", 1.0, "K"),
         ("DN", 1.0, "DN"),
-        ("", 1.0, "W/m²/sr"),
     ],
 )
 def test_one_band_by_the_files_unit(tmp_path, unit, factor, name):
@@ -64,7 +63,7 @@ def test_one_band_by_the_files_unit(tmp_path, unit, factor, name):
         ("uW/cm^2/sr/um", "W/m²/sr", 1e-2),
         ("uW/cm^2/sr/nm", "W/m²/sr", 10.0),
         ("W/m^2/sr/um", "", 1.0),
-        ("", "W/m²/sr", 1.0),
+        ("", "W/m²/sr/µm", 1.0),
         ("", "uW/cm^2/sr/nm", 10.0),
         ("", "uW/cm^2/sr", 1e-2),
     ],
@@ -75,6 +74,18 @@ def test_bands_integrated_by_the_files_unit_or_the_typed_one(tmp_path, unit, typ
     assert bench.port("in.image").unit == "W/m²/sr"
     wanted = (CUBE[0] + 0.5 * CUBE[1]) * factor
     np.testing.assert_allclose(bench.value("in.image"), wanted, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    "params", [{"band": 1}, {"bands": "all"}, {"cut_on_um": 8.0, "cut_off_um": 9.5}]
+)
+def test_a_cube_whose_unit_nobody_names_is_refused(tmp_path, params):
+    cube_in(tmp_path, "")
+    error = reading(tmp_path, path="x.img", **params).error("in")
+    assert isinstance(error, FileError)
+    assert "x.img: its header has no data units: add a line such as data units = W" in error.message
+    for named in ({"unit": "W/m²/sr/µm"}, {"scale": 2.0}):
+        assert reading(tmp_path, path="x.img", **params, **named).value("in.image").min() > 0
 
 
 @pytest.mark.parametrize(
