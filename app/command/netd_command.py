@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 import threading
@@ -33,6 +31,7 @@ from core.physics.measurement.levels.thermal_response import (
 from core.physics.noise.noise_components import COMPONENTS
 from core.physics.noise.noise_cube import NoiseCube
 from nodes.files.common.file_format import JSON
+from nodes.files.common.table_cells import csv_lines
 from nodes.files.frames.frame_reading import FrameFile, check_one_camera, open_frames
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
@@ -279,13 +278,11 @@ def _json(measured: Measured) -> str:
 
 
 def _csv(measured: Measured) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("name", "value", "unit", "meaning"))
+    rows = [("name", "value", "unit", "meaning")]
     for name, value, unit, meaning in _rows(measured):
-        writer.writerow((name, repr(value), unit, meaning))
+        rows.append((name, repr(value), unit, meaning))
     for (path, _), at in zip(measured.files, measured.response.levels, strict=True):
         for name, value in _level_figures(at).items():
             unit = f"{measured.unit}/K" if name.startswith("sitf") else "K"
-            writer.writerow((f"{path.name}: {name}", repr(value), unit, "of a level"))
-    return text.getvalue()
+            rows.append((f"{path.name}: {name}", repr(value), unit, "of a level"))
+    return csv_lines(rows)

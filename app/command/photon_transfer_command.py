@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import threading
 from dataclasses import dataclass
@@ -21,6 +19,7 @@ from core.names import in_line
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer, photon_transfer
 from nodes.files.common.file_format import JSON
+from nodes.files.common.table_cells import csv_lines
 from nodes.files.frames.frame_reading import FrameFile, check_one_camera, open_frames
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
@@ -155,13 +154,11 @@ def _json(made: Measured) -> str:
 
 
 def _csv(made: Measured) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("name", "value", "unit", "meaning"))
+    rows = [("name", "value", "unit", "meaning")]
     for name, value, unit, meaning in transfer_rows(made.curve):
-        writer.writerow((name, "" if value is None else repr(value), unit, meaning))
+        rows.append((name, "" if value is None else repr(value), unit, meaning))
     for path, field in made.files:
-        writer.writerow((f"{path.name}: mean_dn", repr(field.mean_dn), "DN", "mean of a level"))
+        rows.append((f"{path.name}: mean_dn", repr(field.mean_dn), "DN", "mean of a level"))
         meaning = "variance in time of a level"
-        writer.writerow((f"{path.name}: temporal_dn2", repr(field.temporal_dn2), "DN²", meaning))
-    return text.getvalue()
+        rows.append((f"{path.name}: temporal_dn2", repr(field.temporal_dn2), "DN²", meaning))
+    return csv_lines(rows)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 from collections.abc import Mapping
@@ -22,6 +20,7 @@ from app.measure.picture_measurement import (
 )
 from core.errors import DataError
 from core.physics.measurement.noise.frames_noise import FramesNoise
+from nodes.files.common.table_cells import csv_lines
 from nodes.files.lens.mtf_table import LARGEST_MTF
 
 Json = dict[str, Any]
@@ -81,16 +80,14 @@ def measurement_csv(measured: PictureMeasurement) -> str:
     last = min(float(curve.frequency[-1]) for curve in known.values())
     frequency = next(iter(known.values())).frequency
     frequency = frequency[frequency <= last]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("frequency (cyc/pixel)", *known))
+    rows: list[tuple[str, ...]] = [("frequency (cyc/pixel)", *known)]
     columns = [
         np.clip(np.interp(frequency, curve.frequency, curve.mtf), 0.0, LARGEST_MTF)
         for curve in known.values()
     ]
     for place, row in zip(frequency, zip(*columns, strict=True), strict=True):
-        writer.writerow((repr(float(place)), *(repr(float(value)) for value in row)))
-    return text.getvalue()
+        rows.append((repr(float(place)), *(repr(float(value)) for value in row)))
+    return csv_lines(rows)
 
 
 def _given(**values: Any) -> Json:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import scipy.fft
@@ -18,6 +16,7 @@ from core.evaluation.work import Work
 from core.transfer.factors import Factor
 from nodes.analysis.lineage.line_transfer import Line, stage_along
 from nodes.analysis.lineage.line_transfer import Stage as LineStage
+from nodes.files.common.table_cells import csv_lines
 
 Vector = NDArray[np.float64]
 Axis = Literal["x", "y"]
@@ -254,11 +253,7 @@ def mtf_csv(sampled: Responses) -> str:
             (f"{stage.name}.mtf_y", stage.y.mtf),
             (f"{stage.name}.ptf_y_rad", stage.y.ptf),
         ]
-    text = io.StringIO()
-    lines: Any = csv.writer(text, lineterminator="\n")
-    lines.writerow([name for name, _ in columns])
     cells = [[repr(value) for value in column.tolist()] for _, column in columns]
     length = max(len(column) for column in cells)
     filled = [column + [""] * (length - len(column)) for column in cells]
-    lines.writerows(zip(*filled, strict=True))
-    return text.getvalue()
+    return csv_lines([[name for name, _ in columns], *zip(*filled, strict=True)])

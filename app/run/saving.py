@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -24,6 +22,7 @@ from core.evaluation.work import Work
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.digital_numbers import integer_type
 from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
+from nodes.files.common.table_cells import csv_lines
 from nodes.files.curve_text import columns_text, is_plain
 from nodes.files.formats import PNG, SAVED, WRITTEN, written_format
 from nodes.files.frames.frame_series import FrameSeries
@@ -189,7 +188,7 @@ def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
             for series in curve.series
             for x, y in zip(series.x, series.y, strict=True)
         ]
-        write_text(path, _lines([("series", curve.x_label, curve.y_label), *points]))
+        write_text(path, csv_lines([("series", curve.x_label, curve.y_label), *points]))
     elif shared and curve.series:
         columns = [curve.series[0].x, *(series.y for series in curve.series)]
         save_array(path, real_array(np.stack(columns, axis=1), work), {})
@@ -227,7 +226,7 @@ def _context_rows(context: Context) -> list[tuple[Any, ...]]:
 
 def _save_rows(path: Path, rows: Iterable[tuple[Any, ...]]) -> None:
     cells = (map(_cell, row) for row in rows)
-    write_text(path, _lines([("name", "value", "unit", "meaning"), *cells]))
+    write_text(path, csv_lines([("name", "value", "unit", "meaning"), *cells]))
 
 
 def _cell(value: Any) -> Any:
@@ -235,9 +234,3 @@ def _cell(value: Any) -> Any:
     if isinstance(value, float):
         return repr(float(value))
     return "" if value is None else value
-
-
-def _lines(rows: Iterable[Iterable[Any]]) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
-    return text.getvalue()

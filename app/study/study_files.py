@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import importlib.util
 import io
 import math
@@ -17,6 +16,7 @@ from core.atomic import atomic_file, write_bytes, write_text
 from core.errors import UsageError
 from core.names import printable
 from nodes.files.common.file_format import NETCDF, PARQUET
+from nodes.files.common.table_cells import csv_lines
 
 _NEEDED = {PARQUET: ("pyarrow",), NETCDF: ("xarray", "h5netcdf", "h5py")}
 
@@ -93,11 +93,8 @@ def write_columns(columns: Sequence[Column], path: Path, title: str) -> None:
 
 def csv_of(columns: Sequence[Column]) -> str:
     """The columns with a line of names and units on top; what is not there is empty."""
-    text = io.StringIO()
-    lines = csv.writer(text, lineterminator="\n")
-    lines.writerow([column.head for column in columns])
-    lines.writerows(zip(*(map(_text, column.values) for column in columns), strict=True))
-    return text.getvalue()
+    heads = [column.head for column in columns]
+    return csv_lines([heads, *zip(*(map(_text, column.values) for column in columns), strict=True)])
 
 
 def _text(value: Any) -> str:

@@ -21,6 +21,7 @@ from core.modules.library_type import Library
 from core.modules.parameters import plain
 from core.names import shown_path
 from core.network.network import Network
+from nodes.files.common.table_cells import plain_cell
 
 MOST_POINTS = 1_000_000
 Point = tuple[Any, ...]
@@ -86,7 +87,7 @@ def listed_points(
     lines = [line for line in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in line)]
     if len(lines) < 2:
         raise FileError(f"{name}: a line of names NODE.PARAM and one for each point must be there")
-    heads = [head.strip() for head in lines[0]]
+    heads = [plain_cell(head.strip()) for head in lines[0]]
     labels = [head.partition(" (")[0] for head in heads]
     if len(set(labels)) < len(labels):
         raise FileError(f"{name}: two columns have one name")
@@ -97,7 +98,7 @@ def listed_points(
         if len(line) != len(heads):
             raise FileError(f"{name}: line {number} has {len(line)} cells, the first {len(heads)}")
         for column, cell in zip(columns, line, strict=True):
-            column.append(cell.strip())
+            column.append(plain_cell(cell.strip()))
     for place, (label, head) in enumerate(zip(labels, heads, strict=True)):
         node, parameter = target(name, label, network, library=library)
         axis = Axis(label, node, parameter)

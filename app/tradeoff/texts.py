@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Sequence
 from typing import Any
@@ -11,6 +9,7 @@ from typing import Any
 from app.run.readout_tables import columns, jsonable, number_text, without_rounding
 from app.tradeoff.tradeoff_results import Results, shown_value
 from app.tradeoff.values import Variation
+from nodes.files.common.table_cells import csv_lines
 
 _GAP = 2  # between columns
 _MOST_REASONS = 12
@@ -53,17 +52,15 @@ def csv_text(results: Results) -> str:
         *(figure.text for figure in results.figures),
         "failed",
     ]
-    text = io.StringIO()
-    lines = csv.writer(text, lineterminator="\n")
-    lines.writerow(heads)
+    lines: list[list[Any]] = [heads]
     for curve, point in results.rows():
         values = [point.value, *([curve.second] if results.second else [])]
         values += [point.figures.get(figure.text) for figure in results.figures]
         reasons = dict.fromkeys(
             point.reasons[f.text] for f in results.figures if f.text in point.reasons
         )
-        lines.writerow([*(_exact(value) for value in values), "; ".join(reasons)])
-    return text.getvalue()
+        lines.append([*(_exact(value) for value in values), "; ".join(reasons)])
+    return csv_lines(lines)
 
 
 def json_text(results: Results) -> str:

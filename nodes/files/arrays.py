@@ -27,6 +27,7 @@ from nodes.files.common.picture_info import (
 )
 from nodes.files.common.size_limits import oversized, refuse_oversized, refuse_oversized_text
 from nodes.files.common.stored_bytes import stored_bytes
+from nodes.files.common.table_cells import line_refused, plain_cell, text_cell
 
 # numpy evaluates the header as a Python literal, and lets pass whatever that raises.
 _HEADER_FAULTS = (
@@ -216,8 +217,8 @@ def read_curves(path: str | os.PathLike[str]) -> dict[str, NDArray[np.float64]]:
     """
     file = readable_file(path)
     head, _, body = _text(file).partition("\n")
-    names = [name.strip() for name in head.split(",")]
-    columns = _parsed(body, file).T
+    names = [plain_cell(name.strip()) for name in head.split(",")]
+    columns = _parsed(body, file, 2).T
     if len(names) != len(columns) or len(set(names)) != len(names):
         raise FileError(f"{file}: its first line must name each of the {len(columns)} columns once")
     return dict(zip(names, columns, strict=True))
@@ -257,7 +258,10 @@ def write_curves(path: str | os.PathLike[str], columns: Mapping[str, ArrayLike])
     lengths = {name: len(text) for name, text in zip(columns, texts, strict=True)}
     if len(set(lengths.values())) > 1:
         raise DataError(f"the columns have unequal lengths: {lengths}")
-    lines = [",".join(columns), *(",".join(row) for row in zip(*texts, strict=True))]
+    lines = [
+        ",".join(map(text_cell, columns)),
+        *(",".join(row) for row in zip(*texts, strict=True)),
+    ]
     write_text(path, "\n".join(lines) + "\n")
 
 
@@ -376,17 +380,34 @@ def _text(path: Path) -> str:
         raise FileError(f"{path}: {error.strerror or error}") from error
 
 
-def _parsed(text: str, path: Path) -> NDArray[np.float64]:
-    rows = [line.strip() for line in text.splitlines()]
-    rows = [line for line in rows if line and not line.startswith("#")]
+def _parsed(text: str, path: Path, first: int = 1) -> NDArray[np.float64]:
+    lines = [line.strip() for line in text.splitlines()]
+    rows = [line for line in lines if line and not line.startswith("#")]
     if not rows:
         raise FileError(f"{path}: holds no numbers")
     separator = "," if "," in rows[0] else None
     try:
         return np.loadtxt(rows, dtype=np.float64, delimiter=separator, ndmin=2)
-    except ValueError as error:
-        reason = str(error).split(";")[0].rstrip(".")
-        raise FileError(f"{path}: is no matrix of numbers: {reason}") from error
+    except ValueError:  # which quotes the file
+        raise _faulty_line(lines, separator, path, first) from None
+
+
+def _faulty_line(lines: list[str], separator: str | None, path: Path, first: int) -> FileError:
+    """What is wrong with the first line that is no row of the matrix."""
+    columns = 0
+    for number, line in enumerate(lines, first):
+        cells = line.partition("#")[0].split(separator)
+        try:
+            [float(cell) for cell in cells]
+        except ValueError:
+            if line and not line.startswith("#"):
+                return FileError(f"{path}: is no matrix of numbers: line {number} has text")
+            continue
+        columns = columns or len(cells)
+        if cells and len(cells) != columns:
+            allowed = f"{columns} numbers, as the first row, and has {len(cells)}"
+            return line_refused(path, number, allowed)
+    return FileError(f"{path}: is no matrix of numbers")
 
 
 def _real(array: ArrayLike) -> NDArray[Any]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Mapping
 from itertools import zip_longest
 from typing import Any
@@ -11,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from core.chain.results import CurveData
+from nodes.files.common.table_cells import csv_lines
 
 
 def is_plain(curves: CurveData) -> bool:
@@ -26,10 +25,8 @@ def columns_text(curves: CurveData, columns: Mapping[str, Iterable[Any]]) -> str
     names, values = list(columns), [list(column) for column in columns.values()]
     if curves.bars and names:
         names[0], values[0] = curves.x_label or "name", list(curves.bars)
-    text = io.StringIO()
     rows = ([_cell(cell) for cell in row] for row in zip_longest(*values, fillvalue=""))
-    csv.writer(text, lineterminator="\n").writerows([names, *rows])
-    return text.getvalue()
+    return csv_lines([names, *rows])
 
 
 def _cell(value: Any) -> str:

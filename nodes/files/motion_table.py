@@ -8,7 +8,7 @@ from pathlib import Path
 
 from core.errors import FileError
 from nodes.files.common.paths import readable_file
-from nodes.files.common.table_cells import begins_with_number, cells_of, number_of
+from nodes.files.common.table_cells import begins_with_number, cells_of, line_refused, number_of
 
 Points = tuple[tuple[float, float], ...]
 _LONGEST_BYTES = 10_000_000
@@ -54,11 +54,11 @@ def _read(file: Path, stamp: tuple[int, int]) -> tuple[Points, Points]:
             continue
         wanted = {len(rows[0])} if rows else {2, 3}
         if numbers is None or len(numbers) not in wanted:
-            raise _refused(file, number, line, f"numbers in columns: {_COLUMNS}")
+            raise line_refused(file, number, f"numbers in columns: {_COLUMNS}")
         if not all(0.0 < value < math.inf for value in numbers):
-            raise _refused(file, number, line, "finite numbers above 0")
+            raise line_refused(file, number, "finite numbers above 0")
         if rows and numbers[0] <= rows[-1][0]:
-            raise _refused(file, number, line, f"a frequency above {rows[-1][0]:g} Hz, the last")
+            raise line_refused(file, number, f"a frequency above {rows[-1][0]:g} Hz, the last")
         rows.append(numbers)
     if len(rows) < 2:
         raise FileError(f"{file}: has {len(rows)} points; at least 2 make a spectrum")
@@ -71,7 +71,3 @@ def _numbers(line: str) -> tuple[float, ...] | None:
         return tuple(number_of(cell) for cell in cells_of(line) if cell.strip())
     except ValueError:
         return None
-
-
-def _refused(file: Path, number: int, line: str, allowed: str) -> FileError:
-    return FileError(f"{file}: line {number}, {line.strip()!r:.60}: must be {allowed}")

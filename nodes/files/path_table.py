@@ -8,7 +8,7 @@ from pathlib import Path
 
 from core.errors import FileError
 from nodes.files.common.paths import readable_file
-from nodes.files.common.table_cells import begins_with_number, cells_of, number_of
+from nodes.files.common.table_cells import begins_with_number, cells_of, line_refused, number_of
 from nodes.files.tape7 import is_tape7, tape7_points
 
 Points = tuple[tuple[float, float], ...]
@@ -65,18 +65,18 @@ def _csv_points(lines: list[str], file: Path) -> tuple[Points, Points]:
         if places is None:
             places = (0, 1, 2)
             if len(cells) != len(COLUMNS):
-                raise _refused(file, number, line, f"three numbers, {', '.join(COLUMNS)}")
+                raise line_refused(file, number, f"three numbers, {', '.join(COLUMNS)}")
         try:
             place, passed, added = (number_of(cells[index]) for index in places)
         except (ValueError, IndexError):
-            raise _refused(file, number, line, f"numbers in {', '.join(COLUMNS)}") from None
+            raise line_refused(file, number, f"numbers in {', '.join(COLUMNS)}") from None
         if not (0.0 < place <= _LARGEST_UM and 0.0 <= passed <= 1.0):
-            raise _refused(file, number, line, _ALLOWED)
+            raise line_refused(file, number, _ALLOWED)
         if not (0.0 <= added <= _LARGEST_RADIANCE and math.isfinite(added)):
-            raise _refused(file, number, line, _ALLOWED)
+            raise line_refused(file, number, _ALLOWED)
         if rows and place <= rows[-1][0]:
             allowed = f"a wavelength above the one before, {rows[-1][0]:g} µm"
-            raise _refused(file, number, line, allowed)
+            raise line_refused(file, number, allowed)
         rows.append((place, passed, added))
     if len(rows) < 2:
         raise FileError(f"{file}: has {len(rows)} points; at least 2 make a spectrum")
@@ -92,7 +92,3 @@ def _places(cells: list[str], file: Path, number: int) -> tuple[int, ...]:
                 f"{', '.join(COLUMNS)} is needed, or a tape7 with FREQ and TOT TRANS"
             )
     return tuple(names.index(name) for name in COLUMNS)
-
-
-def _refused(file: Path, number: int, line: str, allowed: str) -> FileError:
-    return FileError(f"{file}: line {number}, {line.strip()!r:.60}: must be {allowed}")

@@ -29,7 +29,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from core.errors import FileError
-from nodes.files.common.table_cells import number_of
+from nodes.files.common.table_cells import line_refused, number_of
 
 Points = tuple[tuple[float, float], ...]
 
@@ -73,12 +73,12 @@ def tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
         wavenumber, passed = row["FREQ"], row["TOT TRANS"]
         added = row["PTH THRML"] + row.get("SOL SCAT", 0.0)
         if not 0.0 <= passed <= 1.0 + _ROUNDED:
-            raise _refused(file, number, lines, "TOT TRANS from 0 to 1")
+            raise line_refused(file, number, "TOT TRANS from 0 to 1")
         if not (wavenumber > 0.0 and 0.0 <= added < math.inf):
-            raise _refused(file, number, lines, "FREQ above 0 and radiance of at least 0")
+            raise line_refused(file, number, "FREQ above 0 and radiance of at least 0")
         wavelength = 1e4 / wavenumber
         if transmission and not wavenumber > 1e4 / transmission[-1][0]:
-            raise _refused(file, number, lines, "a wavenumber above the one before")
+            raise line_refused(file, number, "a wavenumber above the one before")
         transmission.append((wavelength, min(passed, 1.0)))
         radiance.append((wavelength, added * 1e8 / wavelength**2))
     if len(transmission) < 2:
@@ -95,13 +95,13 @@ def _rows(
             continue
         row = _row(lines[index], names)
         if row is None:
-            raise _refused(file, index + 1, lines, "numbers below their names, up to -9999.")
+            raise line_refused(file, index + 1, "numbers below their names, up to -9999.")
         if row.get("FREQ") == _END:
             if is_tape7(lines[index + 1 :]):
                 raise FileError(f"{file}: holds several runs: keep one of them in a file")
             return
         if any(name not in row for name in _NEEDED):
-            raise _refused(file, index + 1, lines, "FREQ, TOT TRANS and PTH THRML")
+            raise line_refused(file, index + 1, "FREQ, TOT TRANS and PTH THRML")
         yield index + 1, row
     raise FileError(f"{file}: ends without -9999.: the run is not complete")
 
@@ -133,8 +133,3 @@ def _is_heading(line: str) -> bool:
 
 def _plain(name: str) -> str:
     return name.upper().replace("_", " ")
-
-
-def _refused(file: Path, number: int, lines: list[str], allowed: str) -> FileError:
-    text = lines[number - 1].strip()
-    return FileError(f"{file}: line {number}, {text!r:.60}: must be {allowed}")

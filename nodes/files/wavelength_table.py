@@ -8,7 +8,7 @@ from pathlib import Path
 
 from core.errors import FileError
 from nodes.files.common.paths import readable_file
-from nodes.files.common.table_cells import begins_with_number, cells_of, number_of
+from nodes.files.common.table_cells import begins_with_number, cells_of, line_refused, number_of
 
 Points = tuple[tuple[float, float], ...]
 _LONGEST_BYTES = 10_000_000
@@ -57,21 +57,17 @@ def _read(file: Path, what: str, low: float, high: float, stamp: tuple[int, int]
         except ValueError:
             # A first line that begins with a number is damaged data, not names.
             if points or named or begins_with_number(line):
-                raise _refused(file, number, line, f"two numbers, µm and {what}") from None
+                raise line_refused(file, number, f"two numbers, µm and {what}") from None
             named = True  # a line of names on top
             continue
         if not 0.0 < place <= _LARGEST_UM:
-            raise _refused(file, number, line, f"a wavelength above 0, at most {_LARGEST_UM:g} µm")
+            raise line_refused(file, number, f"a wavelength above 0, at most {_LARGEST_UM:g} µm")
         if not (math.isfinite(value) and low <= value <= high):
-            raise _refused(file, number, line, f"{what} from {low:g} to {high:g}")
+            raise line_refused(file, number, f"{what} from {low:g} to {high:g}")
         if points and place <= points[-1][0]:
             allowed = f"a wavelength above the one before, {points[-1][0]:g} µm"
-            raise _refused(file, number, line, allowed)
+            raise line_refused(file, number, allowed)
         points.append((place, value))
     if len(points) < 2:
         raise FileError(f"{file}: has {len(points)} points; at least 2 make a curve")
     return tuple(points)
-
-
-def _refused(file: Path, number: int, line: str, allowed: str) -> FileError:
-    return FileError(f"{file}: line {number}, {line.strip()!r:.60}: must be {allowed}")

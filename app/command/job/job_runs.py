@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import threading
 import time
@@ -55,6 +53,7 @@ from core.names import printable
 from core.network.network import Network
 from core.network.parsing import parse_network
 from core.network.validation import plain_network
+from nodes.files.common.table_cells import csv_lines
 from nodes.library import standard_library
 
 UNSAVED = "network that was never saved"
@@ -126,12 +125,11 @@ class _Made:
     def table(self) -> str:
         """The numbers among the read-outs as CSV, a row for each run."""
         columns = dict.fromkeys(name for row in self._figures.values() for name in row)
-        stream = io.StringIO()
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(["run", *columns])
-        for name, row in self._figures.items():
-            writer.writerow([name, *(row.get(column, "") for column in columns)])
-        return printable(stream.getvalue())
+        rows = [
+            [name, *(row.get(column, "") for column in columns)]
+            for name, row in self._figures.items()
+        ]
+        return printable(csv_lines([["run", *columns], *rows]))
 
 
 @dataclass(frozen=True)

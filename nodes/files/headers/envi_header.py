@@ -166,11 +166,11 @@ def _fields(header: Path) -> Fields:
         opened = value.startswith("{") and not value.endswith("}")
         if not opened and fields.setdefault(key, value) != value:
             raise FileError(
-                f"{header}: {key} stands twice, as {fields[key]:.60} and as {value:.60}; "
+                f"{header}: {key:.60} stands twice, as {fields[key]:.60} and as {value:.60}; "
                 "allowed: once"
             )
     if opened:
-        raise FileError(f"{header}: the brace opened after {key!r} is never closed")
+        raise FileError(f"{header}: the brace opened after {key!r:.60} is never closed")
     return {key: _parsed(key, value) for key, value in fields.items()}
 
 
@@ -198,19 +198,20 @@ def _parsed(key: str, value: str) -> str | list[str]:
 def _refuse_unsupported(fields: Fields, header: Path) -> None:
     compression = fields.get("file compression", "0")
     if compression != "0":
-        raise FileError(f"{header}: file compression = {compression}; allowed: 0 (none)")
+        raise FileError(f"{header}: file compression = {compression!s:.60}; allowed: 0 (none)")
     kind = fields.get("file type", "")
     if " ".join(str(kind).lower().split()) not in _PLAIN_TYPES:
         raise FileError(
-            f"{header}: file type = {kind}; allowed: ENVI Standard or ENVI Classification, plain "
-            "samples; name a picture of another format itself instead of its header"
+            f"{header}: file type = {kind!s:.60}; allowed: ENVI Standard or ENVI "
+            "Classification, plain samples; name a picture of another format itself instead of "
+            "its header"
         )
     for key in ("major frame offsets", "minor frame offsets"):
         offsets = fields.get(key, "0")
         if any(
             item.strip() != "0" for item in ([offsets] if isinstance(offsets, str) else offsets)
         ):
-            raise FileError(f"{header}: {key} = {offsets}; allowed: 0")
+            raise FileError(f"{header}: {key} = {offsets!s:.60}; allowed: 0")
 
 
 def _text(fields: Fields, key: str, header: Path, allowed: str, default: str | None = None) -> str:
@@ -218,7 +219,7 @@ def _text(fields: Fields, key: str, header: Path, allowed: str, default: str | N
     if value is None or value == "":
         raise FileError(f"{header}: the field {key!r} is missing; allowed: {allowed}")
     if isinstance(value, list):
-        raise FileError(f"{header}: {key} = {value} is a list; allowed: {allowed}")
+        raise FileError(f"{header}: {key} = {value!s:.60} is a list; allowed: {allowed}")
     return value
 
 
@@ -228,7 +229,7 @@ def _count(fields: Fields, key: str, header: Path, low: int = 1, default: str | 
     # isdecimal accepts other scripts' digits and int underscores: neither is in the format.
     value = int(text) if text.isascii() and text.isdecimal() and len(text) < 19 else -1
     if value < low:
-        raise FileError(f"{header}: {key} = {text}; allowed: {allowed}")
+        raise FileError(f"{header}: {key} = {text:.60}; allowed: {allowed}")
     return value
 
 
@@ -236,16 +237,16 @@ def _dtype(fields: Fields, header: Path) -> np.dtype[np.generic]:
     allowed = ", ".join(REAL_TYPES)
     code = _text(fields, "data type", header, allowed)
     if code in COMPLEX_TYPES:
-        raise FileError(f"{header}: data type = {code} is complex; allowed (real): {allowed}")
+        raise FileError(f"{header}: data type = {code:.60} is complex; allowed (real): {allowed}")
     if code not in REAL_TYPES:
-        raise FileError(f"{header}: data type = {code}; allowed: {allowed}")
+        raise FileError(f"{header}: data type = {code:.60}; allowed: {allowed}")
     dtype: np.dtype[np.generic] = np.dtype(REAL_TYPES[code])
     # One byte has no order; for more a guess could turn a picture into noise.
     default = "0" if dtype.itemsize == 1 else None
     order = _text(fields, "byte order", header, "0 (little endian) or 1 (big endian)", default)
     if order not in ("0", "1"):
         raise FileError(
-            f"{header}: byte order = {order}; allowed: 0 (little endian) or 1 (big endian)"
+            f"{header}: byte order = {order:.60}; allowed: 0 (little endian) or 1 (big endian)"
         )
     return dtype.newbyteorder("<" if order == "0" else ">")
 
@@ -258,7 +259,7 @@ def _missing(fields: Fields, header: Path, dtype: np.dtype[np.generic]) -> np.ge
     try:
         value: int | float = float(text)
     except ValueError as error:
-        raise FileError(f"{header}: data ignore value = {text}; allowed: a number") from error
+        raise FileError(f"{header}: data ignore value = {text:.60}; allowed: a number") from error
     if dtype.kind == "f":
         with np.errstate(over="ignore"):
             return dtype.type(value)
@@ -309,7 +310,7 @@ def _interleave(fields: Fields, header: Path) -> str:
     allowed = ", ".join(INTERLEAVES)
     text = _text(fields, "interleave", header, allowed)
     if text.lower() not in INTERLEAVES:
-        raise FileError(f"{header}: interleave = {text}; allowed: {allowed}")
+        raise FileError(f"{header}: interleave = {text:.60}; allowed: {allowed}")
     return text.lower()
 
 

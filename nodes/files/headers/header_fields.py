@@ -160,7 +160,7 @@ def _quantity(text: str, factors: Mapping[str, float], key: str, where: str) -> 
     value = float(match[1]) * factor if match and factor else math.nan
     if not math.isfinite(value) or value < 0:
         units = ", ".join(unit for unit in factors if unit.isascii() and unit)
-        raise FileError(f"{where}: {key} = {text!r} is not a positive number (with {units})")
+        raise FileError(f"{where}: {key} = {text!r:.60} is not a positive number (with {units})")
     return value
 
 

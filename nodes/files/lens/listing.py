@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
-from nodes.files.common.table_cells import cells_of, number_of
+from nodes.files.common.table_cells import cells_of, line_refused, number_of
 from nodes.files.lens.lens_text import lens_lines
 
 _GRID = re.compile(r"(?:pupil|image) grid size:?\s*(\d+)\s*by\s*(\d+)", re.IGNORECASE)
@@ -83,10 +83,7 @@ def read_listing(path: Path) -> Listing:
         if values is None and not rows:
             header.append(line)
         elif values is None:
-            raise FileError(
-                f"{path}: line {number}, {line!r:.60}: must be {len(rows[0])} numbers, as the rows "
-                "above"
-            )
+            raise line_refused(path, number, f"{len(rows[0])} numbers, as the rows above")
         elif rows and len(values) != len(rows[0]):
             raise FileError(
                 f"{path}: line {number} has {len(values)} numbers; allowed: {len(rows[0])}, as the "

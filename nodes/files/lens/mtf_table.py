@@ -11,7 +11,7 @@ from pathlib import Path
 
 from core.errors import FileError
 from nodes.files.common.paths import readable_file
-from nodes.files.common.table_cells import cells_of, number_of
+from nodes.files.common.table_cells import cells_of, line_refused, number_of
 from nodes.files.lens.lens_text import lens_lines
 
 Column = tuple[float, ...]
@@ -123,29 +123,29 @@ def _names(file: Path, number: int, line: str) -> tuple[list[str], list[str]]:
     wrong = next((name for name in names[1:] if name not in known), None)
     repeated = len(set(names)) != len(names)
     if names[0] != "frequency" or len(names) < 2 or wrong is not None or repeated:
-        raise _refused(
-            file, number, line,
+        raise line_refused(
+            file, number,
             "a line of names: frequency with its unit, then mtf, or mtf_x and mtf_y, or radial, "
             "and phase, or phase_x and phase_y, if known",
         )  # fmt: skip
     if not set(names) & set(MTF_COLUMNS):
-        raise _refused(file, number, line, "names of which one at least is of an MTF")
+        raise line_refused(file, number, "names of which one at least is of an MTF")
     for alone, prefix in (("mtf", "mtf_"), ("phase", "phase_")):
         others = [name for name in names if name.startswith(prefix)]
         others += ["radial"] if alone == "mtf" and "radial" in names else []
         if alone in names and others:
             wanted = f"names without {alone} beside {others[0]}: which of the two holds is unknown"
-            raise _refused(file, number, line, wanted)
+            raise line_refused(file, number, wanted)
     if units[0]:
         unit = unit_of(units[0])
         if unit is None:
-            raise _refused(file, number, line, "frequency in cyc/mm, cyc/mrad or cyc/pixel")
+            raise line_refused(file, number, "frequency in cyc/mm, cyc/mrad or cyc/pixel")
         units[0] = unit
     for place, name in enumerate(names[1:], 1):
         allowed = ("", "rad", "deg") if name in PHASE_COLUMNS else ("", "1")
         if units[place] not in allowed:
             wanted = "a phase in rad or deg" if name in PHASE_COLUMNS else "an MTF without unit"
-            raise _refused(file, number, line, wanted)
+            raise line_refused(file, number, wanted)
     return names, units
 
 
@@ -174,13 +174,13 @@ def _columns(
         numbers = _numbers(line)
         if numbers is None or len(numbers) != len(names):
             wanted = f"{len(names)} numbers: {', '.join(names)}"
-            raise _refused(file, number, line, wanted)
+            raise line_refused(file, number, wanted)
         for value, (is_allowed, allowed) in zip(numbers, checks, strict=True):
             if not is_allowed(value):
-                raise _refused(file, number, line, allowed)
+                raise line_refused(file, number, allowed)
         if table and numbers[0] <= table[-1][0]:
             wanted = f"a frequency above the one before, {table[-1][0]:g}"
-            raise _refused(file, number, line, wanted)
+            raise line_refused(file, number, wanted)
         table.append(numbers)
     if len(table) < 2:
         points = "1 point" if len(table) == 1 else f"{len(table)} points"
@@ -222,7 +222,3 @@ def _zemax(file: Path, lines: Sequence[tuple[int, str]], field: int) -> MtfTable
     frequencies, tangential, sagittal = _columns(file, fields[field], names, checks)
     columns: Mapping[str, Column] = {"mtf_x": sagittal, "mtf_y": tangential}
     return MtfTable(file, unit, frequencies, tuple(columns.items()))
-
-
-def _refused(file: Path, number: int, line: str, allowed: str) -> FileError:
-    return FileError(f"{file}: line {number}, {line.strip()!r:.60}: must be {allowed}")

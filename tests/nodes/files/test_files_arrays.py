@@ -142,9 +142,9 @@ def test_text_matrix_written_by_others(tmp_path):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"1 2\n3\n", "no matrix of numbers: the number of columns changed from 2 to 1 at row 2"),
-        (b"1 2\n3 x\n", "could not convert string 'x'"),
-        (b"1;2\n", "could not convert string"),
+        (b"1 2\n3\n", "line 2: must be 2 numbers, as the first row, and has 1"),
+        (b"1 2\n3 x\n", "no matrix of numbers: line 2 has text"),
+        (b"1;2\n", "no matrix of numbers: line 1 has text"),
         (b"\n# nothing\n", "holds no numbers"),
         (b"\xff\xfe\x00", "is not a text of numbers"),
     ],

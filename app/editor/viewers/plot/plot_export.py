@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Sequence
 from itertools import zip_longest
 from pathlib import Path
@@ -19,6 +17,7 @@ from core.atomic import write_bytes, write_text
 from core.chain.results import CurveData, TableData
 from core.errors import UsageError
 from nodes.files.common.file_format import CSV, SVG, suffixes
+from nodes.files.common.table_cells import csv_lines
 from nodes.files.formats import PNG
 
 PICTURES = (PNG, SVG)
@@ -84,9 +83,7 @@ def csv_text(data: Data) -> str:
 
 
 def _lines(rows: Iterable[Sequence[Any]]) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(map(_cell, row) for row in rows)
-    return text.getvalue()
+    return csv_lines(map(_cell, row) for row in rows)
 
 
 def _cell(value: Any) -> Any:
