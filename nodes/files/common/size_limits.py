@@ -14,6 +14,7 @@ from nodes.files.common.picture_info import PictureInfo, delivered_dtype
 
 # A picture and one copy of it, which every step needs, fit the machine.
 _SHARE = 0.5
+_LONGEST_TEXT = 1 << 29
 # The most that a byte can become, by compression: of deflate 258 bytes for 2 bits, of PackBits 128
 # for 2 bytes, of LZW 4096 for 12 bits. Others have no such bound.
 _DEFLATE = 1032
@@ -65,20 +66,20 @@ def oversized_file(length: int) -> str:
 
 
 def refuse_oversized_text(path: Path) -> None:
-    """Refuse a text that takes more than half of the memory the process may use.
+    """Refuse a text of more than 512 MB, or of more than a quarter of the memory to be used.
 
-    It is held twice, whole and in lines, before a number of it is read.
+    It is held twice, whole and in lines, before a number of it is read, which takes minutes.
 
     Raises
     ------
     FileError
         Says its length, what it needs and what is allowed.
     """
-    memory, length = usable_bytes(), path.stat().st_size
-    if memory and 2 * length > _SHARE * memory:
+    length, memory = path.stat().st_size, usable_bytes()
+    most = min(_LONGEST_TEXT, _SHARE * memory / 2) if memory else _LONGEST_TEXT
+    if length > most:
         raise FileError(
-            f"{path}: a text of {_gb(length)} needs {_gb(2 * length)}; allowed on this machine: "
-            f"{_gb(_SHARE * memory)}, half of the memory this process may use; store so many "
+            f"{path}: a text of {_gb(length)}; allowed on this machine: {_gb(most)}; store so many "
             "samples as .npy"
         )
 
