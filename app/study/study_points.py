@@ -78,6 +78,8 @@ def listed_points(
         Naming file, line and column of what cannot be used.
     """
     name = shown_path(str(path))
+    if path.exists() and not path.is_file():  # a pipe would be waited for
+        raise FileError(f"cannot read {name}: it is no regular file")
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:

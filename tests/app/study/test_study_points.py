@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from app.study.run_study import sampled
 from app.study.save_patterns import file_names, save_pattern
 from app.study.study_axes import files_axis, grid_axis, natural
 from app.study.study_files import Column, write_columns
-from app.study.study_points import grid_points, order_of
+from app.study.study_points import grid_points, listed_points, order_of
 from core.errors import FileError, ImagechainError
 from core.network.file import load_network
 from nodes.library import standard_library
@@ -186,3 +187,9 @@ def test_rows_that_the_disk_cannot_hold_are_one_line_and_no_file(suffix, library
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert not list(tmp_path.iterdir())
+
+
+def test_points_from_a_pipe_are_refused_and_not_waited_for(tmp_path, network):
+    os.mkfifo(tmp_path / "points.csv")
+    with pytest.raises(FileError, match=r"cannot read .*points\.csv: it is no regular file"):
+        listed_points(tmp_path / "points.csv", network, library=LIBRARY)
