@@ -12,7 +12,7 @@ from app.options.command_options import Options
 from app.options.option_values import assignment
 from app.options.progress import Progress
 from app.run.shipped import find_network
-from app.study.carrying_out import EXTRA, StudyRows, Workers, carry_out
+from app.study.carrying_out import StudyRows, Workers, carry_out
 from app.study.run_study import sampled
 from app.study.study_axes import Axis, files_axis
 from app.study.study_files import check_installed
@@ -48,7 +48,7 @@ def study(options: Options, cancel: threading.Event | None = None) -> None:
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)
-    workers = Workers(_jobs(options), options.scheduler)
+    workers = Workers(_jobs(options), options.scheduler, options.tls, options.memory_bytes)
     workers.check()
     output = options.outputs[0]
     check_installed(output)
@@ -65,6 +65,8 @@ def study(options: Options, cancel: threading.Event | None = None) -> None:
     )
     listed = [Path(options.sample)] if CSV.matches(Path(options.sample)) else []
     wanted.check_places([output, *options.summaries], [place.path, *listed])
+    if workers.warning:
+        print(f"warning: {workers.warning}", flush=True)
     with Progress(len(wanted.points), time_left=True) as progress:
         result = carry_out(
             wanted,
@@ -121,8 +123,6 @@ def _print(result: StudyRows, output: Path, summaries: Sequence[Path], seconds: 
     print(
         in_line(f"{count} points in {seconds:.3g} s: {', '.join(map(str, [output, *summaries]))}")
     )
-    if result.alone:
-        print(f"in one process, as dask and distributed are not installed: {EXTRA}")
     if failed:
         row = failed[0]
         raise DataError(

@@ -89,6 +89,7 @@ class Options:
     points: int | None = None
     jobs: int | None = None
     scheduler: str = ""
+    tls: tuple[str, ...] = ()
     fresh: bool = False
     summaries: tuple[Path, ...] = ()
     figures: tuple[str, ...] = ()
@@ -272,10 +273,30 @@ def _study(arguments: argparse.Namespace, common: dict[str, Any]) -> Options:
         outputs=(study_path(arguments.output),),
         summaries=tuple(summary_path(text) for text in arguments.summary),
         jobs=whole_number("--jobs", arguments.jobs),
+        memory_bytes=size_in_bytes("--memory", arguments.memory),
         scheduler=arguments.scheduler or "",
+        tls=_tls(arguments),
         fresh=arguments.fresh,
         **common,
     )
+
+
+def _tls(arguments: argparse.Namespace) -> tuple[str, ...]:
+    """The three files of a connection by TLS, or none."""
+    texts = {
+        "--tls-ca-file": arguments.tls_ca_file,
+        "--tls-cert": arguments.tls_cert,
+        "--tls-key": arguments.tls_key,
+    }
+    missing = [option for option, text in texts.items() if text is None]
+    if len(missing) == len(texts):
+        return ()
+    if missing:
+        raise UsageError(f"{missing[0]} is missing: TLS needs {', '.join(texts)}")
+    for option, text in texts.items():
+        if not Path(text).is_file():
+            raise UsageError(f"{option} {shown(text)}: there is no such file")
+    return tuple(texts.values())
 
 
 def _fit(arguments: argparse.Namespace, common: dict[str, Any]) -> Options:

@@ -314,14 +314,33 @@ def study_words(parser: argparse.ArgumentParser) -> None:
         "{NODE.PARAM} of what varies, {scene} for the name of the picture; as "
         f"{' '.join(suffixes(*SAVED))}; may be repeated",
     )
-    add("--jobs", action=Once, metavar="N", help="processes on this machine (default: its cores)")
+    add(
+        "--jobs",
+        action=Once,
+        metavar="N",
+        help="processes on this machine (default: one, or all cores where the rest of the study "
+        "takes so long that they are faster)",
+    )
+    add(
+        "--memory",
+        action=Once,
+        metavar="SIZE",
+        help="how much computed values may take, all processes together, such as 2GB (default: "
+        "256MB in each process); for pictures of more than some 4000 x 4000 samples",
+    )
     add(
         "--scheduler",
         action=Once,
         metavar="ADDRESS",
-        help="a Dask scheduler, such as tcp://10.0.0.1:8786, whose workers compute instead; they "
+        help="a Dask scheduler, such as tls://10.0.0.1:8786, whose workers compute instead; they "
         "must have this program installed and see the same files",
     )
+    for name, what in (
+        ("--tls-ca-file", "certificate of the authority"),
+        ("--tls-cert", "certificate"),
+        ("--tls-key", "private key"),
+    ):
+        add(name, action=Once, metavar="FILE", help=f"{what} for a scheduler at tls://")
     add(
         "--output",
         action=Once,

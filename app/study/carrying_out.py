@@ -1,4 +1,4 @@
-"""Carrying a study out: in this process, or by the workers of a Dask cluster."""
+"""Carrying a study out: in this process, by several of this machine, or by a Dask cluster."""
 
 from __future__ import annotations
 
@@ -6,21 +6,28 @@ import contextlib
 import importlib.util
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from app.options.stopping import Stopped, too_late
-from app.study.point_rows import Row, RowMaker, Task, tasks_of
+from app.study.point_rows import Row, RowMaker, Setting, Task, tasks_of
 from app.study.study_files import Column, write_columns
 from app.study.study_journal import Journal
 from app.study.study_request import Study
+from app.study.worker_processes import process_rows
 from core.errors import Cancelled, ImagechainError, Suspended, UsageError
+from core.evaluation.policy import Policy
+from core.names import shown
 
 EXTRA = "pip install 'imagechain[study]' brings them"
-ALONE_S = 5.0
-"""How long one process works on, before others that take seconds to start are worth it."""
+ALONE_S = 1.0
+"""How long one process computes before it is known what the rest of the study takes."""
+_WORTH_S = 4.0  # of one process: less is done sooner than others have begun
+TLS = ("--tls-ca-file", "--tls-cert", "--tls-key")
 Reached = Callable[[int], None]
+_INNER = ("tls://", "wss://", "inproc://")  # what nobody else can read, or answer in our place
 
 
 @dataclass(frozen=True)
@@ -31,12 +38,18 @@ class Workers:
     ----------
     jobs : int
         Processes of this machine; 0 for all cores, as soon as the rest of the study is worth it.
-    scheduler : str
-        The address of a Dask scheduler, in their place.
+    scheduler : str or distributed.Client
+        The address of a Dask scheduler, or a client of one, in their place.
+    tls : tuple of str
+        Files of the authority, the certificate and the key for the scheduler; or none.
+    memory_bytes : int, optional
+        How much computed values may take on a machine.
     """
 
     jobs: int = 0
-    scheduler: str = ""
+    scheduler: Any = ""
+    tls: tuple[str, ...] = ()
+    memory_bytes: int | None = None
 
     def check(self) -> None:
         """Refuse workers that cannot be had.
@@ -46,13 +59,31 @@ class Workers:
         UsageError
             Naming what is missing.
         """
-        if (self.jobs > 1 or self.scheduler) and not has_dask():
-            what = f"--scheduler {self.scheduler}" if self.scheduler else f"--jobs {self.jobs}"
+        if self.tls and not self.scheduler:
+            raise UsageError(f"{', '.join(TLS)}: they are for --scheduler ADDRESS")
+        if not isinstance(self.scheduler, str):
+            return
+        if self.scheduler and not has_dask():
+            what = f"--scheduler {self.scheduler:.120}"
             raise UsageError(f"{what}: dask and distributed are not installed: {EXTRA}")
         if self.scheduler:
             from app.study.dask_study import check_address
 
-            check_address(self.scheduler)
+            check_address(self.scheduler, self.tls)
+
+    @property
+    def warning(self) -> str:
+        """That others can run code on the workers; empty where they cannot."""
+        address = self.scheduler
+        if not isinstance(address, str):
+            address = address.scheduler.address
+        if not address or address.startswith(_INNER):
+            return ""
+        return (
+            f"the scheduler {shown(address)} has no TLS: whoever reaches its port runs code as the "
+            f"workers' user. Start it and its workers with {', '.join(TLS)}, and give "
+            "these to the study too"
+        )
 
 
 @dataclass(frozen=True)
@@ -65,15 +96,12 @@ class StudyRows:
         What was wanted.
     rows : tuple of Row
         By point.
-    alone : bool
-        Whether one process did it because there are no others to be had.
     start_s : float
         What the start of workers took, which is no row's.
     """
 
     study: Study
     rows: tuple[Row, ...]
-    alone: bool = False
     start_s: float = 0.0
 
     @property
@@ -176,63 +204,76 @@ class _Run:
     ) -> None:
         self._study, self._workers = study, workers
         self._keep, self._reached, self._cancel = keep, reached, cancel
-        self._alone = False
         self._start_s = 0.0
+        self._maker: RowMaker | None = None
 
     def rest(self, done: dict[int, Row]) -> None:
         """Make the rows that are missing."""
         self._count = len(done)
         self._tell()
-        if self._workers.scheduler or self._workers.jobs > 1:
-            self._by_cluster(self._left(done), self._workers)
+        workers = self._workers
+        if workers.scheduler or workers.jobs > 1:
+            self._by_others(self._left(done), workers.jobs)
             return
-        several = self._workers.jobs == 0 and _cores() > 1
-        self._alone = several and not has_dask()
-        if not (several and has_dask()):
-            self._here(self._left(done), None)
-            return
+        several = workers.jobs == 0 and _cores() > 1
         begun, before = time.monotonic(), len(done)
-        self._here(self._left(done), begun + ALONE_S)
+        self._here(self._left(done), begun + ALONE_S if several else None)
         left = self._left(done)
         each = (time.monotonic() - begun) / max(1, len(done) - before)
-        if not left:
-            return
-        if each * len(left) > ALONE_S:
-            self._by_cluster(left, replace(self._workers, jobs=_cores()))
+        if each * len(left) > _WORTH_S:
+            self._by_others(left, _cores())
         else:
             self._here(left, None)
 
     def result(self, done: dict[int, Row]) -> StudyRows:
         """All rows, in the order of the points."""
         rows = tuple(done[place] for place in range(len(self._study.points)))
-        return StudyRows(self._study, rows, self._alone, self._start_s)
+        return StudyRows(self._study, rows, self._start_s)
 
     def _left(self, done: dict[int, Row]) -> list[Task]:
         order = [place for place in self._study.order if place not in done]
         return tasks_of(order, self._study.points, self._study.files)
 
     def _here(self, tasks: Sequence[Task], until: float | None) -> None:
-        maker = RowMaker(self._study.setting(), self._study.library)
+        if not tasks:
+            return
+        if self._maker is None:
+            self._maker = RowMaker(self._setting(self._study.policy), self._study.library)
         for task in tasks:
             if self._cancel is not None and self._cancel.is_set():
                 raise Cancelled("stopped on request")
-            self._take([maker.row(task, self._cancel)])
+            self._take([self._maker.row(task, self._cancel)])
             if until is not None and time.monotonic() > until:
                 return
 
-    def _by_cluster(self, tasks: Sequence[Task], workers: Workers) -> None:
+    def _by_others(self, tasks: Sequence[Task], jobs: int) -> None:
         if not tasks:
             return
-        from app.study.dask_study import dask_rows
-
+        self._maker = None  # and what it has kept
         begun = time.monotonic()
-        with contextlib.closing(
-            dask_rows(self._study, tasks, workers.jobs, workers.scheduler, self._cancel)
-        ) as batches:
+        with contextlib.closing(self._others(tasks, jobs)) as batches:
             for rows in batches:
                 if not self._start_s:
                     self._start_s = time.monotonic() - begun
                 self._take(rows)
+
+    def _others(self, tasks: Sequence[Task], jobs: int) -> Generator[list[Row]]:
+        policy, scheduler = self._study.policy, self._workers.scheduler
+        if not scheduler:
+            # The engine's threads beside those of the other processes would be in their way.
+            threads = policy.threads or max(1, _cores() // jobs)
+            setting = self._setting(replace(policy, threads=threads))
+            return process_rows(setting, tasks, jobs, self._cancel)
+        from app.study.dask_study import cluster_rows
+
+        setting = self._setting(replace(policy, threads=policy.threads or 1))
+        return cluster_rows(
+            setting, self._study.key, tasks, scheduler, self._workers.tls, self._cancel
+        )
+
+    def _setting(self, policy: Policy) -> Setting:
+        setting = self._study.setting(policy)
+        return replace(setting, memory_bytes=self._workers.memory_bytes)
 
     def _take(self, rows: Sequence[Row]) -> None:
         self._keep({row.place: row for row in rows})
@@ -258,6 +299,4 @@ def _kept(why: str, journal: Journal, study: Study) -> str:
 
 
 def _cores() -> int:
-    from core.evaluation.policy import Policy
-
     return Policy().workers

@@ -1,54 +1,53 @@
-"""A study's rows by the workers of a Dask cluster, of this machine or of others."""
+"""A study's rows by the workers of a Dask cluster."""
 
 from __future__ import annotations
 
 import contextlib
 import logging
 import pickle
-import signal
 import threading
 import time
+import types
 from collections import Counter
-from collections.abc import Generator, Iterator, Sequence
-from dataclasses import replace
-from multiprocessing import resource_tracker
+from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Any
 
 from app.study.lanes import Lanes
-from app.study.point_rows import Row, Task
-from app.study.remote_batch import rows_there, sent_by_value
-from app.study.study_request import Study
+from app.study.point_rows import Row, Setting, Task
 from core.errors import Cancelled, FileError, ImagechainError, UsageError
-from core.evaluation.policy import Policy
 from core.names import shown
 
-MOST_DEATHS = 3
-"""How many workers a point may end before it is the point's own fault."""
+MOST_DEATHS = 2
+"""How often Dask may give a point up, each time after several workers, before it is its fault."""
+_AHEAD = 2  # batches for each thread: it never waits for the way there and back
 _LOOK_S = 0.5  # how often the workers are counted
 _CONNECT_S = 10
 _GATHER_S = 5  # for rows that are made, on their way here
 _WITHOUT_S = 300.0  # how long a study waits for a worker: a busy machine starts one in a minute
 
 
-def dask_rows(
-    study: Study,
+def cluster_rows(
+    setting: Setting,
+    key: str,
     tasks: Sequence[Task],
-    jobs: int,
-    scheduler: str,
+    scheduler: Any,
+    tls: Sequence[str] = (),
     cancel: threading.Event | None = None,
 ) -> Generator[list[Row]]:
-    """The rows of points, batch by batch; the first, empty one when there are workers.
+    """The rows of points, batch by batch; the first, empty one when the scheduler answers.
 
     Parameters
     ----------
-    study : Study
-        What is wanted.
+    setting : Setting
+        The study.
+    key : str
+        Its content key.
     tasks : sequence of Task
         The points, in order.
-    jobs : int
-        Processes of this machine.
-    scheduler : str
-        The address of a scheduler, in their place.
+    scheduler : str or distributed.Client
+        The address of a scheduler, or a client of one.
+    tls : sequence of str
+        Files of the authority, the certificate and the key; or none.
     cancel : threading.Event, optional
         Set to stop.
 
@@ -57,43 +56,38 @@ def dask_rows(
     FileError
         If the scheduler, or the last worker, is gone.
     """
-    with _silent(), contextlib.ExitStack() as stack:
-        client = stack.enter_context(_connected(jobs, scheduler))
+    with _silent(), _connected(scheduler, tls) as client:
         yield []
-        dealer = _Dealer(client, study, tasks, jobs=0 if scheduler else jobs)
+        rows = _Rows(client, setting, key, tasks)
         try:
-            yield from dealer.rows(cancel)
+            yield from rows.made(cancel)
         finally:
-            dealer.forget()
+            rows.forget()
 
 
-class _Dealer:
-    """Hands batches to workers and takes their rows.
+class _Rows:
+    """Batches sent to a cluster, whose scheduler gives those of a lost worker to another one.
 
-    Each batch is for one worker alone, so that it is known which ones a worker had that ends. Their
-    points go out once more, one at a time with no other beside them, and a point that ends its
-    worker again and again gets that as its error.
+    What it gives up (`KilledWorker`) is sent once more at the end, point by point and one at a
+    time: so it shows which point it was.
     """
 
-    def __init__(self, client: Any, study: Study, tasks: Sequence[Task], *, jobs: int) -> None:
-        self._client, self._key = client, study.key
-        self._jobs, self._policy = jobs, study.policy
-        self._function = sent_by_value(rows_there)
-        self._study = study
-        self._lanes = Lanes(tasks)
-        self._suspects: list[Task] = []
-        self._deaths: Counter[int] = Counter()
-        self._flying: dict[Any, tuple[str, list[Task]]] = {}
+    def __init__(self, client: Any, setting: Setting, key: str, tasks: Sequence[Task]) -> None:
+        self._client, self._key = client, key
+        self._function = by_value(rows_there)
+        self._setting = pickle.dumps(setting)
+        self._nothing = (None,) * len(setting.figures)
+        self._lanes = Lanes(tasks, 1)
+        self._again: list[Task] = []
+        self._given_up: Counter[int] = Counter()
+        self._flying: dict[Any, list[Task]] = {}
         self._landed = threading.Event()
-        self._ended: set[str] = set()
-        self._threads: dict[str, int] = {}
-        self._share = 1
-        self._setting = b""
+        self._threads, self._share = 0, 1
 
-    def rows(self, cancel: threading.Event | None) -> Iterator[list[Row]]:
+    def made(self, cancel: threading.Event | None) -> Iterator[list[Row]]:
         """The rows as they come."""
         looked, seen = 0.0, time.monotonic()
-        while self._lanes.left or self._suspects or self._flying:
+        while self._lanes.left or self._again or self._flying:
             now = time.monotonic()
             if now > looked + _LOOK_S:
                 self._look()
@@ -101,10 +95,10 @@ class _Dealer:
             seen = now if self._threads else seen
             if now > seen + _WITHOUT_S:
                 raise FileError(f"the scheduler {self._address()} has no workers")
-            convicted = self._convicted()
-            if convicted:
-                yield convicted
-            self._hand_out()
+            while self._lanes.left and len(self._flying) < _AHEAD * self._threads:
+                self._send(self._lanes.batch(0))
+            if self._again and not self._flying and not self._lanes.left:
+                self._send([self._again.pop()])
             if cancel is not None and cancel.is_set():
                 raise Cancelled("stopped on request")
             self._landed.wait(0.1)
@@ -124,70 +118,36 @@ class _Dealer:
         """Count the workers."""
         self._check()
         try:
-            workers = self._client.scheduler_info(n_workers=-1)["workers"]
+            workers = self._client.scheduler_info(n_workers=-1)["workers"].values()
         except Exception as error:
             raise self._gone() from error
-        workers = {name: info for name, info in workers.items() if name not in self._ended}
-        self._threads = {name: info["nthreads"] for name, info in workers.items()}
-        hosts = Counter(info.get("host", "") for info in workers.values())
-        share = self._jobs or max(
-            (hosts[info.get("host", "")] * info["nthreads"] for info in workers.values()), default=1
-        )
-        if not self._setting:
-            # The engine's threads beside those of the other processes would only be in their way.
-            threads = self._policy.threads or max(1, Policy().workers // share if self._jobs else 1)
-            setting = self._study.setting(replace(self._policy, threads=threads))
-            self._setting, self._share = pickle.dumps(setting), share
-        self._lanes.workers(self._threads)
-        lost = [future for future, (worker, _) in self._flying.items() if worker not in workers]
-        for future in lost:
-            if future.status == "pending":
-                worker, batch = self._flying.pop(future)
-                self._give_up(future)
-                self._blame(worker, batch)
+        hosts: Counter[str] = Counter()
+        for info in workers:
+            hosts[info.get("host", "")] += info["nthreads"]
+        self._threads = hosts.total()
+        self._share = max(hosts.values(), default=1)
 
-    def _hand_out(self) -> None:
-        flying = Counter(worker for worker, _ in self._flying.values())
-        for worker, threads in self._threads.items():
-            # One more than it can compute, so that it never waits for the way there and back.
-            while flying[worker] < threads + 1 and self._lanes.left:
-                batch = self._lanes.batch(worker)
-                self._send(worker, batch)
-                flying[worker] += 1
-            if not self._lanes.left and self._suspects and not flying[worker]:
-                self._send(worker, [self._suspects.pop()])
-                flying[worker] += 1
-
-    def _send(self, worker: str, batch: list[Task]) -> None:
-        if not batch:
-            return
+    def _send(self, batch: list[Task]) -> None:
         try:
             future = self._client.submit(
-                self._function,
-                self._setting,
-                self._key,
-                batch,
-                self._share,
-                workers=[worker],
-                pure=False,
+                self._function, self._setting, self._key, batch, self._share, pure=False
             )
         except Exception as error:
             raise self._gone() from error
-        self._flying[future] = worker, batch
+        self._flying[future] = batch
         future.add_done_callback(lambda _: self._landed.set())
 
     def _taken(self, future: Any) -> list[Row]:
-        """The rows of a batch that has come back, if it has any, and of points given up."""
+        """The rows of a batch that has come back, if it has any."""
         from distributed import KilledWorker
 
-        worker, batch = self._flying.pop(future)
+        batch = self._flying.pop(future)
         if future.status != "finished":
             self._check()
         try:
             rows = [Row(*row) for row in future.result(timeout=_GATHER_S)]
         except KilledWorker:
-            self._blame(worker, batch)
-            return []
+            return self._killed(batch)
         except ImagechainError:
             raise
         except ImportError as error:
@@ -200,31 +160,20 @@ class _Dealer:
                 what = f"{type(error).__name__}: {error}"
                 raise FileError(f"a worker failed: {what}") from error
             # Made, and lost with the worker before it came here, or the scheduler began anew.
-            self._give_up(future)
-            self._suspects += batch
+            with contextlib.suppress(Exception):
+                self._client.cancel([future], force=True)
+            self._again += batch
             return []
         self._lanes.took(sum(row.seconds for row in rows), len(rows))
         return rows
 
-    def _blame(self, worker: str, batch: list[Task]) -> None:
-        """A worker has ended with this batch: each of its points may be why."""
-        self._ended.add(worker)
-        self._threads.pop(worker, None)
-        for task in batch:
-            self._deaths[task[0]] += 1
-            self._suspects.append(task)
-
-    def _convicted(self) -> list[Row]:
-        """The rows of points that have ended too many workers."""
-        wanted = [task for task in self._suspects if self._deaths[task[0]] >= MOST_DEATHS]
-        self._suspects = [task for task in self._suspects if task not in wanted]
-        why = f"its worker ended without a word, {MOST_DEATHS} times"
-        nothing = (None,) * len(self._study.figures)
-        return [Row(task[0], nothing, "", 0.0, why) for task in wanted]
-
-    def _give_up(self, future: Any) -> None:
-        with contextlib.suppress(Exception):
-            self._client.cancel([future], force=True)
+    def _killed(self, batch: list[Task]) -> list[Row]:
+        """Rows of the points that have ended too many workers; the others are tried again."""
+        self._given_up.update(task[0] for task in batch)
+        guilty = [t for t in batch if len(batch) == 1 and self._given_up[t[0]] >= MOST_DEATHS]
+        self._again += [task for task in batch if task not in guilty]
+        why = "the workers that computed it ended, again and again"
+        return [Row(task[0], self._nothing, "", 0.0, why) for task in guilty]
 
     def _check(self) -> None:
         if self._client.status != "running":
@@ -239,47 +188,40 @@ class _Dealer:
 
 
 @contextlib.contextmanager
-def _connected(jobs: int, scheduler: str) -> Iterator[Any]:
-    """A client of a scheduler, or of one with workers of its own."""
+def _connected(scheduler: Any, tls: Sequence[str]) -> Iterator[Any]:
+    """A client of a scheduler; one that was given stays open."""
     import dask
     import distributed
 
+    if not isinstance(scheduler, str):
+        yield scheduler
+        return
+    given: Any = distributed  # its constructors have no types
     settings = {
-        # A batch that ends its worker is looked into at once, point by point.
-        "distributed.scheduler.allowed-failures": 0,
-        "distributed.scheduler.work-stealing": False,
         "distributed.comm.timeouts.connect": f"{_CONNECT_S}s",
-        "distributed.worker.memory.terminate": False,
         "logging": {"distributed": "critical", "tornado": "critical", "asyncio": "critical"},
     }
-    given: Any = distributed  # its constructors have no types
+    words: dict[str, Any] = {}
+    if tls:
+        ca, certificate, private = tls
+        words["security"] = given.Security(
+            tls_ca_file=ca, tls_client_cert=certificate, tls_client_key=private,
+            require_encryption=True,
+        )  # fmt: skip
     with dask.config.set(settings), contextlib.ExitStack() as stack:
-        place: Any = scheduler
-        if not scheduler:
-            with _left_to_us():
-                cluster = given.LocalCluster(
-                    n_workers=jobs,
-                    threads_per_worker=1,
-                    processes=True,
-                    memory_limit=0,
-                    # Any port: a cluster of the user's may have the usual one.
-                    dashboard_address="127.0.0.1:0",
-                    scheduler_kwargs={"dashboard": False},
-                    silence_logs=logging.CRITICAL,
-                )
-            place = stack.enter_context(cluster)
         try:
             client = given.Client(
-                place, timeout=_CONNECT_S, set_as_default=False, name="imagechain"
+                scheduler, timeout=_CONNECT_S, set_as_default=False, name="imagechain", **words
             )
-        except (OSError, ValueError, TypeError) as error:
+        except (OSError, ValueError, TypeError, RuntimeError) as error:
             raise UsageError(
                 f"--scheduler {scheduler:.120}: no Dask scheduler answers there"
+                + (", or not with these certificates" if tls else "")
             ) from error
         yield stack.enter_context(client)
 
 
-def check_address(scheduler: str) -> None:
+def check_address(scheduler: str, tls: Sequence[str]) -> None:
     """Refuse what is no address: a client of it would go on trying in the background.
 
     Raises
@@ -287,6 +229,7 @@ def check_address(scheduler: str) -> None:
     UsageError
         Saying what is one.
     """
+    from distributed import Security
     from distributed.comm.addressing import parse_host_port
     from distributed.comm.registry import backends
 
@@ -302,25 +245,51 @@ def check_address(scheduler: str) -> None:
             f"--scheduler {scheduler:.120}: write HOST:PORT or PROTOCOL://HOST:PORT; protocols are "
             f"{known}"
         )
+    if tls and protocol not in ("tls", "wss"):
+        raise UsageError(
+            f"--scheduler {scheduler:.120}: certificates are for tls://HOST:PORT, which a "
+            "scheduler started with --tls-ca-file, --tls-cert and --tls-key has"
+        )
+    made: Any = Security
+    if protocol in ("tls", "wss") and not tls and made().tls_client_cert is None:
+        raise UsageError(
+            f"--scheduler {scheduler:.120}: give --tls-ca-file, --tls-cert and --tls-key, the "
+            "files that it was started with"
+        )
 
 
-@contextlib.contextmanager
-def _left_to_us() -> Iterator[None]:
-    """Start processes that Ctrl-C, which a terminal sends to all, does not reach.
+def by_value(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function as one that is pickled with its code, as those of a user's own script are.
 
-    They inherit the mask of the thread that starts them, and that its own maker's. A signal that
-    comes meanwhile reaches this process afterwards.
+    A worker that was started beside a folder named `core` or `app` finds that in the place of
+    ours: code that is sent can look in other places first, a reference to a module cannot.
     """
-    change = getattr(signal, "pthread_sigmask", None)  # Windows has none
-    if change is None:
-        yield
-        return
-    resource_tracker.ensure_running()  # which would lift the mask when the first process starts
-    before = change(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+    copy = types.FunctionType(function.__code__, {"__builtins__": __builtins__}, function.__name__)
+    copy.__module__ = "__main__"
+    return copy
+
+
+def rows_there(setting: bytes, key: str, tasks: Any, share: int) -> Any:
+    """The rows of a batch, on a worker; what it imports is all it knows there."""
+    import importlib
+    import os
+    import sys
+
+    # Python and the worker's own start look in the current folder first.
+    here = {"", os.getcwd()}  # noqa: PTH109
+    path = list(sys.path)
     try:
-        yield
+        if "app.study.worker_rows" not in sys.modules:
+            sys.path[:] = [entry for entry in path if entry not in here]
+            for name in ("core", "nodes", "app", "networks"):
+                try:
+                    importlib.import_module(name)
+                except ModuleNotFoundError:  # it runs from a source tree, and is not installed
+                    sys.path[:] = path
+        from app.study.worker_rows import rows_of_batch
     finally:
-        change(signal.SIG_SETMASK, before)
+        sys.path[:] = path
+    return rows_of_batch(setting, key, tasks, share)
 
 
 @contextlib.contextmanager

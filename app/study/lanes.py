@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from app.study.point_rows import Task
 
@@ -19,40 +19,31 @@ class Lanes:
     ----------
     tasks : sequence of Task
         The points in the order in which they repeat least.
+    workers : int
+        How many there are.
     """
 
-    def __init__(self, tasks: Sequence[Task]) -> None:
-        self._stretches: dict[str, list[Task]] = {}
-        self._free: list[list[Task]] = [list(tasks)]
+    def __init__(self, tasks: Sequence[Task], workers: int) -> None:
+        each = -(-len(tasks) // workers) or 1
+        self._stretches = [list(tasks[n * each : (n + 1) * each]) for n in range(workers)]
         self._mean_s: float | None = None
 
     @property
     def left(self) -> int:
         """How many points have not been handed out."""
-        return sum(map(len, [*self._free, *self._stretches.values()]))
+        return sum(map(len, self._stretches))
 
-    def workers(self, names: Iterable[str]) -> None:
-        """The workers that there are now; the stretches of others are free."""
-        names = list(dict.fromkeys(names))
-        for gone in set(self._stretches) - set(names):
-            self._free.append(self._stretches.pop(gone))
-        new = [name for name in names if name not in self._stretches]
-        if not self._stretches and new:
-            everything = [task for stretch in self._free for task in stretch]
-            self._free = []
-            each = -(-len(everything) // len(new)) or 1
-            for number, name in enumerate(new):
-                self._stretches[name] = everything[number * each : (number + 1) * each]
-        for name in new:
-            self._stretches.setdefault(name, [])
-
-    def batch(self, worker: str) -> list[Task]:
+    def batch(self, worker: int) -> list[Task]:
         """The next points for a worker; none when all are handed out."""
+        if not self._stretches[worker]:
+            longest = max(self._stretches, key=len)
+            half = len(longest) // 2
+            self._stretches[worker] = longest[half:]
+            del longest[half:]
         stretch = self._stretches[worker]
-        if not stretch:
-            stretch = self._stretches[worker] = self._taken_over()
         size = self._size(len(stretch))
-        batch, self._stretches[worker] = stretch[:size], stretch[size:]
+        batch = stretch[:size]
+        del stretch[:size]
         return batch
 
     def took(self, seconds: float, points: int) -> None:
@@ -67,15 +58,3 @@ class Lanes:
         wanted = int(BATCH_S / max(self._mean_s, 1e-9))
         # Towards the end in smaller ones, so that all workers end together.
         return max(1, min(wanted, _MOST, -(-left // 2)))
-
-    def _taken_over(self) -> list[Task]:
-        """A stretch of a worker that is gone, or the far half of the longest."""
-        while self._free:
-            stretch = self._free.pop(0)
-            if stretch:
-                return stretch
-        longest = max(self._stretches, key=lambda name: len(self._stretches[name]))
-        stretch = self._stretches[longest]
-        half = len(stretch) // 2
-        self._stretches[longest] = stretch[:half]
-        return stretch[half:]

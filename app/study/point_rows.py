@@ -29,6 +29,8 @@ from core.names import in_line
 from core.network.network import Network, Node
 from nodes.files.read import check_finite
 
+KEPT_BYTES = 256_000_000
+"""How much computed values may take in a process: neighbouring points share little more."""
 Task = tuple[int, tuple[Any, ...], tuple[str, ...]]
 """A point's place, its values, and the files that it saves."""
 
@@ -78,6 +80,8 @@ class Setting:
         Precision, tolerance and threads.
     version : str
         Of the program.
+    memory_bytes : int, optional
+        How much computed values may take on a machine; `KEPT_BYTES` in each process, if not given.
     """
 
     network: Network
@@ -87,6 +91,7 @@ class Setting:
     saves: tuple[Save, ...]
     policy: Policy
     version: str
+    memory_bytes: int | None = None
 
 
 class RowMaker:
@@ -99,12 +104,15 @@ class RowMaker:
     library : Library
         The modules.
     share : int
-        How many share the machine's memory.
+        How many processes share the machine's memory.
     """
 
     def __init__(self, setting: Setting, library: Library, share: int = 1) -> None:
         self.setting = setting
-        self._engine = Engine(library, Store(store_bytes() // max(1, share)))
+        kept = setting.memory_bytes
+        if kept is None:
+            kept = min(KEPT_BYTES * share, store_bytes())
+        self._engine = Engine(library, Store(kept // share))
         plan = self._engine.plan(setting.network, folder=setting.folder)
         self._evaluator = PointEvaluator(self._engine, plan, setting.targets, setting.figures)
         self._keys = NetworkKeys(setting, library)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,8 @@ def run_study(
     output: str | Path | None = None,
     summaries: Sequence[str | Path] = (),
     jobs: int = 1,
-    scheduler: str = "",
+    scheduler: Any = "",
+    memory_bytes: int | None = None,
     fresh: bool = False,
     policy: Policy | None = None,
     folder: str | Path | None = None,
@@ -67,10 +69,11 @@ def run_study(
     summaries : sequence of path
         Pictures (.png) and pages (.html) of it.
     jobs : int
-        Processes of this machine. Beyond 1 a script needs its ``if __name__ == "__main__":``, as
-        for every program whose processes begin by importing it; 0 takes all cores where it pays.
-    scheduler : str
-        The address of a Dask scheduler, in their place.
+        Processes of this machine; 0 takes all cores where that is faster.
+    scheduler : str or distributed.Client
+        The address of a Dask scheduler, or a client of one, in their place.
+    memory_bytes : int, optional
+        How much computed values may take, all processes together.
     fresh : bool
         Whether what an unfinished study has left is thrown away.
     policy : Policy, optional
@@ -123,7 +126,9 @@ def run_study(
         for page in pages:
             write_summary(rows, page)
 
-    workers = Workers(jobs, scheduler)
+    workers = Workers(jobs, scheduler, memory_bytes=memory_bytes)
+    if workers.warning:
+        warnings.warn(workers.warning, UserWarning, stacklevel=2)
     rows = carry_out(study, workers, output=path, fresh=fresh, also=summarise)
     if path is None:
         summarise(rows)

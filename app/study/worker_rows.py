@@ -1,25 +1,76 @@
-"""The rows of a batch on a worker of a Dask cluster, which keeps what batches have in common."""
+"""The rows of a study in a worker: a process of its own on this machine, or one of a cluster."""
 
 from __future__ import annotations
 
+import gc
+import os
 import pickle
+import queue
 import threading
-from typing import Any
+import time
+import warnings
+from typing import Any, BinaryIO
 
-from distributed import get_worker
-
-from app.options.command_options import version
 from app.study.point_rows import Row, RowMaker, Setting, Task
-from core.errors import UsageError
+from core.errors import Cancelled, UsageError
 from nodes.library import standard_library
 
-Plain = tuple[int, tuple[float | None, ...], str, float, str]
+Plain = tuple[Any, ...]
 _NAME = "imagechain_studies"
-_MOST = 2  # studies that a worker remembers
+_MOST = 2  # studies that a worker of a cluster remembers
+_TELL_S = 0.1  # a message costs as much as a tenth of a quick point
+_GRACE_S = 3.0  # for a point that is stopped to remove what it has half written
+
+
+def main() -> None:
+    """Compute what comes by standard input, rows to standard output, until that ends.
+
+    Both are pipes to the process that started this one, and to no other. They end with it, however
+    it ends, and so does this process then, even within a point.
+    """
+    answers = os.fdopen(os.dup(1), "wb", buffering=0)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what a library prints is no row
+    gc.set_threshold(50_000, 10, 10)  # as the command itself
+    warnings.simplefilter("ignore")
+    cancel = threading.Event()
+    received: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    requests = os.fdopen(os.dup(0), "rb")
+    threading.Thread(target=_listen, args=(requests, received, cancel), daemon=True).start()
+    try:
+        first = received.get()
+        if first is None:
+            return
+        setting, share = first
+        maker = RowMaker(setting, standard_library(), share)
+        answers.write(pickle.dumps(None))
+        while (batch := received.get()) is not None:
+            rows, sent = [], time.monotonic()
+            for task in batch:
+                rows.append(plain_row(maker.row(task, cancel)))
+                if time.monotonic() > sent + _TELL_S:
+                    answers.write(pickle.dumps(rows))
+                    rows, sent = [], time.monotonic()
+            if rows:
+                answers.write(pickle.dumps(rows))
+    except (Cancelled, BrokenPipeError):
+        return
+    except Exception as error:
+        answers.write(pickle.dumps(f"{type(error).__name__}: {error}"))
+
+
+def _listen(requests: BinaryIO, received: queue.SimpleQueue[Any], cancel: threading.Event) -> None:
+    try:
+        while True:
+            received.put(pickle.load(requests))
+    except (EOFError, OSError, pickle.UnpicklingError):
+        cancel.set()
+        received.put(None)
+        time.sleep(_GRACE_S)
+        os._exit(1)
 
 
 def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> list[Plain]:
-    """Make the rows of points, by the worker's own engine and store for this study.
+    """Make rows on a worker of a Dask cluster, by its own engine and store for this study.
 
     Parameters
     ----------
@@ -37,6 +88,10 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
     UsageError
         If the worker has another version of this program.
     """
+    from distributed import get_worker
+
+    from app.options.command_options import version
+
     makers = _makers(get_worker(), key)
     # A maker goes from point to point; threads of one worker have one each.
     thread = threading.get_ident()
@@ -61,3 +116,7 @@ def _makers(worker: Any, key: str) -> dict[int, RowMaker]:
     while len(known) >= _MOST and key not in known:
         del known[next(iter(known))]
     return known.setdefault(key, {})
+
+
+if __name__ == "__main__":
+    main()

@@ -14,7 +14,7 @@ import numpy as np
 
 from app.bench.measuring.bench_settings import Settings
 from app.bench.measuring.bench_tables import Table, verdict
-from app.study.carrying_out import StudyRows, has_dask
+from app.study.carrying_out import StudyRows
 from app.study.run_study import run_study
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
@@ -43,7 +43,7 @@ def studies(settings: Settings) -> list[Table]:
     """Both tables, by one process and by all cores."""
     side, cores = min(SIDE, settings.size), Policy().workers
     # Processes take longer to start than a quick study of small pictures to compute.
-    several = [cores] if has_dask() and cores > 1 and side >= _LEAST_SIDE else []
+    several = [cores] if cores > 1 and side >= _LEAST_SIDE else []
     return [
         points_table(side, 8 if settings.quick else 100, (1, *several)),
         scenes_table(side, 20 if settings.quick else 1000, (1, *several)),

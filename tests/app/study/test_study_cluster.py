@@ -68,13 +68,12 @@ def test_a_point_that_ends_its_workers_is_a_row_and_costs_no_other(study, rows_o
         return rows_of_batch(setting, key, tasks, share)
 
     monkeypatch.setattr("app.study.dask_study.rows_there", deadly)
-    monkeypatch.setattr("app.study.dask_study.MOST_DEATHS", 2)
     study("--output=a.csv", alone=True)
     done = study("--output=b.csv")
     assert done.returncode == 2
     assert done.stderr == (
         "imagechain: 1 of 40 points failed, see the column error of b.csv; the first, point 12: "
-        "its worker ended without a word, 2 times\n"
+        "the workers that computed it ended, again and again\n"
     )
     expected, rows = rows_of("a.csv"), rows_of("b.csv")
     assert rows[11]["error"]

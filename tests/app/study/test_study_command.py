@@ -141,7 +141,7 @@ def test_without_a_tables_package_one_line_names_the_extra(monkeypatch, sensor, 
 
 def test_without_dask_one_line_names_the_extra(monkeypatch, sensor, fails):
     monkeypatch.setattr("app.study.carrying_out.has_dask", lambda: False)
-    line = fails("study", sensor, SIGMA, NER, "--output", "a.csv", "--jobs", "2")
+    line = fails("study", sensor, SIGMA, NER, "--output", "a.csv", "--scheduler", "tcp://x:1")
     assert "dask and distributed are not installed: pip install 'imagechain[study]'" in line
 
 

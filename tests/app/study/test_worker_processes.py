@@ -1,0 +1,286 @@
+"""A study by several processes: its rows, what a process that ends costs, who can reach it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.run.own_process import command, environment
+from child_process import PATIENCE_S, ROOT, finished, wait_for
+
+WORDS = ["--vary=blur.sigma_x_mrad=0:1:8", "--vary=electronics.d_star=1e10:1e12:5:log"]
+WORDS += ["--figure=total.mtf_nyquist_x", "--figure=electronics.snr"]
+# A worker whose points do something before they are computed.
+WORKER = """
+import os, sys, time
+from app.study import point_rows, worker_rows
+row = point_rows.RowMaker.row
+def slow(self, task, cancel=None):
+    {before}
+    return row(self, task, cancel)
+point_rows.RowMaker.row = slow
+worker_rows.main()
+"""
+PROGRAM = """
+import sys
+from app.study import worker_processes
+worker_processes.command = lambda _: [sys.executable, "-P", "-c", {worker!r}]
+from app.command.cli import main
+sys.exit(main())
+"""
+pytestmark = pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="it looks into /proc")
+
+
+@pytest.fixture
+def begun(sensor, tmp_path):
+    """Start a study of slow points; its whole tree is ended with the test."""
+    children = []
+
+    def start(output, *more, before="time.sleep(0.05)"):
+        program = PROGRAM.format(worker=WORKER.format(before=before))
+        child = subprocess.Popen(
+            [sys.executable, "-c", program, "study", sensor, *WORDS, "--jobs=2",
+             f"--output={output}", *more],
+            cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)},
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        children.append(child)
+        journal = tmp_path / f"{output}.journal"
+        wait_for(lambda: journal.exists() and len(_lines(journal)) > 4, "rows", child=child)
+        return child
+
+    yield start
+    for child in children:
+        for process in [child.pid, *workers_of(child.pid)]:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
+        child.communicate()
+
+
+def workers_of(pid):
+    """The processes that a process has started."""
+    path = Path(f"/proc/{pid}/task")
+    with contextlib.suppress(OSError):
+        return [int(p) for t in path.iterdir() for p in (t / "children").read_text().split()]
+    return []
+
+
+def _lines(path):
+    return path.read_bytes().splitlines()
+
+
+def _is_there(pid):
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(") ")[2][0] != "Z"
+    return False
+
+
+def test_the_same_rows_as_of_one_process(sensor, imagechain, rows_of, tmp_path):
+    save = "--save=back.image=out{}/{{point}}.npy"
+    for jobs in "12":
+        words = [f"--jobs={jobs}", f"--output={jobs}.csv", save.format(jobs)]
+        done = imagechain("study", sensor, *WORDS, *words)
+        assert (done.returncode, done.stderr) == (0, "")
+    assert rows_of("1.csv") == rows_of("2.csv")
+    for number in range(1, 41):
+        one, two = (np.load(tmp_path / f"out{n}" / f"{number:02}.npy") for n in "12")
+        assert np.array_equal(one, two)
+
+
+def test_killed_workers_cost_no_row(sensor, begun, imagechain, rows_of):
+    child = begun("b.csv")
+    for worker in workers_of(child.pid):
+        os.kill(worker, signal.SIGKILL)
+    out, line = child.communicate(timeout=PATIENCE_S)
+    assert (child.returncode, line) == (0, "")
+    assert out.startswith("40 points in ")
+    imagechain("study", sensor, *WORDS, "--output=a.csv", "--jobs=1")
+    assert rows_of("b.csv") == rows_of("a.csv")
+
+
+def test_a_point_that_ends_its_process_is_a_row_and_costs_no_other(sensor, imagechain, rows_of, monkeypatch):  # fmt: skip  # noqa: E501
+    deadly = WORKER.format(before="if task[0] == 11: os.kill(os.getpid(), 9)")
+    imagechain("study", sensor, *WORDS, "--output=a.csv", "--jobs=1")
+    monkeypatch.setattr(
+        "app.study.worker_processes.command", lambda _: [sys.executable, "-P", "-c", deadly]
+    )
+    done = imagechain("study", sensor, *WORDS, "--output=b.csv", "--jobs=2")
+    assert done.returncode == 2
+    assert done.stderr == (
+        "imagechain: 1 of 40 points failed, see the column error of b.csv; the first, point 12: "
+        "the process that computes it ended, 3 times\n"
+    )
+    expected, rows = rows_of("a.csv"), rows_of("b.csv")
+    assert rows[11]["error"]
+    del expected[11], rows[11]
+    assert rows == expected
+
+
+def test_a_process_that_cannot_begin_is_one_line(sensor, imagechain, monkeypatch, tmp_path):
+    ending = [sys.executable, "-P", "-c", "import sys; sys.exit(7)"]
+    monkeypatch.setattr("app.study.worker_processes.command", lambda _: ending)
+    done = imagechain("study", sensor, *WORDS, "--output=b.csv", "--jobs=2")
+    assert done.returncode == 2
+    assert "a process of the study ends as it begins (exit code 7)" in done.stderr
+    assert "0 of 40 points are done" in done.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_stopped_it_says_what_is_kept_and_goes_on(number, sensor, begun, imagechain, rows_of, tmp_path):  # fmt: skip  # noqa: E501
+    child = begun("b.csv")
+    workers = workers_of(child.pid)
+    child.send_signal(number)
+    out, line = child.communicate(timeout=PATIENCE_S)
+    assert (child.returncode, out) == (1, "")
+    kept = len(_lines(tmp_path / "b.csv.journal")) - 1
+    assert line == (
+        f"imagechain: stopped; {kept} of 40 points are done and kept in b.csv.journal: the same "
+        "command goes on from there\n"
+    )
+    assert len(workers) == 2
+    assert not any(map(_is_there, workers))
+    assert imagechain("study", sensor, *WORDS, "--output=b.csv", "--jobs=2").returncode == 0
+    imagechain("study", sensor, *WORDS, "--output=a.csv", "--jobs=1")
+    assert rows_of("b.csv") == rows_of("a.csv")
+
+
+@pytest.mark.parametrize("before", ["time.sleep(0.05)", "time.sleep(0.05 if task[0] < 30 else 99)"])
+def test_a_killed_study_leaves_no_process(begun, before):
+    """Also where a worker is within a point that takes longer than anybody waits."""
+    child = begun("b.csv", before=before)
+    workers = workers_of(child.pid)
+    assert len(workers) == 2
+    child.kill()
+    wait_for(lambda: not any(map(_is_there, workers)), "the workers' end", seconds=60)
+
+
+def listening(pids):
+    """Addresses of the sockets that wait for others in these processes."""
+    links = []
+    for pid in pids:
+        for file in Path(f"/proc/{pid}/fd").iterdir():
+            with contextlib.suppress(OSError):
+                links.append(str(file.readlink()))
+    sockets = {link[8:-1] for link in links if link.startswith("socket:[")}
+    found = []
+    for table in ("tcp", "tcp6"):
+        for line in Path(f"/proc/net/{table}").read_text().splitlines()[1:]:
+            cells = line.split()
+            if cells[9] in sockets and cells[3] == "0A":
+                found.append(("127.0.0.1", int(cells[1].rpartition(":")[2], 16)))
+    for line in Path("/proc/net/unix").read_text().splitlines()[1:]:
+        cells = line.split()
+        if cells[6] in sockets and int(cells[3], 16) & 0x10000:
+            found.append(cells[7] if len(cells) > 7 else "without a name")
+    return found
+
+
+CONNECT = """
+import ast, os, socket, sys
+os.setgroups([])
+os.setgid(65534)
+os.setuid(65534)
+for address in ast.literal_eval(sys.argv[1]):
+    kind = socket.AF_INET if isinstance(address, tuple) else socket.AF_UNIX
+    if kind == socket.AF_UNIX and address.startswith("@"):
+        address = chr(0) + address[1:]
+    with socket.socket(kind) as one:
+        one.settimeout(5)
+        try:
+            one.connect(address)
+            print("accepted", address)
+        except OSError as error:
+            print("refused", error)
+"""
+
+
+def accepted(addresses):
+    """How many of them a process of another user can connect to."""
+    done = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", CONNECT, repr(addresses)],
+        cwd="/", capture_output=True, text=True, timeout=PATIENCE_S, check=True,
+    )  # fmt: skip
+    return done.stdout.count("accepted")
+
+
+@pytest.mark.skipif(
+    not hasattr(os, "getuid") or os.getuid() != 0, reason="only root has other users' processes"
+)
+def test_no_other_user_reaches_a_running_study(begun):
+    """The workers run code that comes by a connection: that must be a pipe of their own."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        ours = listening([os.getpid()])
+        assert server.getsockname() in ours
+        assert accepted(ours[:1]) == 1
+    child = begun("b.csv", before="time.sleep(0.3)")
+    tree = [child.pid, *workers_of(child.pid)]
+    assert len(tree) == 3
+    assert listening(tree) == []
+    for pid in tree[1:]:
+        links = [str(file.readlink()) for file in Path(f"/proc/{pid}/fd").iterdir()]
+        assert any(link.startswith("pipe:") for link in links)
+        assert not any(link.startswith("socket:") for link in links)
+
+
+@pytest.fixture(scope="module")
+def traps(tmp_path_factory):
+    """A folder with a file of the name of everything that a child imports; each leaves a mark."""
+    folder = tmp_path_factory.mktemp("traps")
+    names = set(sys.stdlib_module_names) | {
+        "numpy", "scipy", "distributed", "dask", "app", "core", "nodes", "networks", "imagechain",
+        "matplotlib", "rich", "jinja2", "PySide6", "OpenImageIO", "sitecustomize", "usercustomize",
+    }  # fmt: skip
+    for name in names:
+        (folder / f"{name}.py").write_text(
+            f"open({str(folder / 'marks')!r}, 'a').write({name!r} + '\\n')\n"
+        )
+    return folder
+
+
+def test_the_traps_catch(traps):
+    """What the next tests rely on: a child that searches the folder is caught."""
+    finished([sys.executable, "-c", "import json"], folder=traps)
+    assert "json" in (traps / "marks").read_text()
+    (traps / "marks").unlink()
+
+
+def test_a_study_imports_nothing_of_the_current_folder(traps, write, sensor, tmp_path):
+    words = ["study", str(tmp_path / sensor), *WORDS, "--jobs=2", f"--output={tmp_path / 'a.csv'}"]
+    program = "import sys; from app.command.cli import main; sys.exit(main())"
+    variables = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = finished([sys.executable, "-P", "-c", program, *words], folder=traps, env=variables)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert not (traps / "marks").exists()
+
+
+def test_no_process_of_ours_imports_anything_of_the_current_folder(traps, tmp_path):
+    """As the editor, the handbook and the benchmark start them."""
+    words = ["run", "first_steps", f"--output-dir={tmp_path}"]
+    done = finished(command("app.command.cli", *words), folder=traps, env=environment())
+    assert done.returncode == 0, done.stderr
+    assert not (traps / "marks").exists()
+
+
+def test_nothing_else_starts_a_python():
+    """Each place that starts a process does it by `own_process`."""
+    starts = ("sys.executable", "multiprocessing", "ProcessPoolExecutor", "os.fork(", "spawnv")
+    places = {
+        str(file.relative_to(ROOT))
+        for layer in ("core", "nodes", "app", "imagechain")
+        for file in (ROOT / layer).rglob("*.py")
+        if any(word in file.read_text(encoding="utf-8") for word in starts)
+    }
+    # The benchmark runs what `own_process` gives; own_packages looks at its own process.
+    assert places == {
+        "app/run/own_process.py",
+        "app/bench/measuring/isolation.py",
+        "imagechain/own_packages.py",
+    }
