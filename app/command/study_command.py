@@ -11,6 +11,7 @@ from app.command.run import open_network, policy_of
 from app.options.command_options import Options
 from app.options.option_values import assignment
 from app.options.progress import Progress
+from app.run.readout_tables import warned_points
 from app.run.shipped import find_network
 from app.study.carrying_out import StudyRows, Workers, carry_out
 from app.study.run_study import sampled
@@ -123,6 +124,8 @@ def _print(result: StudyRows, output: Path, summaries: Sequence[Path], seconds: 
     print(
         in_line(f"{count} points in {seconds:.3g} s: {', '.join(map(str, [output, *summaries]))}")
     )
+    for line in warned_points([row.warnings for row in result.rows]):
+        print(line)
     if failed:
         row = failed[0]
         raise DataError(

@@ -14,7 +14,7 @@ from app.command.run import input_files, open_network
 from app.options.command_options import Options
 from app.options.progress import Progress
 from app.options.stopping import too_late
-from app.run.readout_tables import warning_lines
+from app.run.readout_tables import warned_points
 from app.run.shipped import find_network
 from app.run.staging import Staging
 from app.tradeoff.evaluated_points import PointEvaluator
@@ -74,11 +74,10 @@ def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
             staging.write(path, partial(write_results, results))
         if cancel is not None and cancel.is_set():
             raise Cancelled("stopped on request")
-        warnings = engine.warnings(plan, engine.work(_policy(options)), known_only=True)
         too_late(cancel)
         staging.commit()
     _print(results, options.outputs)
-    for line in warning_lines(warnings):
+    for line in warned_points([point.warnings for _, point in results.rows()]):
         print(line)
 
 
@@ -122,7 +121,7 @@ def _curves(
             for value in varied.values:
                 work.check()
                 result = evaluator.at((value,) if second is None else (place, value), work)
-                points.append(Point(value, result.values, result.reasons))
+                points.append(Point(value, result.values, result.reasons, result.warnings))
                 label = shown_value(value, varied.unit)
                 # Each point counts once, also where values look alike.
                 progress(f"{len(curves) * len(varied.values) + len(points)}: {varied.text} {label}")

@@ -22,6 +22,7 @@ from app.measure.measurement_text import file_warnings, repeated_words
 from app.measure.measuring import measured_file, refuse_small
 from app.measure.picture_loading import PictureFile, common_limits, is_repeated, open_picture
 from app.measure.picture_measurement import WITH_LOSS
+from app.tradeoff.evaluated_points import with_value
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError, UsageError
@@ -156,7 +157,7 @@ def fit_pictures(
         result,
         noise=comparison,
         refused=choice.refused,
-        warnings=(*pictures.warnings, *result.warnings),
+        warnings=(*pictures.warnings, *result.warnings, *_of_chain(engine, plan, free, result)),
         notes=(*result.notes, *_notes(choice, final, passed_area=has_area(passed))),
     )
 
@@ -202,7 +203,20 @@ def fit_known_scene(
     problem = SceneProblem(chain, work, free, pictures.samples[0])
     report("parameters")
     result = fit_scene(problem, np.array([middle_of(parameter) for parameter in free]))
-    return replace(result, warnings=(*pictures.warnings, *result.warnings))
+    of_chain = _of_chain(engine, plan, free, result)
+    return replace(result, warnings=(*pictures.warnings, *result.warnings, *of_chain))
+
+
+def _of_chain(
+    engine: Engine, plan: Plan, free: Sequence[FreeParameter], result: FitResult
+) -> list[str]:
+    """What the nodes of the fitted network warn of."""
+    network = plan.network
+    for parameter, one in zip(free, result.parameters, strict=True):
+        if one.used is not None:
+            network = with_value(network, engine, parameter.node, parameter.name, one.used)
+    fitted = engine.plan(network, folder=plan.folder, previous=plan)
+    return [str(caution) for caution in fitted.warnings()]
 
 
 def _why_clipped(pictures: FittedPictures) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
@@ -13,6 +15,9 @@ from app.run.evaluation import Evaluation
 from core.modules.caution import Caution
 from core.names import printable
 
+MOST_WARNINGS = 5
+"""How many kinds of warnings are shown of many points."""
+_NUMBER = re.compile(r"(?<!\w)\d[\d.]*(e[+-]?\d+)?")
 _ROUNDING = 1e-15
 _IN_LINE = str.maketrans("\t\n\r", "   ")
 
@@ -67,6 +72,25 @@ def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:
 def warning_lines(warnings: Iterable[Caution]) -> list[str]:
     """One line for each warning of the nodes."""
     return [printable(f"warning: {warning}") for warning in warnings]
+
+
+def warned_points(points: Sequence[Sequence[str]]) -> list[str]:
+    """How many points have warnings, and what these say; texts with other numbers count as one."""
+    first: dict[str, str] = {}
+    counts: Counter[str] = Counter()
+    for warnings in points:
+        kinds = {_NUMBER.sub("0", line): line for line in reversed(warnings)}
+        counts.update(kinds.keys())
+        first = {**kinds, **first}
+    if not first:
+        return []
+    count = sum(map(bool, points))
+    lines = [f"{count} of {len(points)} points have warnings:"]
+    for kind, number in counts.most_common(MOST_WARNINGS):
+        lines.append(printable(f"warning: {first[kind]} ({number} point{'s' * (number > 1)})"))
+    if len(counts) > MOST_WARNINGS:
+        lines.append(f"and {len(counts) - MOST_WARNINGS} more")
+    return lines
 
 
 def columns(rows: Iterable[Sequence[str]], *, right: Sequence[int] = ()) -> str:

@@ -122,6 +122,7 @@ class StudyRows:
         columns.append(Column("key", "", [row.key for row in self.rows]))
         columns.append(Column("seconds", "s", [row.seconds for row in self.rows]))
         columns.append(Column("error", "", [row.error for row in self.rows]))
+        columns.append(Column("warnings", "", ["; ".join(row.warnings) for row in self.rows]))
         return columns
 
 

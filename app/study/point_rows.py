@@ -51,6 +51,8 @@ class Row:
         What it took.
     error : str
         Why a figure or a file is not there; empty where nothing is missing.
+    warnings : tuple of str
+        What its nodes warn of.
     """
 
     place: int
@@ -58,6 +60,7 @@ class Row:
     key: str
     seconds: float
     error: str = ""
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -141,8 +144,10 @@ class RowMaker:
         reasons: list[str] = []
         figures: tuple[float | None, ...] = (None,) * len(self.setting.figures)
         key = ""
+        warnings: tuple[str, ...] = ()
         try:
             plan = self._evaluator.planned(values)
+            warnings = self._evaluator.warnings_of(plan)
             key = self._keys.of(plan.network)
             work = self._engine.work(self.setting.policy, cancel=cancel)
             result = self._evaluator.figures_of(plan, work)
@@ -155,6 +160,9 @@ class RowMaker:
             figures = tuple(result.values.get(figure.text) for figure in self.setting.figures)
             for save, file in zip(self.setting.saves, files, strict=True):
                 self._save(plan, work, save, Path(file))
+            saved = [plan.output(save.port) for save in self.setting.saves]
+            images = [value.recipe for value in saved if isinstance(value, Image)]
+            warnings = self._evaluator.warnings_of(plan, work, images)
         except Cancelled:
             raise
         except ImagechainError as error:
@@ -167,7 +175,8 @@ class RowMaker:
             # A stop may have become any error, as numpy makes an ImportError of one.
             raise Cancelled("stopped on request")
         took = float(f"{time.perf_counter() - start:.4g}")
-        return Row(place, figures, key, took, in_line("; ".join(dict.fromkeys(reasons))))
+        why = in_line("; ".join(dict.fromkeys(reasons)))
+        return Row(place, figures, key, took, why, tuple(map(in_line, warnings)))
 
     def _save(self, plan: Plan, work: Work, save: Save, file: Path) -> None:
         value = plan.output(save.port)

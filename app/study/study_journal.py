@@ -161,14 +161,15 @@ class Journal:
 
 
 def _entry(row: Row) -> list[Any]:
-    return [row.place, list(row.figures), row.key, row.seconds, row.error]
+    return [row.place, list(row.figures), row.key, row.seconds, row.error, list(row.warnings)]
 
 
 def _row(entry: Any) -> Row | None:
-    if not isinstance(entry, list) or len(entry) != 5:
+    if not isinstance(entry, list) or len(entry) not in (5, 6):
         return None
-    place, figures, key, seconds, error = entry
-    return Row(place, tuple(figures), key, seconds, error)
+    # Journals of earlier versions have no warnings.
+    place, figures, key, seconds, error, warnings = entry if len(entry) == 6 else [*entry, ()]
+    return Row(place, tuple(figures), key, seconds, error, tuple(warnings))
 
 
 def _line(entry: Any) -> bytes:

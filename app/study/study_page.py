@@ -8,6 +8,7 @@ from pathlib import Path
 from app.report.blocks import Block, Drawn, Grid, Heading
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
+from app.run.readout_tables import warned_points
 from app.study.carrying_out import StudyRows
 from app.study.study_axes import Axis
 from app.study.study_drawing import study_png
@@ -51,6 +52,9 @@ def summary_page(result: StudyRows) -> str:
         if len(failed) > _MOST_FAILED:
             rows.append(("", f"and {len(failed) - _MOST_FAILED} more"))
         blocks += [Heading(2, f"{len(failed)} points failed"), Grid(("point", "why"), rows)]
+    lines = warned_points([row.warnings for row in result.rows])
+    if lines:
+        blocks += [Heading(2, lines[0].rstrip(":")), Grid(("warning",), [(x,) for x in lines[1:]])]
     return html_page(f"{study.name or 'Image chain'}: study", blocks)
 
 

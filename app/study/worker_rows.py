@@ -108,7 +108,7 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
 
 def plain_row(row: Row) -> Plain:
     """A row as it is sent."""
-    return row.place, row.figures, row.key, row.seconds, row.error
+    return row.place, row.figures, row.key, row.seconds, row.error, row.warnings
 
 
 def _makers(worker: Any, key: str) -> dict[int, RowMaker]:

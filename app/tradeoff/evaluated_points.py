@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from app.tradeoff.tradeoff_figures import Figure, FigureValues, computed
 from core.chain.engine import Engine, Plan
-from core.errors import NetworkError, ParameterError
+from core.errors import ImagechainError, NetworkError, ParameterError
+from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
+from core.modules.caution import PendingCheck
 from core.modules.declaration import declaration
 from core.modules.parameters import Parameter, plain
 from core.network.network import Network
@@ -72,7 +76,7 @@ class PointEvaluator:
         return computed(self.figures, self.engine, plan, work, self._nodes)
 
     def at(self, values: Sequence[Any], work: Work) -> FigureValues:
-        """The figures at a point; values that are refused are the reason of all of them.
+        """The figures at a point, and its warnings; a value that is refused is their reason.
 
         Raises
         ------
@@ -83,7 +87,63 @@ class PointEvaluator:
             plan = self.planned(values)
         except ParameterError as error:
             return FigureValues({}, {figure.text: str(error) for figure in self.figures})
-        return self.figures_of(plan, work)
+        found = self.figures_of(plan, work)
+        return replace(found, warnings=self.warnings_of(plan, work))
+
+    def warnings_of(
+        self, plan: Plan, work: Work | None = None, also: Iterable[Recipe] = ()
+    ) -> tuple[str, ...]:
+        """What the nodes warn of at a planned point, one line each.
+
+        Parameters
+        ----------
+        plan : Plan
+            The point.
+        work : Work, optional
+            For warnings that look at samples: those are given where the figures, or what is read
+            also, take the same samples, whatever the store still holds. None without it.
+        also : iterable of Recipe
+            What is read beside the figures.
+
+        Raises
+        ------
+        Cancelled
+            When the caller has requested a stop.
+        """
+        lines = []
+        read: set[str] | None = None
+        for check in plan.checks():
+            if not isinstance(check, PendingCheck):
+                lines.append(str(check))
+            elif work is not None:
+                read = self._read(plan, also) if read is None else read
+                if all(recipe.key in read for recipe in check.recipe.needs):
+                    caution = check.value(work)
+                    lines += [] if caution is None else [str(caution)]
+        for node, name in self._targets:
+            module = plan.nodes[node].module
+            if name == "seed" and getattr(module, "seed_mode", "") == "automatic":
+                lines.append(
+                    f"{node}: seed varies, and seed_mode is automatic, which does not use it: all "
+                    f"points have the same noise; set {node}.seed_mode to typed"
+                )
+        return tuple(dict.fromkeys(lines))
+
+    def _read(self, plan: Plan, also: Iterable[Recipe]) -> set[str]:
+        """Keys of all values that the figures are made of."""
+        waiting = list(also)
+        for node in dict.fromkeys(figure.node for figure in self.figures if not figure.is_total):
+            names = [figure.name for figure in self.figures if figure.node == node]
+            with suppress(ImagechainError):  # the figure's reason says so
+                values = self.engine.planned_readouts(plan, node, names).values()
+                waiting += [value for value in values if isinstance(value, Recipe)]
+        known: set[str] = set()
+        while waiting:
+            recipe = waiting.pop()
+            if recipe.key not in known:
+                known.add(recipe.key)
+                waiting += recipe.needs
+        return known
 
     def _changed(self, network: Network, node: str, name: str, value: Any) -> Network:
         try:

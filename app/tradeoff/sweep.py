@@ -14,11 +14,15 @@ from core.evaluation.work import Work
 
 @dataclass(frozen=True)
 class Point:
-    """The figures at one value, by ``NODE.READOUT``; `reasons` has why there is none."""
+    """The figures at one value, by ``NODE.READOUT``; `reasons` has why there is none.
+
+    `warnings` has what the nodes warn of there.
+    """
 
     value: Any
     figures: Mapping[str, float] = field(default_factory=dict)
     reasons: Mapping[str, str] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -63,4 +67,4 @@ class TradeOff:
         for value in self.values:
             work.check()
             result = evaluator.at((value,), work)
-            yield Point(value, result.values, result.reasons)
+            yield Point(value, result.values, result.reasons, result.warnings)

@@ -45,12 +45,16 @@ def failures(results: Results) -> list[str]:
 
 
 def csv_text(results: Results) -> str:
-    """A row for each point in full precision; what is not there is empty, its reason at the end."""
+    """A row for each point in full precision; what is not there is empty, its reason at the end.
+
+    Behind it the warnings.
+    """
     heads = [
         results.varied.text,
         *([results.second.text] if results.second else []),
         *(figure.text for figure in results.figures),
         "failed",
+        "warnings",
     ]
     lines: list[list[Any]] = [heads]
     for curve, point in results.rows():
@@ -59,7 +63,8 @@ def csv_text(results: Results) -> str:
         reasons = dict.fromkeys(
             point.reasons[f.text] for f in results.figures if f.text in point.reasons
         )
-        lines.append([*(_exact(value) for value in values), "; ".join(reasons)])
+        notes = ("; ".join(reasons), "; ".join(point.warnings))
+        lines.append([*(_exact(value) for value in values), *notes])
     return csv_lines(lines)
 
 
@@ -82,6 +87,7 @@ def json_text(results: Results) -> str:
                         "value": point.value,
                         "figures": {name: point.figures.get(name) for name in figures},
                         "failed": {n: r for n, r in point.reasons.items() if n in figures},
+                        "warnings": list(point.warnings),
                     }
                     for point in curve.points
                 ],

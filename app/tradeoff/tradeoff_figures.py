@@ -146,10 +146,11 @@ def chosen_figures(texts: Sequence[str], network: Network, library: Library) -> 
 
 @dataclass(frozen=True)
 class FigureValues:
-    """Numbers by figure, and for the others why there is none."""
+    """Numbers by figure, for the others why there is none, and what the nodes warn of."""
 
     values: Mapping[str, float]
     reasons: Mapping[str, str]
+    warnings: tuple[str, ...] = ()
 
 
 def computed(

@@ -30,7 +30,8 @@ def page(results: Results) -> str:
         ),
         Heading(2, "Values"),
         _values(results),
-        *_failures(results),
+        *_listed("Gaps", results.failures()),
+        *_listed("Warnings", results.warnings()),
     ]
     return html_page(title, blocks)
 
@@ -49,6 +50,5 @@ def _values(results: Results) -> Block:
     return Grid(heads, rows, numbers=range(len(heads)))
 
 
-def _failures(results: Results) -> list[Block]:
-    failed = results.failures()
-    return [Heading(2, "Gaps"), Grid(("where", "why"), failed)] if failed else []
+def _listed(title: str, lines: list[tuple[str, str]]) -> list[Block]:
+    return [Heading(2, title), Grid(("where", "why"), lines)] if lines else []

@@ -58,11 +58,20 @@ class Results:
                 for figure in self.figures
                 if figure.text in point.reasons
             )
-            place = f"{self.varied.text} = {shown_value(point.value, self.varied.unit)}"
-            if self.second is not None:
-                place += f", {self.second.text} = {shown_value(curve.second, self.second.unit)}"
-            gaps += [(place, reason) for reason in reasons]
+            gaps += [(self._place(curve, point), reason) for reason in reasons]
         return gaps
+
+    def warnings(self) -> list[tuple[str, str]]:
+        """Where the nodes warn, and of what; in words."""
+        return [
+            (self._place(c, point), line) for c, point in self.rows() for line in point.warnings
+        ]
+
+    def _place(self, curve: Curve, point: Point) -> str:
+        place = f"{self.varied.text} = {shown_value(point.value, self.varied.unit)}"
+        if self.second is not None:
+            place += f", {self.second.text} = {shown_value(curve.second, self.second.unit)}"
+        return place
 
     def rows(self) -> Iterator[tuple[Curve, Point]]:
         """Every point with its curve."""

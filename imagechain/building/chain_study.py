@@ -2,33 +2,44 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from app.study.run_study import run_study
+from core.errors import UsageError
 from core.evaluation.policy import Policy, Precision
 from imagechain.building.chain import Chain
 from imagechain.common.plain_errors import plain_errors
 from imagechain.results.study_table import StudyTable
 
+if TYPE_CHECKING:
+    from distributed import Client
+
 File = str | PathLike[str]
+Values = str | Sequence[Any] | NDArray[Any]
+_VALUES = "a list or a one-dimensional array of values, or a text such as '0:1:5'"
 
 
 @plain_errors
 def study(
     chain: Chain | File,
     *,
-    vary: Mapping[str, str | Sequence[Any]] | None = None,
+    vary: Mapping[str, Values] | None = None,
     over: Mapping[str, str] | None = None,
     sample: File = "grid",
     points: int | None = None,
-    figures: Sequence[str] = (),
+    figures: str | Sequence[str] = (),
     save: Mapping[str, str] | None = None,
     output: File | None = None,
-    summary: Sequence[File] = (),
-    jobs: int = 1,
-    scheduler: str = "",
+    summary: File | Sequence[File] = (),
+    jobs: int = 0,
+    scheduler: str | Client = "",
+    memory_bytes: int | None = None,
     fresh: bool = False,
     precision: Precision = "single",
     tolerance: float | None = None,
@@ -58,10 +69,11 @@ def study(
     summary : sequence of path
         Pictures (.png) and pages (.html) of the figures.
     jobs : int
-        Processes of this machine, 0 for all cores where that pays. Beyond 1 a script needs its
-        ``if __name__ == "__main__":``.
-    scheduler : str
-        The address of a Dask scheduler, in their place.
+        Processes of this machine; 0 for all cores where that is faster than one process.
+    scheduler : str or distributed.Client
+        The address of a Dask scheduler, or a client of one, in their place.
+    memory_bytes : int, optional
+        How much computed values may take, all processes together; 256 MB each, if not given.
     fresh : bool
         Whether what an unfinished study has left is thrown away.
     precision : "single" or "double"
@@ -81,20 +93,63 @@ def study(
     ImagechainError
         If it cannot be carried out. A point that fails is a row.
     """
+    _check_kinds(chain, vary, over, save, sample, scheduler)
+    pages = [summary] if isinstance(summary, str | PathLike) else summary
     rows = run_study(
         chain.network if isinstance(chain, Chain) else fspath(chain),
         folder=chain.folder if isinstance(chain, Chain) else None,
-        vary=vary,
+        vary={label: _values(label, values) for label, values in (vary or {}).items()},
         over=over,
         sample=fspath(sample),
         points=points,
-        figures=figures,
+        figures=[figures] if isinstance(figures, str) else figures,
         saves=save,
         output=None if output is None else fspath(output),
-        summaries=[fspath(path) for path in summary],
+        summaries=[fspath(path) for path in pages],
         jobs=jobs,
         scheduler=scheduler,
+        memory_bytes=memory_bytes,
         fresh=fresh,
         policy=Policy(precision, tolerance, threads),
     )
     return StudyTable(rows)
+
+
+def _check_kinds(
+    chain: object, vary: object, over: object, save: object, sample: object, scheduler: object
+) -> None:
+    """Refuse objects of other kinds than are taken, before anything fails on them."""
+    if not (isinstance(chain, Chain) or _is_path(chain)):
+        raise _refused("chain", chain, "a Chain, a network file, or the name of a shipped network")
+    if not (vary is None or isinstance(vary, Mapping)):
+        raise _refused("vary", vary, "{'NODE.PARAM': values}, or the points as sample='points.csv'")
+    for name, given in (("over", over), ("save", save)):
+        texts = list(given.values()) if isinstance(given, Mapping) else [given]
+        if given is not None and not all(isinstance(text, str) for text in texts):
+            raise _refused(name, given, "a mapping of texts, {'NODE.NAME': pattern}")
+    if not _is_path(sample):
+        raise _refused("sample", sample, "'grid', 'latin', or a .csv file of points")
+    distributed = sys.modules.get("distributed")
+    is_client = distributed is not None and isinstance(scheduler, distributed.Client)
+    if is_client and getattr(scheduler, "asynchronous", False):
+        raise UsageError("scheduler: an asynchronous Client is not taken; give one that waits")
+    if not (is_client or isinstance(scheduler, str)):
+        what = "the address of a Dask scheduler, or a distributed.Client (of a cluster: "
+        raise _refused("scheduler", scheduler, what + "cluster.get_client())")
+
+
+def _values(label: str, values: Any) -> str | Sequence[Any]:
+    """Values of a parameter, those of an array as Python has them."""
+    if isinstance(values, str) or (isinstance(values, Sequence) and not isinstance(values, bytes)):
+        return values
+    if hasattr(values, "tolist") and np.ndim(values) == 1:  # of numpy, pandas or xarray
+        return list(values.tolist())
+    raise _refused(f"vary {label}", values, _VALUES)
+
+
+def _is_path(given: object) -> bool:
+    return isinstance(given, str | PathLike)
+
+
+def _refused(name: str, given: object, taken: str) -> UsageError:
+    return UsageError(f"{name}: {type(given).__name__} is not taken; give {taken}")

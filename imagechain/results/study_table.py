@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from app.run.readout_tables import columns, number_text
+from app.run.readout_tables import columns, number_text, warned_points
 from app.study.carrying_out import StudyRows
 from core.errors import ParameterError
 from core.names import close, shown
@@ -22,8 +22,8 @@ _SHOWN = 20  # rows of a notebook's table
 class StudyTable(Mapping[str, list[Any]]):
     """Columns by name, as ``rows["electronics.snr"]``: a value for each point, in order.
 
-    Beside what varies and the figures: ``point``, ``key`` (of what was computed), ``seconds`` and
-    ``error`` (empty where nothing is missing). `units` has the unit of each column.
+    Beside what varies and the figures: ``point``, ``key`` (of what was computed), ``seconds``,
+    ``error`` (empty where nothing is missing) and ``warnings``. `units` has each column's unit.
     """
 
     def __init__(self, rows: StudyRows) -> None:
@@ -49,6 +49,11 @@ class StudyTable(Mapping[str, list[Any]]):
         """Why points failed, by their number."""
         return {row.place + 1: row.error for row in self._rows.failed}
 
+    @property
+    def warnings(self) -> dict[int, tuple[str, ...]]:
+        """What the nodes warn of, by the number of the point; only points with warnings."""
+        return {row.place + 1: row.warnings for row in self._rows.rows if row.warnings}
+
     @plain_errors
     def to_frame(self) -> DataFrame:
         """As a pandas `DataFrame`, units in the columns' names.
@@ -72,13 +77,17 @@ class StudyTable(Mapping[str, list[Any]]):
         heads = [column.head for column in self._rows.columns()]
         count = len(self._rows.rows)
         more = f"\nand {count - _SHOWN} more" if count > _SHOWN else ""
-        return columns([heads, *self._texts(_SHOWN)]) + more + f"\n{shown(str(count))} points"
+        ends = [f"{shown(str(count))} points", *self._warned()]
+        return columns([heads, *self._texts(_SHOWN)]) + more + "\n" + "\n".join(ends)
+
+    def _warned(self) -> list[str]:
+        return warned_points([row.warnings for row in self._rows.rows])
 
     def _repr_html_(self) -> str:
         from app.study.study_drawing import study_png
 
         heads = [column.head for column in self._rows.columns()]
-        count = f"{len(self._rows.rows)} points"
+        count = "\n".join([f"{len(self._rows.rows)} points", *self._warned()])
         picture = png(study_png(self._rows), alt="figures of the study")
         return block(picture, table(heads, self._texts(_SHOWN), caption=count))
 

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
+from typing import Any, get_type_hints
 
+import distributed
 import numpy as np
+import pandas as pd
 import pytest
+from numpy.typing import NDArray
 
 import imagechain as ic
 from tradeoff_network import DOCUMENT, mtf
@@ -36,6 +41,77 @@ def test_a_study_of_a_chain(chain):
     assert "data:image/png" in found._repr_html_()
     with pytest.raises(ic.ParameterError, match=r"did you mean electronics\.ner"):
         found["electronics.nerr"]
+
+
+def test_warnings_are_kept_by_point(chain):
+    chain.set("electronics.cut_on_um", 3.0)
+    chain.set("electronics.cut_off_um", 5.0)
+    found = ic.study(chain, vary={"scene.cut_off_um": [5.0, 12.0]}, figures="electronics.ner")
+    assert list(found.warnings) == [2]
+    assert "share 22 % of their width" in found.warnings[2][0]
+    assert found["warnings"] == ["", found.warnings[2][0]]
+    assert "1 of 2 points have warnings:" in repr(found)
+    assert "1 of 2 points have warnings:" in found._repr_html_()
+
+
+class Cluster:
+    scheduler_address = "tcp://127.0.0.1:1"
+
+
+SIGMA = {"blur.sigma_x_mrad": [0.0, 1.0]}
+KINDS = {
+    "chain": ({"chain": pd.DataFrame()}, "chain: DataFrame is not taken; give a Chain, a network"),
+    "vary": ({"vary": pd.DataFrame({"a": [1]})}, "vary: DataFrame is not taken; give {'NODE"),
+    "callable": ({"vary": {"blur.sigma_x_mrad": np.sin}}, "ufunc is not taken; give a list or"),
+    "scalar": ({"vary": {"blur.sigma_x_mrad": 1.0}}, "vary blur.sigma_x_mrad: float is not taken"),
+    "matrix": ({"vary": {"blur.sigma_x_mrad": np.eye(2)}}, "ndarray is not taken; give a list or"),
+    "sample": ({"sample": np.eye(2)}, "sample: ndarray is not taken; give 'grid', 'latin', or a"),
+    "over": ({"over": {"scene.path": ["a.img"]}}, "over: dict is not taken; give a mapping of"),
+    "save": ({"save": ["back.image"]}, "save: list is not taken; give a mapping of texts"),
+    "cluster": ({"scheduler": Cluster()}, "scheduler: Cluster is not taken; give the address of"),
+    "none": ({"scheduler": None}, "scheduler: NoneType is not taken; give the address of a Dask"),
+}
+
+
+@pytest.mark.parametrize(("words", "why"), KINDS.values(), ids=KINDS.keys())
+def test_other_kinds_are_refused_in_one_line(chain, words, why):
+    given = {"chain": chain, "vary": SIGMA, **words}
+    with pytest.raises(ic.UsageError) as refused:
+        ic.study(given.pop("chain"), **given)
+    assert why in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("values", [np.array([0.0, 1.0]), (0.0, 1.0), range(2), pd.Series([0, 1])])
+def test_values_in_other_sequences(chain, values):
+    found = ic.study(chain, vary={"blur.sigma_x_mrad": values}, figures=["total.mtf_nyquist_x"])
+    assert found["blur.sigma_x_mrad"] == [0.0, 1.0]
+
+
+@pytest.mark.filterwarnings("ignore:.*:ResourceWarning")  # what Dask leaves to the collector
+def test_a_client_is_taken_and_one_without_tls_warned_of(chain, monkeypatch):
+    """`inproc` is within this process; the warning goes by the address alone."""
+    with (
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+        ) as cluster,
+        distributed.Client(cluster, set_as_default=False) as client,
+    ):
+        words = {"vary": SIGMA, "figures": ["total.mtf_nyquist_x"]}
+        found = ic.study(chain, scheduler=client, **words)
+        assert client.status == "running"
+        assert (
+            found["total.mtf_nyquist_x"] == ic.study(chain, jobs=1, **words)["total.mtf_nyquist_x"]
+        )
+        monkeypatch.setattr("app.study.carrying_out._INNER", ())
+        with pytest.warns(UserWarning, match=r"inproc://.* has no TLS: whoever reaches its port"):
+            ic.study(chain, scheduler=client, **words)
+
+
+def test_arrays_as_values_pass_a_type_checker():
+    """Both accept a value that is a member of the union; NumPy gives `linspace` these types."""
+    vary = get_type_hints(ic.study, localns={"Client": object})["vary"]
+    assert vary == Mapping[str, str | Sequence[Any] | NDArray[Any]] | None
 
 
 def test_a_point_that_fails_is_a_row(chain):

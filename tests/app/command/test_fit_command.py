@@ -234,3 +234,16 @@ def test_one_band_of_several_is_fitted(imagechain, files):
     without = imagechain(*words)
     assert without.returncode == 2
     assert "two.img has 2 bands: name the one to measure, --band 0 to 1" in without.stderr
+
+
+def test_what_the_fitted_network_warns_of_is_told(imagechain, files):
+    """A detector of another size than the one of Init & Trans."""
+    done = imagechain(
+        "fit", "net.json", "--set", "detector.detector_x_um=12", "--to", "edge.npy",
+        "--free", "blur.sigma_x_mrad", "--json", "fit.json", "--report", "fit.html",
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    warnings = json.loads((files / "fit.json").read_text(encoding="utf-8"))["warnings"]
+    (line,) = (line for line in warnings if line.startswith("detector: detector_x_um = 12 µm"))
+    assert f"warning: {line}" in done.stdout.splitlines()
+    assert "detector: detector_x_um = 12" in (files / "fit.html").read_text(encoding="utf-8")

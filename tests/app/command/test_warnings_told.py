@@ -5,7 +5,9 @@ import re
 from html import unescape
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 
 from nodes.transform.init_trans import InitTrans
 
@@ -98,7 +100,86 @@ def test_a_trade_off_tells_them_too(lwir, imagechain):
     words = ("--vary", "jitter.sigma_mrad=0.1,0.2", "--figure", "total.mtf_nyquist_x")
     done = imagechain("tradeoff", "net.json", *words)
     assert done.returncode == 0, done.stderr
-    assert f"warning: {BAND}" in done.stdout.splitlines()
+    assert f"warning: {BAND} (2 points)" in done.stdout.splitlines()
+
+
+CAMERA = ["mwir_camera", "--set=scene.width=64", "--set=scene.height=64"]
+CAMERA += ["--set=camera.aperture_mm=50", "--set=camera.f_number=4"]
+FOCAL, CUTOFF = "--vary=camera.focal_length_mm=100:300:5", "--figure=optics.cutoff"
+
+
+def contradiction(focal_mm):
+    """What Camera says of F/4 and an aperture of 50 mm; nothing at 200 mm, where both agree."""
+    if focal_mm == 200:
+        return ""
+    return f"camera: f_number = 4 here, {focal_mm / 50:g} by {focal_mm:g} mm over 50 mm: leave one"
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.parquet", "a.nc"])
+def test_a_study_tells_those_of_each_point(name, imagechain, tmp_path):
+    """An F-number that contradicts focal length over aperture: the cutoff does not change."""
+    words = [FOCAL, CUTOFF, "--jobs=1", f"--output={name}", "--summary=a.html"]
+    done = imagechain("study", *CAMERA, *words)
+    assert (done.returncode, done.stderr) == (0, "")
+    lines = done.stdout.splitlines()
+    assert lines[1] == "5 of 5 points have warnings:"
+    assert any(
+        line.startswith(f"warning: {contradiction(100)}") and line.endswith(" (4 points)")
+        for line in lines
+    )
+    if name == "a.csv":
+        table = pd.read_csv(tmp_path / name)
+    elif name == "a.parquet":
+        table = pd.read_parquet(tmp_path / name)
+    else:
+        with xr.open_dataset(tmp_path / name) as data:
+            table = data.to_dataframe()
+    assert len(set(table.filter(like="optics.cutoff").iloc[:, 0])) == 1
+    told = ["f_number" in text for text in table["warnings"]]
+    assert told == [True, True, False, True, True]
+    for focal, text in zip((100, 150, 200, 250, 300), table["warnings"], strict=True):
+        assert contradiction(focal) in text
+    assert "5 of 5 points have warnings" in (tmp_path / "a.html").read_text()
+
+
+def test_a_trade_off_tells_those_of_varied_points(imagechain, tmp_path):
+    outputs = ["--output=a.csv", "--output=a.json", "--output=a.html"]
+    done = imagechain("tradeoff", *CAMERA, FOCAL, CUTOFF, *outputs)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "5 of 5 points have warnings:" in done.stdout.splitlines()
+    (curve,) = json.loads((tmp_path / "a.json").read_text())["curves"]
+    told = ["; ".join(point["warnings"]) for point in curve["points"]]
+    for focal, text in zip((100, 150, 200, 250, 300), told, strict=True):
+        assert contradiction(focal) in text
+        assert ("f_number" in text) == (focal != 200)
+    assert list(pd.read_csv(tmp_path / "a.csv")["warnings"]) == told
+    page = unescape((tmp_path / "a.html").read_text())
+    assert "Warnings</h2>" in page
+    assert contradiction(300) in page
+    assert contradiction(100) in page
+
+
+def test_solve_tells_those_of_the_value_that_it_finds(imagechain):
+    words = ["--for=camera.focal_length_mm=150:350", "--until=camera.pixel_x_mrad=0.05"]
+    done = imagechain("solve", *CAMERA, *words)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("camera.focal_length_mm = 300")
+    assert f"warning: {contradiction(300)}" in done.stdout
+
+
+def test_a_seed_that_varies_and_is_not_used_is_told(imagechain, tmp_path):
+    vary = "--vary=focal_plane.seed=1,2,3"
+    words = [*CAMERA[:3], vary, "--figure=focal_plane.snr"]
+    done = imagechain("study", *words, "--output=a.csv", "--jobs=1")
+    line = (
+        "warning: focal_plane: seed varies, and seed_mode is automatic, which does not use it: all "
+        "points have the same noise; set focal_plane.seed_mode to typed (3 points)"
+    )
+    assert line in done.stdout.splitlines()
+    assert line in imagechain("tradeoff", *words).stdout.splitlines()
+    words.append("--set=focal_plane.seed_mode=typed")
+    done = imagechain("study", *words, "--output=a.csv", "--jobs=1")
+    assert "seed varies" not in done.stdout
 
 
 def test_markup_in_a_nodes_name_is_plain_text(lwir, write, imagechain, tmp_path):
@@ -148,16 +229,21 @@ def test_a_check_reads_no_samples_and_a_unit_ends_the_warning(kelvin, imagechain
     assert "warning" not in done.stdout
 
 
-def test_a_trade_off_of_samples_warns_and_one_without_reads_none(kelvin, write, imagechain):
+def test_a_trade_off_or_study_of_samples_warns_and_one_without_reads_none(
+    kelvin, write, imagechain
+):
     kelvin["nodes"]["seen"] = {"module": "examine_image"}
     kelvin["links"] += [["pixels.image", "seen.image"]]
     write(kelvin)
     kinds = {"seen.sigma": True, "jitter.half_contrast": False}
     for figure, warns in kinds.items():
-        words = ("--vary", "jitter.sigma_mrad=0.1,0.2", "--figure", figure)
-        done = imagechain("tradeoff", "net.json", *words)
-        assert done.returncode == 0, done.stderr
-        assert (f"warning: {KELVIN}" in done.stdout.splitlines()) is warns
+        words = ("net.json", "--vary", "jitter.sigma_mrad=0.1,0.2", "--figure", figure)
+        for done in (
+            imagechain("tradeoff", *words),
+            imagechain("study", *words, "--output=a.csv", "--jobs=1"),
+        ):
+            assert done.returncode == 0, done.stderr
+            assert (f"warning: {KELVIN} (2 points)" in done.stdout.splitlines()) is warns
 
 
 @pytest.mark.parametrize("command", [("check",), ("run",)])

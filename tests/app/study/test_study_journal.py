@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
+
 import pytest
 
 from app.study.point_rows import Row
-from app.study.study_journal import Journal
+from app.study.study_journal import Journal, _line
 from core.errors import FileError, UsageError
 
-ROWS = [Row(place, (0.1 * place, None), f"k{place}", 0.5, "why, »so«" if place == 2 else "")
+ROWS = [Row(place, (0.1 * place, None), f"k{place}", 0.5, "why, »so«" if place == 2 else "",
+            ("one; »two«", "three") if place == 1 else ())
         for place in range(4)]  # fmt: skip
 
 
@@ -29,6 +33,15 @@ def test_rows_come_back_as_they_were(kept):
     output, _ = kept
     assert rows(output) == {row.place: row for row in ROWS[:3]}
     assert rows(output, fresh=True) == {}
+
+
+def test_rows_of_a_journal_without_warnings_still_count(kept):
+    """As earlier versions wrote them: five cells."""
+    output, path = kept
+    head, *lines = path.read_text().splitlines()
+    old = [json.loads(line.partition(" ")[2])[:5] for line in lines]
+    path.write_bytes(f"{head}\n".encode() + b"".join(map(_line, old)))
+    assert rows(output) == {row.place: replace(row, warnings=()) for row in ROWS[:3]}
 
 
 def test_wherever_it_is_cut_whole_rows_stay_and_the_rest_can_be_added(kept):

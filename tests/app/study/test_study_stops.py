@@ -43,10 +43,10 @@ def test_killed_it_goes_on_with_the_same_rows(sensor, imagechain, rows_of, tmp_p
     assert (done.returncode, done.stderr) == (0, "")
     assert rows_of("a.csv") == rows_of("whole.csv")
     # What was kept is not computed again: the seconds are those of the first go.
-    seconds = {line.split(",")[0]: line.split(",")[-2] for line in _lines(tmp_path / "a.csv")}
+    seconds = {line.split(",")[0]: line.split(",")[-3] for line in _lines(tmp_path / "a.csv")}
 
     for line in kept.splitlines()[1:-1]:
-        place, _, _, took, _ = json.loads(line.partition(b" ")[2])
+        place, _, _, took, _, _ = json.loads(line.partition(b" ")[2])
         assert float(seconds[str(place + 1)]) == took
     assert not [path for path in tmp_path.iterdir() if "journal" in path.name]
 
