@@ -21,6 +21,7 @@ from app.options.stopping import too_late
 from app.permission.shares import check_shares
 from app.permission.write_rules import OPTION, WriteRules, write_rules
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
+from app.run.figures import Figure, main_figures
 from app.run.output import find_output
 from app.run.png import encode_png, grey_levels, robust_limits
 from app.run.readout_tables import jsonable
@@ -98,12 +99,15 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
     with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
         with Progress(len(plan.nodes)) as progress:
             work = TimedWork(policy, engine.store, progress, cancel)
-            stage = Stage(folder, staging, rules, way=way)
+            figures: list[Figure] = []
+            look: Any = lambda evaluation: figures.extend(main_figures(evaluation))  # noqa: E731
+            stage = Stage(folder, staging, rules, look=look, way=way)
             evaluation, skipped = stage.prepare(engine, plan, work, options, start=start)
         work.check()
         too_late(cancel)
         forgotten = rules.commit(staging)
-    print_summary(evaluation, skipped, folder, options, sink_targets(plan, place.folder))
+    sinks = sink_targets(plan, place.folder)
+    print_summary(evaluation, skipped, figures, folder, options, sinks)
     if forgotten:
         print(in_line(f"not remembered for the next run, which needs {OPTION}: {forgotten}"))
 

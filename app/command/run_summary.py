@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from app.options.command_options import Options
 from app.run.evaluation import Evaluation
+from app.run.figures import Figure, figure_rows
 from app.run.output import find_output, how_to_choose
 from app.run.readout_tables import columns, readout_rows, warning_lines
 from app.run.way_of_running import way_in_words
@@ -18,14 +20,19 @@ FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
 def print_summary(
     evaluation: Evaluation,
     skipped: tuple[Skip, ...],
+    figures: Sequence[Figure],
     folder: Path,
     options: Options,
     sinks: dict[str, Path],
 ) -> None:
-    """Print read-outs, warnings, what was left out, and the files that were written."""
-    rows = readout_rows(evaluation)
-    if rows:
-        print(columns(rows, right=(2,)), end="\n\n")
+    """Print the figures, warnings, what was left out, and the files that were written."""
+    readouts = readout_rows(evaluation)
+    if figures and not options.all_readouts:
+        rows = [(name, f"{value} {unit}", node) for name, value, unit, node in figure_rows(figures)]
+        print(columns(rows))
+        print(f"all {len(readouts)} read-outs: --all, or {READOUTS}", end="\n\n")
+    elif readouts:
+        print(columns(readouts, right=(2,)), end="\n\n")
     lines = warning_lines(evaluation.cautions)
     if lines:
         print("\n".join(lines), end="\n\n")

@@ -81,6 +81,7 @@ class Options:
     allowed: tuple[Path, ...] = ()
     reports: tuple[Path, ...] = ()
     frames: int | None = None
+    all_readouts: bool = False
     memory_bytes: int | None = None
     scratch: Path | None = None
     vary: tuple[str, ...] = ()
@@ -240,6 +241,7 @@ def _solve_or_run(arguments: argparse.Namespace, common: dict[str, Any]) -> Opti
         saves=tuple(save_target(text) for text in arguments.save),
         reports=tuple(report_path(text) for text in arguments.report),
         frames=whole_number("--frames", arguments.frames),
+        all_readouts=arguments.all,
         memory_bytes=size_in_bytes("--memory", arguments.memory),
         scratch=file_path("--scratch", arguments.scratch),
         **_places(arguments),

@@ -131,6 +131,7 @@ def run_words(parser: argparse.ArgumentParser) -> None:
         "band each)",
     )
     place_words(parser)
+    add("--all", action="store_true", help="print the read-outs of all nodes, not the main figures")
     add(
         "--memory",
         action=Once,

@@ -72,7 +72,14 @@ class Grid:
         return " ".join([*(["n"] if column in self.numbers else []), *([mark] if mark else [])])
 
 
-Block = Heading | Text | Items | Warnings | Drawn | Grid
+@dataclass(frozen=True)
+class Beside:
+    """Blocks side by side, as far as the window is wide enough; else one below the other."""
+
+    blocks: Sequence[Block]
+
+
+Block = Heading | Text | Items | Warnings | Drawn | Grid | Beside
 
 
 def of_many(count: int, what: str = "stages") -> str:

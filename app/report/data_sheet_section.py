@@ -7,15 +7,9 @@ from typing import Any
 from app.report.blocks import Block, Grid, Heading, Text
 from app.report.drawing.printed_numbers import number
 from app.report.facts.data_sheet_facts import TIMES
+from app.run.readout_tables import four_digits, sized
 
 Fact = dict[str, Any]
-_SIZES = {  # from, up to, the unit in which that is written
-    "K": ((1e-9, 0.2, 1e-3, "mK"),),
-    "s": ((1e-9, 1e-3, 1e-6, "µs"), (1e-3, 1.0, 1e-3, "ms")),
-    "e-": ((1e4, 1e6, 1e3, "ke-"), (1e6, 1e15, 1e6, "Me-")),
-    "mm": ((1e3, 1e6, 1e3, "m"),),
-    "m": ((1e-9, 1e-3, 1e-6, "µm"), (1e-3, 0.1, 1e-3, "mm"), (1e4, 1e12, 1e3, "km")),
-}
 
 
 def data_sheet(facts: Fact) -> list[Block]:
@@ -67,16 +61,9 @@ def _values(values: list[Any], unit: str, between: str) -> tuple[str, str]:
 
 
 def _quantity(value: Any, unit: str) -> tuple[str, str]:
-    """A value in the size of its unit that data sheets use: 25 mK, 4 ms, 7 Me-."""
-    if isinstance(value, int | float) and value:
-        for least, beyond, size, written in _SIZES.get(unit, ()):
-            if least <= abs(value) < beyond:
-                return _rounded(value / size), written
-    return _rounded(value), unit if value is not None else ""
+    value, unit = sized(value, unit)
+    return number(value), unit
 
 
 def _rounded(value: Any) -> str:
-    """Four digits: a data sheet gives no more."""
-    if isinstance(value, float):
-        return number(float(f"{value:.4g}"))
-    return number(value)
+    return number(four_digits(value))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text, Warnings
+from app.report.blocks import Beside, Block, Drawn, Grid, Heading, Items, Text, Warnings
 from app.report.budget_section import budget
 from app.report.data_sheet_section import data_sheet
 from app.report.drawing.node_curves import MOST, curves_png, node_curves
@@ -19,6 +19,7 @@ from app.report.html_page import html_page
 from app.report.spectrum_section import spectrum
 from app.report.transfer_section import transfer
 from app.run.evaluation import Evaluation
+from app.run.figures import Figure, figure_rows
 from app.run.way_of_running import reduced, way_in_words
 from core.chain.realize import realize
 
@@ -35,10 +36,11 @@ def page(evaluation: Evaluation, facts: dict[str, Any]) -> str:
     blocks = [
         Heading(1, title),
         *([Text(network["description"], "lead")] if network["description"] else []),
-        _run_line(facts),
+        *_first_look(evaluation, facts),
         *_warnings(facts),
-        *_pictures(evaluation, facts),
+        _run_line(facts),
         *data_sheet(facts),
+        *_pictures(evaluation, facts),
         *_published(facts),
         *spectrum(facts),
         *transfer(evaluation, facts),
@@ -78,14 +80,25 @@ def _warnings(facts: dict[str, Any]) -> list[Block]:
     return [Warnings(tuple(rows))] if rows else []
 
 
+def _first_look(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
+    """The main figures as a card, with the chain's pictures beside it."""
+    figures = [Figure(**figure) for figure in facts["figures"]]
+    rows = [(name, f"{value} {unit}") for name, value, unit, _ in figure_rows(figures, number)]
+    card = [Grid(("figure", "value"), rows, numbers=(1,), kind="card")] if rows else []
+    return [Beside((*card, *_shown_pictures(evaluation, _of_the_chain(facts))))]
+
+
+def _of_the_chain(facts: dict[str, Any]) -> list[dict[str, Any]]:
+    """What goes into the chain, and what it delivers."""
+    inputs = [picture for picture in facts["pictures"] if picture["role"] == "input"]
+    outputs = [picture for picture in facts["pictures"] if picture["role"] == "output"]
+    return [*inputs[:_MOST_INPUTS], *outputs]
+
+
 def _pictures(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
-    shown = facts["pictures"]
-    if not shown:
+    if not facts["pictures"]:
         return []
-    inputs = [picture for picture in shown if picture["role"] == "input"]
-    outputs = [picture for picture in shown if picture["role"] == "output"]
-    others = [picture for picture in shown if picture["role"] == "other output"]
-    shown = [*inputs[:_MOST_INPUTS], *outputs]
+    others = [picture for picture in facts["pictures"] if picture["role"] == "other output"]
     rows = [
         (
             picture["port"],
@@ -97,8 +110,7 @@ def _pictures(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
     heads = ("picture", "minimum", "maximum", "mean", "σ", "unit")
     return [
         Heading(2, "Input and output"),
-        *_shown_pictures(evaluation, shown),
-        *_other_pictures(evaluation, others, len(shown)),
+        *_other_pictures(evaluation, others, len(_of_the_chain(facts))),
         Grid(heads, rows, numbers=(1, 2, 3, 4)),
     ]
 

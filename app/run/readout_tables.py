@@ -19,6 +19,14 @@ MOST_WARNINGS = 5
 """How many kinds of warnings are shown of many points."""
 _NUMBER = re.compile(r"(?<!\w)\d[\d.]*(e[+-]?\d+)?")
 _ROUNDING = 1e-15
+_SIZES = {  # from, up to, the unit in which that is written
+    "K": ((1e-9, 0.2, 1e-3, "mK"),),
+    "s": ((1e-9, 1e-3, 1e-6, "µs"), (1e-3, 1.0, 1e-3, "ms")),
+    "e-": ((1e4, 1e6, 1e3, "ke-"), (1e6, 1e15, 1e6, "Me-")),
+    "Hz": ((1e4, 1e6, 1e3, "kHz"), (1e6, 1e15, 1e6, "MHz")),
+    "mm": ((1e3, 1e6, 1e3, "m"),),
+    "m": ((1e-9, 1e-3, 1e-6, "µm"), (1e-3, 0.1, 1e-3, "mm"), (1e4, 1e12, 1e3, "km")),
+}
 _IN_LINE = str.maketrans("\t\n\r", "   ")
 
 
@@ -31,6 +39,20 @@ def number_text(value: Any) -> str:
     if isinstance(value, float | np.floating):
         return f"{float(value):.6g}"
     return str(value)
+
+
+def sized(value: Any, unit: str) -> tuple[Any, str]:
+    """A value in the size of its unit that data sheets use (25 mK, 4 ms, 7 Me-), in four digits."""
+    if isinstance(value, int | float) and value:
+        for least, beyond, size, written in _SIZES.get(unit, ()):
+            if least <= abs(value) < beyond:
+                return four_digits(value / size), written
+    return four_digits(value), unit if value is not None else ""
+
+
+def four_digits(value: Any) -> Any:
+    """The value in four digits: a data sheet gives no more."""
+    return float(f"{value:.4g}") if isinstance(value, float | np.floating) else value
 
 
 def without_rounding(value: Any, unit: str) -> Any:

@@ -20,15 +20,15 @@ from app.editor.snapshots.figure_differences import FigureDifference, figure_dif
 from app.editor.snapshots.snapshot_list import SnapshotList
 from app.editor.snapshots.snapshots import Snapshots
 from app.editor.theme import Theme
-from app.editor.viewers.figures.figures_query import BY_MODULE
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets.buttons import toggle_button, tool_button
 from app.editor.widgets.elided_label import ElidedLabel
+from app.run.figures import SENSOR_FIGURES
 from core.modules.declaration import Declaration
 from core.network.network import Network, Node
 
 _HINT = "nothing is kept yet: Ctrl+K keeps the present state"
-_ALWAYS = frozenset(name for shown in BY_MODULE.values() for name, _ in shown)
+_ALWAYS = frozenset(name for shown in SENSOR_FIGURES.values() for name, _ in shown)
 
 
 class SnapshotsView(Viewer):

@@ -18,6 +18,7 @@ from app.report.facts.edge_facts import judged_facts
 from app.report.facts.published import conflicts, published_rows
 from app.report.facts.spectrum_facts import spectrum_facts
 from app.run.evaluation import Evaluation
+from app.run.figures import main_figures
 from app.run.output import ending_images
 from app.run.responses import StageResponse, at_nyquist
 from core.chain.engine import PlannedNode
@@ -71,6 +72,7 @@ def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str,
         "curves": curve_facts(evaluation),
         "budget": budget_facts(evaluation),
         "spectra": spectrum_facts(evaluation),
+        "figures": [asdict(figure) for figure in main_figures(evaluation)],
         "data_sheet": data_sheet_facts(evaluation, nodes),
         "nodes": nodes,
         "published": published_rows(evaluation, nyquist),

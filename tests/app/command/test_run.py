@@ -31,7 +31,7 @@ def test_writes_three_files(imagechain_process, write, small, tmp_path):
     written = {path.name for path in (tmp_path / "net-output").iterdir()}
     assert written == {"final.png", "mtf.csv", "readouts.json"}
     assert {path.name for path in tmp_path.iterdir()} == {"net.json", "net-output"}
-    assert "nyquist_x" in done.stdout
+    assert "MTF at the pixels' Nyquist" in done.stdout
     readouts = json.loads((tmp_path / "net-output/readouts.json").read_text())
     interval = 1000 * np.radians(3.0) / 48
     assert readouts["init"]["nyquist_x"] == pytest.approx(0.5 / interval, rel=1e-14)

@@ -2,53 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, ClassVar
 
 from app.editor.error_text import error_text
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.network_ports import HOW_TO_MARK
-from app.run.output import Output, ancestors, find_output
+from app.run.figures import SENSOR_FIGURES, sensor_node
+from app.run.output import find_output
 from app.run.sound_plan import sound_part
 from core.chain.engine import Plan
 from core.errors import ImagechainError
-
-ELECTRONICS = "electronics_noise"
-SHOWN = (
-    ("g_number", "G#"),
-    ("bandwidth_Hz", "Bandwidth"),
-    ("ner", "NER"),
-    ("netd_detector_K", "NETD detector"),
-    ("netd_system_K", "NETD system"),
-    ("snr", "SNR"),
-    ("quantization_rms", "Quantization"),
-)
-BY_MODULE: Mapping[str, tuple[tuple[str, str], ...]] = MappingProxyType(
-    {
-        ELECTRONICS: SHOWN,
-        "focal_plane": (
-            ("well_fill_percent", "Well fill"),
-            ("signal_e", "Signal"),
-            ("temporal_noise_e", "Noise"),
-            ("fixed_pattern_e", "Fixed pattern"),
-            ("netd_K", "NETD"),
-            ("snr", "SNR"),
-            ("dynamic_range_dB", "Dynamic range"),
-        ),
-        "microbolometer": (
-            ("netd_K", "NETD"),
-            ("white_netd_K", "White noise"),
-            ("flicker_K", "1/f noise"),
-            ("fixed_pattern_K", "Fixed pattern"),
-            ("noise_radiance", "NER"),
-            ("snr", "SNR"),
-            ("lag_percent", "Lag"),
-        ),
-    }
-)
-"""Read-outs and captions by the key of the detector's or the electronics' module."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +70,7 @@ class FiguresQuery(Query):
     def key(self, plan: Plan) -> Hashable:
         """The node and what its figures are made of."""
         output = _output_of(plan)
-        name = self.node(plan)
+        name = sensor_node(plan, self.preferred)
         if name is None:
             return self, output
         planned = plan.node(name)
@@ -118,7 +83,7 @@ class FiguresQuery(Query):
         """The figures."""
         plan = passing.plan
         output = _output_of(plan)
-        name = self.node(plan)
+        name = sensor_node(plan, self.preferred)
         if name is None:
             return Figures(None, (), *output)
         planned = plan.node(name)
@@ -129,7 +94,7 @@ class FiguresQuery(Query):
             values = engine.readouts(plan, name, passing.work)
             reasons = {
                 readout: engine.why_none(plan, name, passing.work, readout)
-                for readout, _ in BY_MODULE[planned.node.module]
+                for readout, _ in SENSOR_FIGURES[planned.node.module]
                 if values.get(readout) is None
             }
         declared = {readout.name: readout for readout in planned.declaration.readouts}
@@ -144,32 +109,10 @@ class FiguresQuery(Query):
                     declared[readout].meaning,
                     reasons.get(readout, ""),
                 )
-                for readout, caption in BY_MODULE[planned.node.module]
+                for readout, caption in SENSOR_FIGURES[planned.node.module]
             ),
             *output,
         )
-
-    def node(self, plan: Plan) -> str | None:
-        """Id of the node whose figures are shown; None without a detector or electronics.
-
-        Of several, the preferred one, else the last one that leads to the output, else the last of
-        all; None where none of several pictures is marked as the output.
-        """
-        named = [name for name, node in plan.network.nodes.items() if node.module in BY_MODULE]
-        if not named or self.preferred in named:
-            return self.preferred if named else None
-        leading = set(named)
-        try:
-            output = find_output(sound_part(plan))
-        except ImagechainError:
-            output = Output(None)
-        if output.choices and len(named) > 1:
-            return None
-        if output.port is not None:
-            last = output.port.rpartition(".")[0]
-            leading = ancestors(plan.network, last) | {last}
-        order = [name for name in plan.nodes if name in named]
-        return next((name for name in reversed(order) if name in leading), order[-1])
 
 
 def _output_of(plan: Plan) -> tuple[str | None, str, tuple[str, ...]]:

@@ -13,16 +13,11 @@ from app.editor.evaluation.queries import Answer, PassDone, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.figures.figure_text import NONE, figure_text
-from app.editor.viewers.figures.figures_query import (
-    BY_MODULE,
-    SHOWN,
-    Figure,
-    Figures,
-    FiguresQuery,
-)
+from app.editor.viewers.figures.figures_query import Figure, Figures, FiguresQuery
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets.colours import set_ink
 from app.editor.widgets.elided_label import ElidedLabel
+from app.run.figures import ELECTRONICS_FIGURES, SENSOR_FIGURES
 
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
@@ -57,9 +52,9 @@ class FiguresStrip(Viewer):
         self._layout = QHBoxLayout(self)
         self._layout.setContentsMargins(8, 2, 8, 3)
         self._layout.setSpacing(14)
-        for name, caption in ((OUTPUT, "Output"), *SHOWN, (RUN_TIME, "Run time")):
+        for name, caption in ((OUTPUT, "Output"), *ELECTRONICS_FIGURES, (RUN_TIME, "Run time")):
             self._add(name, caption)
-        self._name_slots(SHOWN)
+        self._name_slots(ELECTRONICS_FIGURES)
         self._layout.addStretch(1)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         session.selection_changed.connect(self._follow_selection)
@@ -186,7 +181,7 @@ class FiguresStrip(Viewer):
     def _preferred(self) -> str | None:
         for name in reversed(self.session.selection):
             declared = self.session.declared(name)
-            if declared is not None and declared.key in BY_MODULE:
+            if declared is not None and declared.key in SENSOR_FIGURES:
                 return name
         return None
 

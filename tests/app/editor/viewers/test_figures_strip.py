@@ -7,16 +7,17 @@ from PySide6.QtGui import QFontMetricsF, QPalette
 from app.editor.evaluation.queries import PassDone, Passing
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.figures.figure_text import figure_text
-from app.editor.viewers.figures.figures_query import SHOWN, FiguresQuery
+from app.editor.viewers.figures.figures_query import FiguresQuery
 from app.editor.viewers.figures.figures_strip import FiguresStrip
 from app.editor.widgets.elided_label import ElidedLabel
+from app.run.figures import ELECTRONICS_FIGURES
 from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Add, Placed, Remove
 from core.network.network import Link, Node
 from editor_queries import Asking, Gate
 from viewer_bench import ViewerBench, is_freed
 
-NAMES = [name for name, _ in SHOWN]
+NAMES = [name for name, _ in ELECTRONICS_FIGURES]
 
 
 @pytest.fixture

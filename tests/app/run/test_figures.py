@@ -1,0 +1,117 @@
+"""The main figures of a run: on the terminal, in the report, and in the window's strip alike."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from app.run.figures import _MERITS, SENSOR_FIGURES, Figure, figure_rows
+from command_line import run_here
+from core.modules.declaration import declaration
+from nodes.library import standard_library
+
+
+@pytest.fixture(scope="module")
+def mwir(tmp_path_factory):
+    """The terminal of the MWIR camera, its read-outs, and its picture."""
+    folder = tmp_path_factory.mktemp("mwir")
+    done = run_here("run", "mwir_camera", "--save", "focal_plane.image=p.npy", folder=folder)
+    assert (done.returncode, done.stderr) == (0, "")
+    readouts = json.loads((folder / "mwir_camera-output/readouts.json").read_text())
+    return done.stdout.splitlines(), readouts, np.load(folder / "p.npy").astype(float)
+
+
+def line(lines, caption):
+    (found,) = [line for line in lines if line.startswith(caption)]
+    return found[len(caption) :]
+
+
+def test_an_engineer_reads_a_dozen_lines(mwir):
+    lines, readouts, _ = mwir
+    assert lines.index("") <= 13
+    camera, merit = readouts["focal_plane"], readouts["merit"]
+    assert line(lines, "Well fill").split()[:2] == [f"{camera['well_fill_percent']:.4g}", "%"]
+    assert line(lines, "Signal").split()[:2] == [f"{camera['signal_e'] / 1e3:.4g}", "ke-"]
+    assert line(lines, "Noise").split()[:2] == [f"{camera['temporal_noise_e']:.4g}", "e-"]
+    assert line(lines, "NETD").split()[:2] == [f"{1e3 * camera['netd_K']:.4g}", "mK"]
+    ranges = [merit[f"{name}_range_km"] for name in ("detection", "recognition", "identification")]
+    told = ", ".join(f"{each:.4g}" for each in ranges)
+    assert f"  {told} km  " in line(lines, "Range: detect, recognize, identify")
+    count = sum(value is not None for node in readouts.values() for value in node.values())
+    assert f"all {count} read-outs: --all, or readouts.json" in lines
+    assert not any("weighting_worth_percent" in each for each in lines)
+
+
+def test_the_output_is_that_of_the_picture(mwir):
+    lines, _, picture = mwir
+    told = ", ".join(f"{each:.4g}" for each in (picture.min(), picture.mean(), picture.max()))
+    assert f"  {told} DN  " in line(lines, "Output: minimum, mean, maximum")
+
+
+def test_all_prints_every_read_out(imagechain, write, small, tmp_path):
+    done = imagechain("run", write(small), "--all")
+    found = json.loads((tmp_path / "net-output/readouts.json").read_text())
+    for node, values in found.items():
+        for name, value in values.items():
+            assert any(row.split()[:2] == [node, name] for row in done.stdout.splitlines()) == (
+                value is not None
+            )
+
+
+def test_the_mtf_is_the_product_at_the_pixels_nyquist_frequency(imagechain, write, small, tmp_path):
+    """Two Gaussians of 0.5 and the jitter's σ; blocks of two samples halve the Nyquist frequency."""
+    done = imagechain("run", write(small), "--report", "r.json", "--precision", "double")
+    assert done.returncode == 0, done.stderr
+    figures = json.loads((tmp_path / "r.json").read_text())["figures"]
+    (mtf,) = [figure for figure in figures if figure["caption"].startswith("MTF")]
+    nodes = small["nodes"]
+    sigmas = [
+        (nodes["blur"]["params"]["sigma_x_mrad"], nodes["jitter"]["params"]["sigma_mrad"]),
+        (nodes["blur"]["params"]["sigma_y_mrad"], nodes["jitter"]["params"]["sigma_mrad"]),
+    ]
+    places = [0.25 / (1000 * math.radians(3.0) / 48), 0.25 / (1000 * math.radians(2.5) / 40)]
+    exact = [
+        math.exp(-2 * math.pi**2 * place**2 * sum(sigma**2 for sigma in both))
+        for place, both in zip(places, sigmas, strict=True)
+    ]
+    assert mtf["values"] == pytest.approx(exact, rel=1e-12)
+    assert mtf["caption"] == f"MTF at the pixels' Nyquist ({places[0]:.4g} cyc/mrad)"
+
+
+def test_a_network_without_a_sensor_shows_what_it_has(imagechain):
+    lines = imagechain("run", "first_steps").stdout.splitlines()
+    assert [each.split()[0] for each in lines[:3]] == ["Output:", "MTF", "all"]
+
+
+def test_the_report_opens_with_them(shipped_report):
+    made = shipped_report("mwir_camera")
+    card = made.page.index('class="card"')
+    assert card < made.page.index('alt="input and output pictures"') < made.page.index("Data sheet")
+    for figure in made.facts["figures"]:
+        assert made.page.find(figure["caption"].replace("'", "&#39;"), card) > card
+    assert "378.9 ke-" in made.page[card : card + 2000]
+
+
+@pytest.mark.parametrize(
+    ("values", "unit", "told"),
+    [
+        ((0.05,), "K", ("50", "mK")),
+        ((0.1, 0.3), "K", ("0.1, 0.3", "K")),
+        ((0.0, 2e5), "e-", ("0, 200", "ke-")),
+        ((0.5, 0.5), "", ("0.5", "")),
+        ((2.0, 2.0, 3.0), "DN", ("2, 2, 3", "DN")),
+        ((49152.0,), "Hz", ("49.15", "kHz")),
+    ],
+)
+def test_values_share_the_size_of_their_unit(values, unit, told):
+    assert figure_rows([Figure("what", values, unit, "node")]) == [("what", *told, "node")]
+
+
+def test_captions_name_read_outs_that_there_are():
+    library = standard_library()
+    shown = [(key, [name for name, _ in rows]) for key, rows in SENSOR_FIGURES.items()]
+    shown += [(key, [name for names, _ in rows for name in names]) for key, rows in _MERITS.items()]
+    for key, names in shown:
+        declared = {readout.name for readout in declaration(library[key]).readouts}
+        assert set(names) <= declared, key
