@@ -130,7 +130,8 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
         chain_responses = responses(chain, work)
         if chain.final is not None:
             engine.value(plan, chain.final, work)
-    seconds = {"sources": checked - start, "evaluation": time.perf_counter() - checked}
+    end = time.perf_counter()
+    seconds = {"sources": checked - start, "evaluation": end - checked, "total": end - start}
     return Evaluation(
         plan, engine, work, chain, chain_responses, readouts, cautions, folder, seconds
     )

@@ -20,6 +20,15 @@ def test_its_commands_are_those_there_are():
     assert {"run", "edit", "handbook"} <= commands
 
 
+def test_its_python_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    programs = [text for kind, text in BLOCKS if kind == "python"]
+    assert programs
+    for text in programs:
+        exec(compile(text, "README.md", "exec"), {})
+    assert (tmp_path / "mine.json").is_file()
+
+
 def test_its_links_lead_somewhere():
     linked = re.findall(r"\]\((?!https:)([^)#]+)\)", TEXT)
     assert linked

@@ -60,7 +60,7 @@ def test_all_prints_every_read_out(imagechain, write, small, tmp_path):
 
 
 def test_the_mtf_is_the_product_at_the_pixels_nyquist_frequency(imagechain, write, small, tmp_path):
-    """Two Gaussians of 0.5 and the jitter's σ; blocks of two samples halve the Nyquist frequency."""
+    """Two Gaussians of 0.5 and the jitter's σ; blocks of two halve the Nyquist frequency."""
     done = imagechain("run", write(small), "--report", "r.json", "--precision", "double")
     assert done.returncode == 0, done.stderr
     figures = json.loads((tmp_path / "r.json").read_text())["figures"]
