@@ -84,10 +84,41 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
     ImagechainError
         The first fault; nothing has been written then.
     """
-    start = time.perf_counter()
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)
+    while True:
+        try:
+            _carry_out(network, place, options, cancel)
+        except ImagechainError as error:
+            smaller = _without_judges(network, error, options, library)
+            if smaller is None:
+                raise
+            network = smaller
+        else:
+            return
+
+
+def _without_judges(
+    network: Network, error: ImagechainError, options: Options, library: Library
+) -> Network | None:
+    """The network without the judges that cannot judge a picture put in place of its scene."""
+    if not options.scenes:
+        return None
+    from app.run.own_scene import without_judges
+
+    left = without_judges(network, error, library, [save.node for save in options.saves])
+    if left is None:
+        return None
+    print("\n".join(map(in_line, left[1])))
+    return left[0]
+
+
+def _carry_out(
+    network: Network, place: Place, options: Options, cancel: threading.Event | None
+) -> None:
+    start = time.perf_counter()
+    library = standard_library()
     policy = policy_of(options)
     plan = planned(Engine(library, Store(0)), network, place.folder)
     way = way_of_running(plan, policy, options.memory_bytes)
@@ -196,19 +227,42 @@ def with_options(network: Network, place: Place, options: Options, library: Libr
     if not network.nodes:
         raise NetworkError(f"{shown(str(place.path))}: the network has no nodes")
     network = plain_network(network, library=library)
+    given = [(setting.node, setting.name) for setting in options.settings]
+    for text in options.scenes:
+        network, read = _with_scene(network, text, place, options, library)
+        given.append((read, "path"))
     network = with_settings(network, options.settings, library=library)
     if options.final is not None:
         network = with_final(network, options.final, library=library)
     check_shares(
         network,
         library,
-        given=[(setting.node, setting.name) for setting in options.settings],
+        given=given,
         places=[place.path.absolute(), *options.allowed, *filter(None, [options.output_dir])],
     )
     if options.seed is not None:
         network = network.with_seed(options.seed)
     check_network(network, library=library)
     return network
+
+
+def _with_scene(
+    network: Network, text: str, place: Place, options: Options, library: Library
+) -> tuple[Network, str]:
+    """The network with a picture in place of a scene, ``[NODE=]FILE``, and the node."""
+    from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
+
+    node, _, file = text.partition("=")
+    named = file and node in scene_nodes(network, library)
+    replaced = with_own_scene(
+        network,
+        OwnScene(Path(file if named else text), option="--scene-", **options.scene),
+        library=library,
+        folder=place.folder,
+        node=node if named else None,
+    )
+    print("\n".join(map(in_line, replaced.lines)))
+    return replaced.network, replaced.node
 
 
 def policy_of(options: Options) -> Policy:

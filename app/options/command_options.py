@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import textwrap
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, NoReturn, cast
@@ -76,6 +76,8 @@ class Options:
     network: str = ""
     settings: tuple[Assignment, ...] = ()
     final: str | None = None
+    scenes: tuple[str, ...] = ()
+    scene: Mapping[str, Any] = field(default_factory=dict)
     saves: tuple[Save, ...] = ()
     output_dir: Path | None = None
     allowed: tuple[Path, ...] = ()
@@ -200,7 +202,12 @@ def parse(argv: list[str]) -> Options:
     settings = tuple(assignment("--set", text, "NODE.PARAM=VALUE") for text in arguments.set)
     if arguments.command == "check":
         return Options(
-            "check", arguments.network, settings, final=arguments.final, **_places(arguments)
+            "check",
+            arguments.network,
+            settings,
+            final=arguments.final,
+            **_scene(arguments),
+            **_places(arguments),
         )
     common: dict[str, Any] = {
         "settings": settings,
@@ -209,6 +216,7 @@ def parse(argv: list[str]) -> Options:
         "tolerance": tolerance(arguments.tolerance),
         "seed": whole_number("--seed", arguments.seed, largest=LARGEST_INTEGER),
         "threads": whole_number("--threads", arguments.threads, largest=1024) or 0,
+        **_scene(arguments),
     }
     if arguments.command == "tradeoff":
         return Options(
@@ -361,6 +369,25 @@ _SIMPLE: Mapping[str, Callable[[argparse.Namespace], Options]] = MappingProxyTyp
         "handbook": _handbook,
     }
 )
+
+
+def _scene(arguments: argparse.Namespace) -> dict[str, Any]:
+    """A picture in place of the scene, and what is said of it."""
+    given: dict[str, Any] = {"unit": arguments.scene_unit or None}
+    for name in ("fov_deg", "band_um"):
+        texts = getattr(arguments, f"scene_{name}")
+        option = f"--scene-{name.replace('_', '-')}"
+        given[name] = texts and tuple(finite_number(option, text) for text in texts)
+    for name in ("range_m", "sample_m"):
+        option = f"--scene-{name.replace('_', '-')}"
+        given[name] = finite_number(option, getattr(arguments, f"scene_{name}"))
+    given = {name: value for name, value in given.items() if value is not None}
+    for text in arguments.scene:
+        file_path("--scene", text)
+    if given and not arguments.scene:
+        option = next(iter(given)).replace("_", "-")
+        raise UsageError(f"--scene-{option} goes with --scene FILE")
+    return {"scenes": tuple(arguments.scene), "scene": given}
 
 
 def _places(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -48,6 +48,47 @@ def network_words(parser: argparse.ArgumentParser) -> None:
         metavar="NODE.PORT",
         help="the picture that is the network's output, in place of the one marked in the file",
     )
+    _scene_words(parser)
+
+
+def _scene_words(parser: argparse.ArgumentParser) -> None:
+    """A picture in the place of the network's scene."""
+    add: Any = parser.add_argument_group("a picture of your own").add_argument
+    add(
+        "--scene",
+        action="append",
+        default=[],
+        metavar="[NODE=]FILE",
+        help="a picture or cube in place of the network's scene; NODE says which of several",
+    )
+    add(
+        "--scene-fov-deg",
+        action=Once,
+        nargs=2,
+        metavar=("X", "Y"),
+        help="its field of view (default: of its header, else as wide as the scene before)",
+    )
+    add("--scene-range-m", action=Once, metavar="M", help="its distance")
+    add(
+        "--scene-sample-m",
+        action=Once,
+        metavar="M",
+        help="size of a sample on the scene, in place of the field of view",
+    )
+    add(
+        "--scene-band-um",
+        action=Once,
+        nargs=2,
+        metavar=("A", "B"),
+        help="its band of wavelengths (default: of its header, else as of the scene before)",
+    )
+    add(
+        "--scene-unit",
+        action=Once,
+        metavar="UNIT",
+        help="what its samples are: a unit of radiance, K, C, reflectance, or relative: scaled to "
+        "the range of the scene before (default: the file's unit, else relative)",
+    )
 
 
 def place_words(parser: argparse.ArgumentParser) -> None:

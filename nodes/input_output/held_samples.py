@@ -109,15 +109,15 @@ class HeldSamples:
             kind="array",
         )
 
-    def step(self, *, scale: float, node: str) -> Step:
-        """Recipe of the samples times `scale`."""
-        return Step.of(scaled_array, node=node, held=self, scale=scale)
+    def step(self, *, scale: float, offset: float, node: str) -> Step:
+        """Recipe of the samples times `scale` plus `offset`."""
+        return Step.of(scaled_array, node=node, held=self, scale=scale, offset=offset)
 
 
 @in_blocks()
 @source_step(area_means=False)  # as a scene in a file, it may be blurred by anything
-def scaled_array(work: Work, *, held: HeldSamples, scale: float) -> Samples:
+def scaled_array(work: Work, *, held: HeldSamples, scale: float, offset: float) -> Samples:
     """Samples in the evaluation's precision; errors as `scaled_samples`."""
-    if scale == 1.0 and held.samples.dtype == work.policy.dtype:
+    if scale == 1.0 and offset == 0.0 and held.samples.dtype == work.policy.dtype:
         return held.samples
-    return scaled_samples(work, held.samples, scale, held.name)
+    return scaled_samples(work, held.samples, scale, held.name, offset)

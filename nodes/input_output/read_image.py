@@ -25,7 +25,12 @@ from nodes.input_output.file_bands import file_bands
 from nodes.input_output.held_bands import HeldBands
 from nodes.input_output.held_samples import HeldSamples
 from nodes.input_output.radiance_check import radiance_caution
-from nodes.input_output.sample_unit import DEFAULT_UNIT, sample_unit, spectral_unit
+from nodes.input_output.sample_unit import (
+    DEFAULT_UNIT,
+    is_spectral,
+    sample_unit,
+    spectral_unit,
+)
 from nodes.input_output.source_file import Source, count_missing, picture_source, read_step
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import is_radiance
@@ -36,16 +41,17 @@ _WHOLE = 0.99  # of the wavelengths: less is warned of
 class ReadImage(Module, key="read_image", title="Read Image", group="Input and output"):
     """Read a picture from a file: ENVI as DIRSIG writes it, or of any format that `path` names.
 
-    Samples are the numbers the file stores times `scale`. Where an ENVI header gives wavelengths,
-    its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for every other
-    file these two give the band of the samples. Radiance comes out in W/m²/sr, one spectral band in
-    W/m²/sr/µm: where the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and `scale` is 1,
-    from that one, else from `unit`; a cube whose header names no unit needs one of the two. Gains
-    and offsets of an ENVI header are applied, and its bad bands left out. K, DN and the like stay
-    what they are; photons are not turned into watts; a unit of radiance not understood is refused.
-    Of a colour picture one channel is read, of a cube one band or plane, the first unless `band`
-    names another. An empty field of view is taken from the header. FITS pictures come with their
-    first row at the bottom. Of a cube whose header gives wavelengths, `bands` all takes every band
+    Samples are the numbers the file stores times `scale`, plus `offset`. Where an ENVI header gives
+    wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for
+    every other file these two give the band of the samples. Radiance comes out in W/m²/sr, one
+    spectral band in W/m²/sr/µm: where the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …)
+    and `scale` is 1, from that one, else from `unit`; a cube whose header names no unit needs one
+    of the two. Gains and offsets of an ENVI header are applied, and its bad bands left out. K, DN
+    and the like stay what they are; photons are not turned into watts; a unit of radiance not
+    understood is refused. Of a colour picture one channel is read, or with `bands` luminance the
+    three as the eye weighs them; of a cube one band or plane, the first unless `band` names
+    another. An empty field of view is taken from the header. FITS pictures come with their first
+    row at the bottom. Of a cube whose header gives wavelengths, `bands` all takes every band
     between `cut_on_um` and `cut_off_um`, each in W/m²/sr/µm (photons too, by the energy of its
     wavelength): optics and atmosphere act on each by itself, until a detector sums them up. The
     cube stays on disk. Samples that are no numbers, or the file's value for no data, are refused
@@ -61,9 +67,15 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
             when="a header with wavelengths, bands summed up",
         ),
         Formula(
-            r"L=s\,c\,S",
-            where="c: what turns the unit into W/m²/sr; 1 for kelvin, digital numbers and the like",
+            r"L=s\,c\,S+o",
+            where="c: what turns the unit into W/m²/sr; 1 for kelvin, digital numbers and the "
+            "like; o: `offset`",
             when="any other file",
+        ),
+        Formula(
+            r"S=0.2126\,R+0.7152\,G+0.0722\,B",
+            where="R, G, B: the numbers of the three channels (ITU-R BT.709)",
+            when="luminance",
         ),
     )
 
@@ -73,10 +85,14 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     ] = None
     band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0
     bands: Annotated[
-        Literal["one", "all"],
-        Param("one band, or all of a spectral cube, which go through the chain by themselves"),
+        Literal["one", "all", "luminance"],
+        Param(
+            "one band, all of a spectral cube, which go through the chain by themselves, or the "
+            "luminance of a colour picture"
+        ),
     ] = "one"
     scale: Annotated[float, Param("factor on the samples", slider=(0, 10000))] = 1.0
+    offset: Annotated[float, Param("what is added after scaling, in the unit")] = 0.0
     unit: Annotated[str, Param("unit of the samples after scaling")] = DEFAULT_UNIT
     fov_x_deg: Annotated[
         float | None,
@@ -98,13 +114,15 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     panel = (
         Section("File", ("path", "bands")),
         Section("", ("band",), shown_when=("bands", ("one",))),
-        Section("Samples", ("scale", "unit", "missing")),
+        Section("Samples", ("scale", "offset", "unit", "missing")),
         Section("Field of view", ("fov_x_deg", "fov_y_deg")),
         Section("Band", ("cut_on_um", "cut_off_um")),
     )
 
     def check(self) -> None:
-        """Refuse half a band and an empty one."""
+        """Refuse half a band and an empty one, and an offset of a cube's bands."""
+        if self.bands == "all" and self.offset:
+            raise ParameterError("offset", self.offset, "0 where bands = all")
         low, high = self.cut_on_um, self.cut_off_um
         if low is None and high is None:
             return
@@ -119,19 +137,30 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         if self.bands == "all":
             return ImageOutput(self._cube(source, here.node))
         info, stated = source.info, self._stated_band()
-        spectral = stated is not None and info.wavelengths_um is not None
-        band = 0 if spectral else checked_band(self.band, info.bands, info.path)
+        spectral = stated is not None and is_spectral(info)
+        band = 0 if spectral else self._channel(info)
         unit = sample_unit(info, typed=self.unit, scale=self.scale, integrated=spectral)
         recipe = read_step(
             source,
             band=band,
             scale=self.scale * unit.factor,
+            offset=self.offset,
             node=here.node,
             interval_um=stated if spectral else None,
             missing=self.missing,
         )
         band_um = stated or _band_um(info, band)
         return ImageOutput(self._picture(info, recipe, unit.name, band_um, spectral=spectral))
+
+    def _channel(self, info: PictureInfo) -> int | tuple[int, ...]:
+        """The band that is read; of a colour picture in luminance, its three."""
+        if self.bands != "luminance":
+            return checked_band(self.band, info.bands, info.path)
+        names = [name.upper() for name in info.channels]
+        if not {"R", "G", "B"} <= set(names):
+            what = f"channels R, G and B, which {info.path.name} has not"
+            raise ParameterError("bands", self.bands, f"{what}: take one or all")
+        return tuple(names.index(name) for name in "RGB")
 
     def of_samples(self, held: HeldSamples, node: str) -> ImageOutput:
         """The picture of samples in memory: that of a file which says no more of them.
@@ -154,7 +183,8 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
             return ImageOutput(self._in_bands(info, stack))
         checked_band(self.band, 1, info.path)
         single = sample_unit(info, typed=self.unit, scale=self.scale, integrated=False)
-        recipe = held.step(scale=self.scale * single.factor, node=node)
+        factor = self.scale * single.factor
+        recipe = held.step(scale=factor, offset=self.offset, node=node)
         band_um = self._stated_band()
         return ImageOutput(self._picture(info, recipe, single.name, band_um, spectral=False))
 
@@ -236,7 +266,8 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     def numbers_without_unit(self, outputs: ImageOutput) -> Caution | None:
         """Whole numbers of a file that are taken for radiance as they are."""
         bare = outputs.image.header.bare_integers
-        if not bare or self.scale != 1.0 or not is_radiance(self.unit):
+        scaled = self.scale != 1.0 or self.offset != 0.0
+        if not bare or scaled or not is_radiance(self.unit):
             return None
         return Caution(
             f"the file stores whole numbers, and unit says that they are {self.unit}",
@@ -320,12 +351,12 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     def one_channel(self, outputs: ImageOutput, given: frozenset[str]) -> Caution | None:
         """A colour picture, of which one channel is read without a choice."""
         channels = outputs.image.header.channels
-        if len(channels) < 2 or "band" in given:
+        if len(channels) < 2 or "band" in given or self.bands == "luminance":
             return None
         read = channels[self.band] if self.band < len(channels) else f"number {self.band}"
         return Caution(
             f"colour picture: channel {read} of {', '.join(channels)} is read",
-            f"band chooses another one, 0 to {len(channels) - 1}",
+            f"band chooses another one, 0 to {len(channels) - 1}; bands = luminance takes all",
         )
 
     @warning
@@ -360,9 +391,9 @@ def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
     return None if fov_deg is None else interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
 
 
-def _band_um(info: PictureInfo, band: int) -> tuple[float, float] | None:
+def _band_um(info: PictureInfo, band: int | tuple[int, ...]) -> tuple[float, float] | None:
     """The two ends of the band, where the header gives its width."""
-    if info.wavelengths_um is None or info.fwhm_um is None:
+    if info.wavelengths_um is None or info.fwhm_um is None or isinstance(band, tuple):
         return None
     centre, half = info.wavelengths_um[band], info.fwhm_um[band] / 2
     return (centre - half, centre + half) if centre > half else None

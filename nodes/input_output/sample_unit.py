@@ -18,6 +18,17 @@ class SampleUnit(NamedTuple):
     factor: float
 
 
+def is_spectral(info: PictureInfo) -> bool:
+    """Whether a file holds bands that can be summed: not one that is the radiance of a whole."""
+    if info.wavelengths_um is None:
+        return False
+    try:
+        unit = radiance_unit(info.unit) if info.unit and info.bands == 1 else None
+    except DataError:
+        return True
+    return unit is None or bool(unit.spectral)
+
+
 def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool) -> SampleUnit:
     """Unit of the samples of a file after `scale`.
 

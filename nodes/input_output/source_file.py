@@ -23,6 +23,9 @@ from nodes.files.read import check_finite, read_info, read_pixels
 from nodes.files.stores.store_folder import is_store, readable_picture, store_state
 
 Stamp = tuple[str, int, int]
+Channel = int | tuple[int, ...]
+"""A band, or those of red, green and blue of which the luminance is taken."""
+LUMINANCE = (0.2126, 0.7152, 0.0722)  # ITU-R BT.709
 Missing = Literal["refuse", "mean", "zero"]
 """What to do with samples that are NaN, infinite, or missing by the header."""
 _BLOCK_SAMPLES = 1 << 20
@@ -66,15 +69,17 @@ def picture_source(path: Path | None, here: NodeContext) -> Source:
 def read_step(
     source: Source,
     *,
-    band: int,
+    band: Channel,
     scale: float,
     node: str,
+    offset: float = 0.0,
     interval_um: tuple[float, float] | None = None,
     missing: Missing = "refuse",
 ) -> Step:
-    """Recipe of the samples of a band, or integrated over an interval, times `scale`.
+    """Recipe of the samples of a band, or integrated over an interval, times `scale` and `offset`.
 
-    Samples that are not finite are refused, or replaced by the mean of the others, or by zero.
+    Three bands are summed to their luminance. Samples that are not finite are refused, or replaced
+    by the mean of the others, or by zero.
     """
     return Step.of(
         read_scaled,
@@ -85,6 +90,7 @@ def read_step(
         scale=scale,
         interval_um=interval_um,
         missing=missing,
+        **({"offset": offset} if offset else {}),
     )
 
 
@@ -95,10 +101,11 @@ def read_scaled(
     *,
     file: Path,
     stamps: tuple[Stamp, ...],
-    band: int,
+    band: Channel,
     scale: float,
     interval_um: tuple[float, float] | None,
     missing: Missing,
+    offset: float = 0.0,
 ) -> NDArray[np.floating]:
     """Samples in the evaluation's precision.
 
@@ -114,9 +121,9 @@ def read_scaled(
         check_finite(samples, str(file), advice=_ADVICE)
     else:
         samples = _filled(work, samples, missing, file)
-    if scale == 1.0 and samples.dtype == work.policy.dtype:
+    if scale == 1.0 and offset == 0.0 and samples.dtype == work.policy.dtype:
         return samples
-    return scaled_samples(work, samples, scale, str(file))
+    return scaled_samples(work, samples, scale, str(file), offset)
 
 
 @in_blocks()
@@ -126,7 +133,7 @@ def count_missing(
     *,
     file: Path,
     stamps: tuple[Stamp, ...],
-    band: int,
+    band: Channel,
     interval_um: tuple[float, float] | None,
     **_: Any,
 ) -> int:
@@ -140,16 +147,29 @@ def _stored(
     work: Work,
     file: Path,
     stamps: tuple[Stamp, ...],
-    band: int,
+    band: Channel,
     interval_um: tuple[float, float] | None,
 ) -> NDArray[Any]:
     check_unchanged(file, stamps)
     empty: Empty = np.empty if work.blocks is None else work.empty
-    if interval_um is None:
+    if interval_um is not None:
+        samples = integrate_bands(file, *interval_um, empty=empty)
+    elif isinstance(band, int):
         samples = read_pixels(file, band, empty=empty)
     else:
-        samples = integrate_bands(file, *interval_um, empty=empty)
+        samples = luminance(file, band, empty=empty)
     check_unchanged(file, stamps)  # rows of before and after a change are no picture
+    return samples
+
+
+def luminance(file: Path, bands: tuple[int, ...], *, empty: Empty = np.empty) -> NDArray[Any]:
+    """Luminance of a picture of red, green and blue, in the bands of these numbers."""
+    samples: NDArray[Any] | None = None
+    for weight, band in zip(LUMINANCE, bands, strict=True):
+        channel = read_pixels(file, band, empty=empty)
+        channel *= channel.dtype.type(weight)
+        samples = channel if samples is None else np.add(samples, channel, out=samples)
+    assert samples is not None
     return samples
 
 
@@ -182,9 +202,11 @@ def _filled(work: Work, samples: NDArray[Any], missing: Missing, file: Path) -> 
 
 
 def scaled_samples(
-    work: Work, samples: NDArray[Any], scale: float, name: str
+    work: Work, samples: NDArray[Any], scale: float, name: str, offset: float = 0.0
 ) -> NDArray[np.floating]:
-    """Samples times a factor in the evaluation's precision; `name` is what they are called.
+    """Samples times a factor, plus an offset, in the evaluation's precision.
+
+    `name` is what they are called.
 
     Raises
     ------
@@ -197,7 +219,7 @@ def scaled_samples(
         for start in range(0, samples.shape[0], step):
             work.check()
             rows = slice(start, start + step)
-            scaled[rows] = samples[rows].astype(np.float64) * scale
+            scaled[rows] = samples[rows].astype(np.float64) * scale + offset
     check_finite(scaled, f"{name} times scale = {scale:g} in {work.policy.precision} precision")
     return scaled
 

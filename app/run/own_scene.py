@@ -1,0 +1,640 @@
+"""A picture of one's own in the place of a network's scene: an edit from network to network."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.run.output import ANALYSIS, ancestors
+from core.chain.engine import Engine, Plan
+from core.chain.wires import Image
+from core.editing.nodes import fresh_name
+from core.errors import DataError, FileError, ImagechainError, UsageError
+from core.evaluation.policy import Policy
+from core.modules.declaration import declaration
+from core.modules.library_type import Library
+from core.names import close, shown
+from core.network.expansion import expanded
+from core.network.linked_values import naming
+from core.network.network import Link, Network, Node
+from core.network.validation import NetworkProblems
+from core.physics.radiometry.radiance_units import radiance_unit
+from nodes.files.common.picture_info import PictureInfo
+from nodes.files.headers.envi_bands import band_ends_um
+from nodes.files.read import read_info, read_pixels
+from nodes.input_output.held_samples import HeldSamples
+from nodes.input_output.sample_unit import is_spectral
+from nodes.input_output.source_file import LUMINANCE, luminance
+from nodes.shared.shared_warnings import is_radiance, is_temperature
+
+READ_IMAGE = "read_image"
+RELATIVE = "relative"
+_MOST_SAMPLES = 1 << 27  # of which the range is looked for
+_UNITS = {"c": "°C", "celsius": "°C", "f": "°F", "degf": "°F", "fahrenheit": "°F", "k": "K"}
+_REFLECTANCE = ("reflectance", "albedo", "%", "1")
+_KNOWN = (
+    "a unit of radiance (W/m²/sr, uW/cm^2/sr/um, …), a temperature (K, C, F, mK), reflectance, %, "
+    f"or {RELATIVE}: scaled to the range of the scene that it replaces"
+)
+Array = NDArray[Any]
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class OwnScene:
+    """A picture, and what its owner says of it; what is None follows from file and network.
+
+    Parameters
+    ----------
+    picture : Path or ndarray
+        A picture or cube; of an array (rows, columns), or (rows, columns, 3) for red, green, blue.
+    fov_deg : (float, float), optional
+        Field of view across and along, degrees.
+    range_m : float, optional
+        Distance of the scene, m.
+    sample_m : float, optional
+        Size of a sample on the scene, m; with the distance it gives the field of view.
+    band_um : (float, float), optional
+        Shortest and longest wavelength, µm.
+    unit : str
+        What the samples are: a unit of radiance, a temperature, a reflectance, or `RELATIVE`.
+    option : str
+        What stands before the names of these in messages.
+    """
+
+    picture: Path | Array
+    fov_deg: Pair | None = None
+    range_m: float | None = None
+    sample_m: float | None = None
+    band_um: Pair | None = None
+    unit: str = ""
+    option: str = ""
+
+    def check(self) -> None:
+        """Refuse what no picture has.
+
+        Raises
+        ------
+        UsageError
+            Naming the value, and what is allowed.
+        """
+        allowed = "above 0° and below 180°"
+        for value in self.fov_deg or ():
+            if not 0.0 < value < 180.0:
+                raise UsageError(f"{self._named('fov_deg')} {value:g}: give {allowed}")
+        for name, length in (("range_m", self.range_m), ("sample_m", self.sample_m)):
+            if length is not None and not 0.0 < length < math.inf:
+                raise UsageError(f"{self._named(name)} {length:g}: give metres above 0")
+        if self.band_um is not None and not 0.0 < self.band_um[0] < self.band_um[1] < 1e6:
+            low, high = self.band_um
+            what = "give the shortest and the longest wavelength in µm"
+            raise UsageError(f"{self._named('band_um')} {low:g} {high:g}: {what}")
+        if self.fov_deg is not None and self.sample_m is not None:
+            names = f"{self._named('fov_deg')} and {self._named('sample_m')}"
+            raise UsageError(f"{names} both give the field of view: leave one of them out")
+
+    def _named(self, name: str) -> str:
+        return f"{self.option}{name.replace('_', '-') if self.option else name}"
+
+
+@dataclass(frozen=True)
+class SceneReplaced:
+    """The network with the picture in it.
+
+    Parameters
+    ----------
+    network : Network
+        The network.
+    node : str
+        The node that reads the picture.
+    lines : tuple of str
+        How the picture was taken: samples, field of view, band.
+    samples : HeldSamples or None
+        Those of an array.
+    """
+
+    network: Network
+    node: str
+    lines: tuple[str, ...]
+    samples: HeldSamples | None = None
+
+
+def scene_nodes(network: Network, library: Library) -> list[str]:
+    """The nodes that picture a scene: without an input, and with an image."""
+    return [
+        name
+        for name, node in network.nodes.items()
+        if node.module in library
+        and not (declared := declaration(library[node.module])).inputs
+        and any("image" in port.types for port in declared.outputs)
+    ]
+
+
+def with_own_scene(
+    network: Network,
+    own: OwnScene,
+    *,
+    library: Library,
+    folder: Path,
+    node: str | None = None,
+    stored: str | None = None,
+) -> SceneReplaced:
+    """The network with a picture in the place of its scene; wires and layout stay.
+
+    Parameters
+    ----------
+    network : Network
+        A document, or one whose macros have been written out.
+    own : OwnScene
+        The picture.
+    library : mapping
+        Modules by key.
+    folder : Path
+        What file names of the network are relative to.
+    node : str, optional
+        The scene; needed where the network has several.
+    stored : str, optional
+        The picture's file as the network is to name it; its whole path by default.
+
+    Raises
+    ------
+    ImagechainError
+        If there is no such scene, the picture cannot be read, or a value is not allowed.
+    """
+    own.check()
+    name = _chosen(network, library, node, own.option)
+    plan = Engine(library).plan(expanded(network, library), folder=folder)
+    return _Replacing(network, own, name, plan, library).done(stored)
+
+
+def _chosen(network: Network, library: Library, node: str | None, option: str) -> str:
+    scenes = scene_nodes(network, library)
+    if node is not None:
+        if node not in scenes:
+            hint = close(node, scenes) or f": there are {', '.join(scenes) or 'none'}"
+            raise UsageError(f"{shown(node)} is no scene of the network{hint}")
+        return node
+    seen = [name for name in scenes if name in delivering(network, library)]
+    if len(seen) == 1:
+        return seen[0]
+    if not seen:
+        raise UsageError("the network has no scene that a picture could replace")
+    which = f"{option[:-1]} {seen[0]}=FILE" if option else f"node={seen[0]!r}"
+    names = ", ".join(map(shown, seen))
+    raise UsageError(f"the network has {len(seen)} scenes, {names}: say which, as in {which}")
+
+
+class _Replacing:
+    """One replacement: what was there, what comes, and what is said of it."""
+
+    def __init__(
+        self, network: Network, own: OwnScene, name: str, plan: Plan, library: Library
+    ) -> None:
+        self._network, self._own, self._name, self._plan = network, own, name, plan
+        self._library = library
+        self._lines: list[str] = []
+        self._where: list[str] = []  # field of view, distance, band
+        self._kind = "samples"
+        self._held: HeldSamples | None = None
+        if isinstance(own.picture, np.ndarray):
+            self._held = HeldSamples.of(_grey(own.picture))
+            self._info = self._held.info
+        else:
+            self._info = _info(own.picture)
+        outputs = plan.nodes[name].outputs.values()
+        self._before: Image | None = next((o for o in outputs if isinstance(o, Image)), None)
+        self._after = _downstream(plan.network, name)
+        self._converter = ""
+        names = [name.upper() for name in self._info.channels]
+        self._rgb = tuple(map(names.index, "RGB")) if {"R", "G", "B"} <= set(names) else ()
+
+    def done(self, stored: str | None) -> SceneReplaced:
+        """The network with the picture."""
+        info = self._info
+        values: dict[str, Any] = {}
+        if self._held is None:
+            values["path"] = stored or str(info.path.absolute())
+        values |= self._of_cube() if is_spectral(info) else self._of_picture()
+        network = self._without_references()
+        fields, network = self._geometry(network)
+        values |= fields
+        old = network.nodes[self._name]
+        title = declaration(self._library[old.module]).title
+        node = Node(old.id, READ_IMAGE, values, auto=old.auto, noise=old.noise, final=old.final)
+        network = self._wired(network.with_node(node))
+        what = info.path.name if self._held is None else "an array"
+        head = f"{what}, {info.columns} × {info.rows} {self._kind}, replaces {title}"
+        said = filter(None, (head, *self._lines, ", ".join(self._where)))
+        lines = (f"{self._name}: {line}" for line in said)
+        return SceneReplaced(network, self._name, tuple(lines), self._held)
+
+    # Samples
+
+    def _of_cube(self) -> dict[str, Any]:
+        """Bands of wavelength: each by itself where the network's scene has bands, else summed."""
+        info, own, before = self._info, self._own, self._before
+        unit = _worded(own.unit)
+        if not (unit or info.unit):
+            raise UsageError(
+                f"{info.path}: does not say the unit of its bands: give {self._option('unit')}, "
+                "such as W/m²/sr/µm"
+            )
+        if unit == RELATIVE:
+            raise UsageError(
+                f"{self._option('unit')} {RELATIVE}: not of a cube; give a unit such as W/m²/sr/µm"
+            )
+        first, last = band_ends_um(info)
+        ends = float(min(first)), float(max(last))
+        wanted = own.band_um or (None if before is None else before.band_um) or ends
+        low, high = max(wanted[0], ends[0]), min(wanted[1], ends[1])
+        if low >= high:
+            raise UsageError(
+                f"{info.path}: its bands, {_um(ends)}, do not meet {_um(wanted)}: give "
+                f"{self._option('band_um')}, or take a network of that band"
+            )
+        kept = before is not None and before.bands is not None
+        how = "each of its own" if kept else "summed"
+        part = "" if (low, high) == wanted else f" of {_um(wanted)}"
+        self._lines.append(f"{info.bands} bands, {how}, {_um((low, high))}{part}")
+        self._converter = self._conversion(unit or info.unit or "")
+        values: dict[str, Any] = {"cut_on_um": low, "cut_off_um": high}
+        if kept or self._converter:
+            values["bands"] = "all"
+        return values | ({"unit": unit} if unit else {})
+
+    def _of_picture(self) -> dict[str, Any]:
+        """One band of samples: as its unit says, else scaled to the range of the scene before."""
+        info, own, before = self._info, self._own, self._before
+        values: dict[str, Any] = {}
+        if self._rgb:
+            values["bands"] = "luminance"
+            self._kind = "samples, the luminance of its colours"
+        elif info.bands > 1:
+            self._kind = f"samples, the first of {info.bands} channels (band = 0)"
+        unit, stated = _worded(own.unit) or _worded(info.unit or ""), bool(own.unit)
+        band = own.band_um or _header_band(info) or (None if before is None else before.band_um)
+        if band is not None:
+            values |= {"cut_on_um": band[0], "cut_off_um": band[1]}
+            whose = "" if own.band_um else " of its header" if _header_band(info) else " as before"
+            self._where.append(f"band {_um(band)}{whose}")
+        density = _density(unit)
+        if unit == RELATIVE or not (density or self._fits(unit)):
+            if stated and unit != RELATIVE:
+                raise UsageError(f"{self._option('unit')} {shown(own.unit)}: give {_KNOWN}")
+            return values | self._relative(unit)
+        if density:
+            if band is None:
+                raise UsageError(f"{unit}: give {self._option('band_um')}, over which it is summed")
+            scale = density * (band[1] - band[0])
+            values |= {"scale": scale, "unit": "W/m²/sr"}
+            self._lines.append(f"samples in {unit}, times the width of the band")
+            return values
+        self._converter = self._conversion(unit)
+        largest = np.iinfo(info.dtype).max if np.dtype(info.dtype).kind == "u" else 1
+        if unit == "reflectance" and largest > 1:
+            values["scale"] = 1.0 / largest
+            self._lines.append(f"samples 0…{largest} are reflectances of 0…1")
+        else:
+            self._lines.append(f"samples in {unit}{'' if stated else ', as the file says'}")
+        return values | {"unit": unit}
+
+    def _relative(self, unit: str) -> dict[str, Any]:
+        """Scaled so that the range of the samples becomes that of the scene before."""
+        before = self._before
+        if before is None:
+            reason = self._plan.nodes[self._name].error
+            raise UsageError(
+                f"{self._info.path}: names no unit, and the network's own scene, to whose range "
+                f"its samples would be scaled, cannot be read ({reason}): give "
+                f"{self._option('unit')}"
+            )
+        if before.rows * before.columns > _MOST_SAMPLES:
+            raise self._refusal()
+        samples = Engine(self._library).work(Policy("single")).value(before.recipe)
+        low, high = _range(np.asarray(samples), self._refusal())
+        if low == high:  # a uniform scene: half as much above as below
+            low, high = sorted((0.5 * low, 1.5 * low)) if low else (0.0, 1.0)
+        first, last, what = self._levels()
+        if first == last:
+            scale, offset = 1.0, 0.5 * (low + high) - first
+        else:
+            scale = (high - low) / (last - first)
+            offset = low - scale * first
+        of_unit = f" in {unit}" if unit and unit != RELATIVE else ""
+        self._lines.append(
+            f"{what} {first:.4g}…{last:.4g}{of_unit} scaled to {low:.4g}…{high:.4g} {before.unit}, "
+            f"the range of the scene before ({self._option('unit')} says what they are)"
+        )
+        return {"scale": scale, "offset": offset, "unit": before.unit}
+
+    def _levels(self) -> tuple[float, float, str]:
+        """The samples that become the ends of the range, and what they are called."""
+        info = self._info
+        array = self._own.picture
+        dtype = array.dtype if isinstance(array, np.ndarray) else np.dtype(info.dtype)
+        if dtype == np.uint8:
+            return 0.0, 255.0, "8-bit samples"
+        if info.rows * info.columns > _MOST_SAMPLES:
+            raise self._refusal()
+        if self._held is not None:
+            samples: Array = self._held.samples
+        elif self._rgb:
+            samples = luminance(info.path, self._rgb)
+        else:
+            samples = read_pixels(info.path)
+        return *_range(samples, self._refusal()), "samples"
+
+    def _refusal(self) -> UsageError:
+        return UsageError(
+            f"{self._info.path}: names no unit, and too large or not finite to be scaled to the "
+            f"range of the network's own scene: give {self._option('unit')}"
+        )
+
+    def _fits(self, unit: str) -> bool:
+        """Whether the network can take samples in that unit as they are, or converted."""
+        same = self._before is not None and unit == self._before.unit
+        return bool(unit) and (same or is_radiance(unit) or bool(self._conversion(unit)))
+
+    def _conversion(self, unit: str) -> str:
+        """The module that makes radiance of that unit where the network takes radiance."""
+        if self._before is not None and not is_radiance(self._before.unit):
+            return ""
+        if is_temperature(unit):
+            return "to_radiance"
+        return "reflected_light" if unit.lower() in _REFLECTANCE else ""
+
+    # Geometry
+
+    def _geometry(self, network: Network) -> tuple[dict[str, Any], Network]:
+        """Field of view and distance: values of the picture, and changes of the nodes after it."""
+        own, info = self._own, self._info
+        network = self._at_range(network)
+        ground = next((n for n in network.nodes if self._value(n, "ground_interval_m")), None)
+        if ground is not None and own.fov_deg is None:
+            return {}, self._on_ground(network, ground)
+        angle = self._fov_deg()
+        if angle is None:
+            return {}, network
+        if ground is not None:
+            network = _with(network, ground, ground_interval_m=None, ground_interval_y_m=None)
+        for name in network.nodes:
+            if name in self._after and network.nodes[name].module == "init_trans":
+                network = _with(network, name, fov_x_deg=None, fov_y_deg=None)
+        if own.fov_deg is None and angle == (info.fov_x_deg, info.fov_y_deg):
+            return {}, network
+        return {"fov_x_deg": angle[0], "fov_y_deg": angle[1]}, network
+
+    def _fov_deg(self) -> Pair | None:
+        """Field of view: as given, by the distance, of the file, else as wide as before."""
+        own, info = self._own, self._info
+        wide, high = info.columns, info.rows
+        if own.fov_deg is not None:
+            self._where.append(f"field of view {_deg(own.fov_deg)}")
+            return own.fov_deg
+        if own.sample_m is not None:
+            known = [at for name in self._after if (at := self._value(name, "range_m"))]
+            if (distance := own.range_m or max(known, default=None)) is None:
+                raise UsageError(f"{self._option('sample_m')} needs {self._option('range_m')}")
+            step = math.degrees(own.sample_m / distance)
+            angle = step * wide, step * high
+            if max(angle) >= 180.0:
+                raise UsageError(
+                    f"{self._option('sample_m')} {own.sample_m:g}: {_deg(angle)} at {distance:g} m "
+                    "is no field of view; allowed is below 180°"
+                )
+            self._where.append(f"field of view {_deg(angle)}, samples of {own.sample_m:g} m at "
+                               f"{distance:g} m")  # fmt: skip
+            return angle
+        if info.fov_x_deg and info.fov_y_deg:
+            self._where.append(f"field of view {_deg((info.fov_x_deg, info.fov_y_deg))}, of its "
+                               "header")  # fmt: skip
+            return info.fov_x_deg, info.fov_y_deg
+        before = self._fov_before()
+        if before is None:
+            return None
+        step = min(before[0] / wide, before[1] / high)
+        angle = step * wide, step * high
+        side = "across" if math.isclose(angle[0], before[0]) else "along"
+        self._where.append(
+            f"field of view {_deg(angle)}, {side} as before ({self._option('fov_deg')} gives "
+            "another)"
+        )
+        return angle
+
+    def _fov_before(self) -> Pair | None:
+        """Field of view of the network's own scene, by its own sampling or that of the camera."""
+        before = self._before
+        if before is None:
+            return None
+        grids: list[Any] = [before]
+        for name in self._plan.network.order():
+            if name in self._after:
+                planned = self._plan.nodes[name]
+                grids += [o for o in planned.outputs.values() if isinstance(o, Image)]
+                grids += [g for o in planned.outputs.values() if (g := getattr(o, "grid", None))]
+        for one in grids:
+            shape = getattr(one, "rows", 0), getattr(one, "columns", 0)
+            x, y = getattr(one, "interval_x_mrad", None), getattr(one, "interval_y_mrad", None)
+            if shape == before.shape and x and y:
+                return math.degrees(x * shape[1] / 1e3), math.degrees(y * shape[0] / 1e3)
+        return None
+
+    def _at_range(self, network: Network) -> Network:
+        distance = self._own.range_m
+        if distance is None:
+            return network
+        kinds = {n: network.nodes[n].module for n in network.nodes if n in self._after}
+        cameras = [name for name, kind in kinds.items() if kind == "camera"]
+        first = cameras or [name for name, kind in kinds.items() if kind == "init_trans"]
+        others = [name for name in kinds if name not in first and self._value(name, "range_m")]
+        taking = [*first, *others]
+        for name in taking:
+            network = _with(network, name, range_m=distance)
+        where = f" (range_m of {', '.join(taking)})" if taking else ": no node of it takes one"
+        self._where.append(f"distance {distance:g} m{where}")
+        return network
+
+    def _on_ground(self, network: Network, name: str) -> Network:
+        """The picture over as much ground as the scene before, or of samples of a given size."""
+        interval = self._own.sample_m
+        if interval is None:
+            if self._before is None:
+                return network
+            x = self._value(name, "ground_interval_m")
+            y = self._value(name, "ground_interval_y_m") or x
+            across = x * self._before.columns / self._info.columns
+            interval = max(across, y * self._before.rows / self._info.rows)
+        self._lines.append(
+            f"samples of {interval:.4g} m on the ground"
+            f"{'' if self._own.sample_m else ', over as much of it as the scene before'} "
+            f"({name}.ground_interval_m)"
+        )
+        return _with(network, name, ground_interval_m=interval, ground_interval_y_m=None)
+
+    def _value(self, name: str, parameter: str) -> Any:
+        """The value of a parameter of a node behind the scene; None where it has none."""
+        planned = self._plan.nodes.get(name) if name in self._after else None
+        return None if planned is None else getattr(planned.module, parameter, None)
+
+    # The network
+
+    def _wired(self, network: Network) -> Network:
+        """With its wires on the picture, or behind what makes radiance of it."""
+        name, source = self._name, self._name
+        nodes, layout = dict(network.nodes), dict(network.layout)
+        links = list(network.links)
+        if self._converter:
+            source = fresh_name(self._converter, nodes)
+            places = list(nodes)
+            places.insert(places.index(name) + 1, source)
+            nodes[source] = Node(source, self._converter)
+            nodes = {place: nodes[place] for place in places}
+            if name in layout:
+                layout[source] = (layout[name][0], layout[name][1] + 160.0)
+            title = declaration(self._library[self._converter]).title
+            self._lines.append(f"{title} ({source}) makes radiance of it")
+        links = [
+            replace(link, source=source, output="image") if link.source == name else link
+            for link in links
+        ]
+        if source != name:
+            links.append(Link(name, "image", source, "image"))
+        return replace(network, nodes=nodes, links=tuple(links), layout=layout)
+
+    def _without_references(self) -> Network:
+        """With values in the place of expressions that follow the scene before."""
+        network = self._network
+        for name, parameter in naming(network, {self._name}):
+            planned = self._plan.nodes.get(name)
+            value = None if planned is None else planned.node.params.get(parameter)
+            if value is not None and not isinstance(value, Mapping):
+                network = network.with_parameter(name, parameter, value)
+                self._lines.append(
+                    f"{name}.{parameter} = {value} from now on: it followed the scene"
+                )
+        return network
+
+    def _option(self, name: str) -> str:
+        return self._own._named(name)
+
+
+def delivering(network: Network, library: Library) -> set[str]:
+    """The nodes that the delivered picture hangs on, and that picture's own.
+
+    Where none is marked, the pictures that nothing but judges hang on are taken.
+    """
+    ends: Collection[str] = network.output_nodes
+    if not ends:
+        making = []
+        for name, node in network.nodes.items():
+            module = library.get(node.module)
+            declared = None if module is None else declaration(module)
+            if declared is None or (
+                declared.group != ANALYSIS
+                and any("image" in port.types for port in declared.outputs)
+            ):
+                making.append(name)
+        ends = making
+    return {*ends, *ancestors(network, *ends)}
+
+
+def without_judges(
+    network: Network, error: ImagechainError, library: Library, spare: Collection[str] = ()
+) -> tuple[Network, tuple[str, ...]] | None:
+    """The network without the judges that an error belongs to, and a line on each.
+
+    None where the delivered picture hangs on a node with an error, or one of `spare` would go.
+    """
+    problems = error.problems if isinstance(error, NetworkProblems) else (error,)
+    judges = set(network.nodes) - delivering(network, library)
+    gone: set[str] = set()
+    lines = []
+    for problem in problems:
+        if problem.node not in judges:
+            return None
+        assert problem.node is not None
+        gone |= {problem.node, *_downstream(network, problem.node)}
+        lines.append(f"{problem.node} is left out: {problem.message}")
+    if not gone <= judges or gone & set(spare):
+        return None
+    nodes = {name: node for name, node in network.nodes.items() if name not in gone}
+    links = tuple(link for link in network.links if not {link.source, link.target} & gone)
+    return replace(network, nodes=nodes, links=links), tuple(lines)
+
+
+def _downstream(network: Network, name: str) -> set[str]:
+    reached: set[str] = set()
+    waiting = [name]
+    while waiting:
+        new = set(network.followers.get(waiting.pop(), ())) - reached
+        reached |= new
+        waiting += new
+    return reached
+
+
+def _with(network: Network, name: str, **values: Any) -> Network:
+    """With parameters of a node; None takes one away."""
+    node = network.nodes[name]
+    params = {**node.params, **values}
+    kept = {key: value for key, value in params.items() if value is not None or key not in values}
+    return network.with_node(replace(node, params=kept))
+
+
+def _info(path: Path) -> PictureInfo:
+    info = read_info(path)
+    if min(info.rows, info.columns) < 2:
+        raise FileError(f"{path}: {info.columns} × {info.rows} samples are no picture of a scene")
+    return info
+
+
+def _grey(array: Array) -> Array:
+    """An array of two dimensions; of red, green and blue their luminance."""
+    if array.ndim == 3 and array.shape[-1] in (3, 4):
+        return np.asarray(array[..., :3] @ np.array(LUMINANCE))
+    if array.ndim != 2:
+        shape = " × ".join(map(str, array.shape))
+        raise DataError(f"an array of {shape}: give (rows, columns), or (rows, columns, 3)")
+    return array
+
+
+def _header_band(info: PictureInfo) -> Pair | None:
+    if info.wavelengths_um is None or info.fwhm_um is None:
+        return None
+    centre, half = info.wavelengths_um[0], info.fwhm_um[0] / 2.0
+    return centre - half, centre + half
+
+
+def _density(unit: str) -> float:
+    """W/m²/sr/µm of one of a spectral unit; 0 of every other unit."""
+    try:
+        known = radiance_unit(unit) if unit and unit != RELATIVE else None
+    except DataError as error:
+        raise UsageError(error.message) from error
+    spectral = known is not None and not known.photons and known.spectral == "µm"
+    return known.factor if known is not None and spectral else 0.0
+
+
+def _worded(unit: str) -> str:
+    text = unit.strip()
+    return RELATIVE if text.lower() == RELATIVE else _UNITS.get(text.lower(), text)
+
+
+def _range(samples: Array, refusal: UsageError) -> Pair:
+    low, high = float(np.nanmin(samples)), float(np.nanmax(samples))
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise refusal
+    return low, high
+
+
+def _deg(angle: Iterable[float]) -> str:
+    return " × ".join(f"{value:.4g}" for value in angle) + "°"
+
+
+def _um(band: Pair) -> str:
+    return f"{band[0]:g} to {band[1]:g} µm"
