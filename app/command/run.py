@@ -258,7 +258,7 @@ def _with_scene(
         network,
         OwnScene(Path(file if named else text), option="--scene-", **options.scene),
         library=library,
-        folder=place.folder,
+        plan=Engine(library, Store(0)).plan(network, folder=place.folder),
         node=node if named else None,
     )
     print("\n".join(map(in_line, replaced.lines)))

@@ -20,7 +20,6 @@ from core.evaluation.policy import Policy
 from core.modules.declaration import declaration
 from core.modules.library_type import Library
 from core.names import close, shown
-from core.network.expansion import expanded
 from core.network.linked_values import naming
 from core.network.network import Link, Network, Node
 from core.network.validation import NetworkProblems
@@ -141,7 +140,7 @@ def with_own_scene(
     own: OwnScene,
     *,
     library: Library,
-    folder: Path,
+    plan: Plan,
     node: str | None = None,
     stored: str | None = None,
 ) -> SceneReplaced:
@@ -155,8 +154,8 @@ def with_own_scene(
         The picture.
     library : mapping
         Modules by key.
-    folder : Path
-        What file names of the network are relative to.
+    plan : Plan
+        The network planned, its macros written out.
     node : str, optional
         The scene; needed where the network has several.
     stored : str, optional
@@ -169,7 +168,6 @@ def with_own_scene(
     """
     own.check()
     name = _chosen(network, library, node, own.option)
-    plan = Engine(library).plan(expanded(network, library), folder=folder)
     return _Replacing(network, own, name, plan, library).done(stored)
 
 

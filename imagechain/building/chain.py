@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from app.run.output import find_output
+from app.run.own_scene import OwnScene, without_judges
 from app.run.shipped import find_network, shipped_networks
 from core.chain.engine import Engine, Plan
 from core.editing.fields import set_network_field
 from core.editing.links import Rewire, refusal
 from core.editing.operation import ABSENT
 from core.editing.output_mark import SetOutput
-from core.errors import NetworkError, UsageError
+from core.errors import ImagechainError, NetworkError, UsageError
 from core.evaluation.policy import Policy
 from core.modules.declaration import Declaration
 from core.modules.parameters import Parameter
@@ -279,6 +283,63 @@ class Chain:
         return self
 
     @property
+    def scene(self) -> tuple[str, ...]:
+        """How the picture given for the scene was taken, in words; empty if none was given."""
+        return self._state.scene
+
+    @scene.setter
+    @plain_errors
+    def scene(self, picture: Any) -> None:
+        self.replace_scene(picture)
+
+    @plain_errors
+    def replace_scene(
+        self,
+        picture: Any,
+        *,
+        node: str | None = None,
+        fov_deg: tuple[float, float] | None = None,
+        range_m: float | None = None,
+        sample_m: float | None = None,
+        band_um: tuple[float, float] | None = None,
+        unit: str = "",
+    ) -> Chain:
+        """Put a picture of your own in place of the scene; gives the chain itself.
+
+        ``chain.scene = picture`` does it without further words. What is left out follows from the
+        file and the scene before; `chain.scene` says how.
+
+        Parameters
+        ----------
+        picture : path or array
+            A picture or cube; of an array (rows, columns), or (rows, columns, 3) in colour.
+        node : str, optional
+            The scene, where the chain has several.
+        fov_deg : (float, float), optional
+            Field of view across and along, degrees.
+        range_m : float, optional
+            Distance, m.
+        sample_m : float, optional
+            Size of a sample on the scene, m, in place of the field of view.
+        band_um : (float, float), optional
+            Shortest and longest wavelength, µm.
+        unit : str
+            A unit of radiance, ``K``, ``C``, ``reflectance``, or ``relative``: scaled to the range
+            of the scene before. Default is the file's unit, else ``relative``.
+        """
+        is_file = isinstance(picture, str | PathLike)
+        own = OwnScene(
+            Path(fspath(picture)) if is_file else np.asarray(picture),
+            fov_deg=fov_deg,
+            range_m=range_m,
+            sample_m=sample_m,
+            band_um=band_um,
+            unit=unit or getattr(picture, "attrs", {}).get("units", ""),
+        )
+        self._state = self._state.with_scene(own, node, self._engine)
+        return self
+
+    @property
     @plain_errors
     def final(self) -> str | None:
         """The picture that the chain delivers, ``NODE.PORT``; None where it cannot be known."""
@@ -341,10 +402,21 @@ class Chain:
         options = RunOptions.of(
             Policy(precision, tolerance, threads), frames, outputs, region, memory, scratch
         )
-        state = self._state
-        named = frozenset(node for node, _ in state.given)
-        engine, plan = self.planned(seed)
-        return run_plan(engine, plan, options, Origin(state.file, named))
+        named = frozenset(node for node, _ in self._state.given)
+        spare = [port.rpartition(".")[0] for port in options.outputs or ()]
+        chain = self
+        while True:
+            try:
+                engine, plan = chain.planned(seed)
+                return run_plan(engine, plan, options, Origin(self._state.file, named))
+            except ImagechainError as error:
+                library = self._engine.library
+                left = without_judges(chain.network, error, library, spare) if self.scene else None
+                if left is None:
+                    raise
+            for line in left[1]:
+                warnings.warn(line, stacklevel=3)
+            chain = Chain._of(replace(chain._state, network=left[0]), self._engine)
 
     @plain_errors
     def check(self) -> Check:

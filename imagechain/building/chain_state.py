@@ -10,7 +10,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from app.permission.shares import check_shares
+from app.run.own_scene import OwnScene, with_own_scene
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.editing.fields import set_parameter
 from core.editing.macros.inside import Inside
@@ -50,6 +53,8 @@ class ChainState:
         The nodes as they were added, the last one last.
     given : frozenset of (str, str)
         Nodes and parameters whose file names were given in Python, not by a network file.
+    scene : tuple of str
+        How the picture that has replaced the network's scene was taken.
     """
 
     network: Network
@@ -58,12 +63,14 @@ class ChainState:
     samples: Mapping[str, HeldSamples] = field(default_factory=dict)
     order: tuple[str, ...] = ()
     given: frozenset[tuple[str, str]] = frozenset()
+    scene: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "samples", MappingProxyType(dict(self.samples)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        fields = (self.network, self.folder, self.file, dict(self.samples), self.order, self.given)
+        samples = dict(self.samples)
+        fields = (self.network, self.folder, self.file, samples, self.order, self.given, self.scene)
         return ChainState, fields
 
     def node(self, name: str) -> Node:
@@ -170,6 +177,25 @@ class ChainState:
             order=(*self.order, id_),
             samples=samples,
             given=self.given | {(id_, path) for path in paths},
+        )
+
+    def with_scene(self, own: OwnScene, node: str | None, engine: Engine) -> ChainState:
+        """With a picture in place of the scene; errors as `with_own_scene`."""
+        stored = (
+            None if isinstance(own.picture, np.ndarray) else fspath(self._own_path(own.picture))
+        )
+        new = with_own_scene(
+            self.network, own, library=engine.library, plan=self.plan(engine), node=node,
+            stored=stored,
+        )  # fmt: skip
+        samples = {name: held for name, held in self.samples.items() if name != new.node}
+        return replace(
+            self,
+            network=new.network,
+            samples=samples if new.samples is None else {**samples, new.node: new.samples},
+            order=(*self.order, *(name for name in new.network.nodes if name not in self.order)),
+            given=self.given | {(new.node, "path")},
+            scene=new.lines,
         )
 
     def without(self, name: str) -> ChainState:
