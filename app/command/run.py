@@ -261,7 +261,8 @@ def _with_scene(
         plan=Engine(library, Store(0)).plan(network, folder=place.folder),
         node=node if named else None,
     )
-    print("\n".join(map(in_line, replaced.lines)))
+    for line in replaced.lines:
+        print(in_line(f"{replaced.node}: {line}"))
     return replaced.network, replaced.node
 
 

@@ -23,7 +23,7 @@ from core.names import close, shown
 from core.network.linked_values import naming
 from core.network.network import Link, Network, Node
 from core.network.validation import NetworkProblems
-from core.physics.radiometry.radiance_units import radiance_unit
+from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.headers.envi_bands import band_ends_um
 from nodes.files.read import read_info, read_pixels
@@ -229,8 +229,7 @@ class _Replacing:
         what = info.path.name if self._held is None else "an array"
         head = f"{what}, {info.columns} × {info.rows} {self._kind}, replaces {title}"
         said = filter(None, (head, *self._lines, ", ".join(self._where)))
-        lines = (f"{self._name}: {line}" for line in said)
-        return SceneReplaced(network, self._name, tuple(lines), self._held)
+        return SceneReplaced(network, self._name, tuple(said), self._held)
 
     # Samples
 
@@ -281,15 +280,16 @@ class _Replacing:
             values |= {"cut_on_um": band[0], "cut_off_um": band[1]}
             whose = "" if own.band_um else " of its header" if _header_band(info) else " as before"
             self._where.append(f"band {_um(band)}{whose}")
-        density = _density(unit)
-        if unit == RELATIVE or not (density or self._fits(unit)):
+        radiance = _radiance(unit)
+        same = bool(unit) and before is not None and unit == before.unit
+        if radiance is None and not same and not self._conversion(unit):
             if stated and unit != RELATIVE:
                 raise UsageError(f"{self._option('unit')} {shown(own.unit)}: give {_KNOWN}")
             return values | self._relative(unit)
-        if density:
+        if radiance is not None and radiance.spectral:
             if band is None:
                 raise UsageError(f"{unit}: give {self._option('band_um')}, over which it is summed")
-            scale = density * (band[1] - band[0])
+            scale = radiance.factor * (band[1] - band[0])
             values |= {"scale": scale, "unit": "W/m²/sr"}
             self._lines.append(f"samples in {unit}, times the width of the band")
             return values
@@ -353,11 +353,6 @@ class _Replacing:
             f"{self._info.path}: names no unit, and too large or not finite to be scaled to the "
             f"range of the network's own scene: give {self._option('unit')}"
         )
-
-    def _fits(self, unit: str) -> bool:
-        """Whether the network can take samples in that unit as they are, or converted."""
-        same = self._before is not None and unit == self._before.unit
-        return bool(unit) and (same or is_radiance(unit) or bool(self._conversion(unit)))
 
     def _conversion(self, unit: str) -> str:
         """The module that makes radiance of that unit where the network takes radiance."""
@@ -608,14 +603,13 @@ def _header_band(info: PictureInfo) -> Pair | None:
     return centre - half, centre + half
 
 
-def _density(unit: str) -> float:
-    """W/m²/sr/µm of one of a spectral unit; 0 of every other unit."""
+def _radiance(unit: str) -> RadianceUnit | None:
+    """The unit of radiance in watts that a text names, of a band or per µm; None for all others."""
     try:
-        known = radiance_unit(unit) if unit and unit != RELATIVE else None
+        known = None if unit == RELATIVE else radiance_unit(unit)
     except DataError as error:
         raise UsageError(error.message) from error
-    spectral = known is not None and not known.photons and known.spectral == "µm"
-    return known.factor if known is not None and spectral else 0.0
+    return None if known is None or known.photons or known.spectral == "cm⁻¹" else known
 
 
 def _worded(unit: str) -> str:

@@ -507,3 +507,47 @@ def test_a_part_finds_its_files_in_another_chain():
     (path,) = [value for name, value in part.params.items() if name == "path"]
     assert Path(path).is_file()
     assert ic.Chain().add(part, wired=False).name == "psf"
+
+
+# --- a picture in place of the scene -----------------------------------------------------------
+
+
+def test_an_array_takes_the_place_of_the_scene():
+    chain = ic.open("first_steps")
+    levels = np.arange(48, dtype=np.uint8).reshape(6, 8)
+    before = chain.run(outputs=["scene.image"]).image("scene.image")
+    low, high = float(before.min()), float(before.max())
+    chain.scene = levels
+    assert chain.scene[0] == "an array, 8 × 6 samples, replaces Test Scene"
+    found = chain.run().image("scene.image")
+    np.testing.assert_allclose(found, low + (high - low) * levels / 255.0, rtol=1e-6)
+    interval = chain.run().readouts["init"]["interval_x_mrad"]
+    assert interval == pytest.approx(1000 * np.radians(10.0) / 8)
+    copied = pickle.loads(pickle.dumps(chain))
+    assert copied.scene == chain.scene
+
+
+def test_a_file_takes_the_place_of_the_scene(tmp_path, monkeypatch):
+    kelvin = 290.0 + np.arange(48.0).reshape(6, 8) / 8
+    np.save(tmp_path / "own.npy", kelvin)
+    monkeypatch.chdir(tmp_path)
+    chain = ic.open("first_steps")
+    words = {"fov_deg": (4.0, 3.0), "band_um": (8.0, 12.0), "unit": "K"}
+    assert chain.replace_scene("own.npy", **words) is chain
+    other = ic.open("first_steps").replace_scene(kelvin, **words)
+    ours, theirs = (one.run().image("to_radiance.image") for one in (chain, other))
+    np.testing.assert_array_equal(ours, theirs)
+    chain.save(tmp_path / "mine.json")
+    again = ic.open(tmp_path / "mine.json").run().image("to_radiance.image")
+    np.testing.assert_array_equal(again, ours)
+    with pytest.raises(ic.UsageError, match="fov_deg 0: give above 0°"):
+        chain.replace_scene("own.npy", fov_deg=(0.0, 1.0))
+
+
+def test_a_judge_that_does_not_apply_is_left_out_with_a_warning():
+    chain = ic.open("measured_mtf")
+    chain.scene = np.arange(48.0).reshape(6, 8)
+    with pytest.warns(UserWarning, match="measured is left out"):
+        result = chain.run()
+    assert result.image().shape == (6, 8)
+    assert "measured" in chain

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QMimeData, QObject
+from PySide6.QtCore import QEvent, QMimeData, QObject, QPointF
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QWidget
 
 from app.editor.canvas.canvas import Canvas
+from app.editor.canvas.items.hits import node_at
 from app.editor.level import Level
 from app.editor.widgets.copied_drop import accept_copy
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.opening import is_network_file
+from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
+from core.chain.engine import Engine
 from core.editing.fields import set_parameter
 from core.editing.operation import Operation, together
+from core.editing.restoring import Restored
 from core.editing.wiring.fitting import new_node
+from core.errors import ImagechainError
+from core.network.expansion import expanded
 
 READ_IMAGE = "read_image"
 _DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
@@ -54,6 +60,9 @@ class Drops(QObject):
         if networks:
             self._files.open(networks[0])
             return
+        under = node_at(self._canvas.content, QPointF(*point))
+        if len(paths) == 1 and under is not None and self._replaced(under.id, Path(paths[0])):
+            return
         steps: list[Operation] = []
         names = []
         network = self._session.network
@@ -66,6 +75,30 @@ class Drops(QObject):
             names.append(name)
         if steps and self._session.do(together(steps, f"Read {_named(paths)}")):
             self._session.select(names)
+
+    def _replaced(self, name: str, path: Path) -> bool:
+        """Put a picture in place of the scene that it is dropped on; False where that is none."""
+        level = self._session
+        network, library = level.network, level.library
+        if name not in scene_nodes(network, library):
+            return False
+        plan = Engine(library).plan(expanded(network, library), folder=level.folder)
+        try:
+            new = with_own_scene(
+                network,
+                OwnScene(path),
+                library=library,
+                plan=plan,
+                node=name,
+                stored=self._stored(path),
+            )
+        except ImagechainError as error:
+            level.message.emit("error", str(error))
+            return True
+        if level.do(Restored(new.network, f"Put {path.name} in place of {name}")):
+            level.select([name])
+            level.message.emit("note", "; ".join(new.lines))
+        return True
 
     def _stored(self, path: Path) -> str:
         """Relative to the network's folder where it lies below it."""

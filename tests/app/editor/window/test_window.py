@@ -71,6 +71,25 @@ def test_files_dropped_become_nodes_or_networks(window, tmp_path):
     assert window.session.document.path == network
 
 
+def test_a_picture_dropped_on_the_scene_replaces_it_in_one_step(window, tmp_path):
+    window.files.open_now("first_steps")
+    before = window.session.network
+    np.save(tmp_path / "own.npy", np.arange(48.0).reshape(6, 8))
+    middle = window.canvas.content.nodes["scene"].frame().center()
+    window.canvas.files_dropped.emit([str(tmp_path / "own.npy")], middle)
+    after = window.session.network
+    assert after.nodes["scene"].module == "read_image"
+    assert Path(after.nodes["scene"].params["path"]) == tmp_path / "own.npy"
+    assert (after.links, after.layout) == (before.links, before.layout)
+    assert after.nodes["scene"].params["fov_x_deg"] == pytest.approx(10.0)
+    assert window.session.selection == ("scene",)
+    window.session.undo()
+    assert window.session.network == before
+    window.canvas.files_dropped.emit([str(tmp_path / "none.npy")], middle)
+    assert window.session.network == before
+    assert "none.npy: no such file" in window.status.error
+
+
 # --- saving ------------------------------------------------------------------------------------
 
 
