@@ -13,8 +13,9 @@ def read_image(
     *,
     path: str | PathLike[str] | None = None,
     band: int | Expression = 0,
-    bands: Literal['one', 'all'] = 'one',
+    bands: Literal['one', 'all', 'luminance'] = 'one',
     scale: float | Expression = 1.0,
+    offset: float | Expression = 0.0,
     unit: str = 'W/m²/sr',
     fov_x_deg: float | Expression | None = None,
     fov_y_deg: float | Expression | None = None,
@@ -24,19 +25,19 @@ def read_image(
 ) -> Part:
     """Read a picture from a file: ENVI as DIRSIG writes it, or of any format that `path` names.
 
-    Samples are the numbers the file stores times `scale`. Where an ENVI header gives wavelengths,
-    its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for every other
-    file these two give the band of the samples. Radiance comes out in W/m²/sr, one spectral
-    band in W/m²/sr/µm: where the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
-    `scale` is 1, from that one, else from `unit`. K, DN and the like stay what they are; photons
-    are not turned into watts; a unit of radiance not understood is refused. Of a colour picture
-    one channel is read, of a cube one band or plane, the first unless `band` names another. An
-    empty field of view is taken from the header. FITS pictures come with their first row at the
-    bottom. Of a cube whose header gives wavelengths, `bands` all takes every band between
-    `cut_on_um` and `cut_off_um`, each in W/m²/sr/µm (photons too, by the energy of its
-    wavelength): optics and atmosphere act on each by itself, until a detector sums them up. The
-    cube stays on disk. Samples that are no numbers, or the file's value for no data, are refused
-    unless `missing` sets what stands for them.
+    Samples are the numbers the file stores times `scale`, plus `offset`. Where an ENVI header gives
+    wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for
+    every other file these two give the band of the samples. Radiance comes out in W/m²/sr, one
+    spectral band in W/m²/sr/µm: where the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …)
+    and `scale` is 1, from that one, else from `unit`. K, DN and the like stay what they are;
+    photons are not turned into watts; a unit of radiance not understood is refused. Of a colour
+    picture one channel is read, or with `bands` luminance the three as the eye weighs them; of a
+    cube one band or plane, the first unless `band` names another. An empty field of view is taken
+    from the header. FITS pictures come with their first row at the bottom. Of a cube whose header
+    gives wavelengths, `bands` all takes every band between `cut_on_um` and `cut_off_um`, each in
+    W/m²/sr/µm (photons too, by the energy of its wavelength): optics and atmosphere act on each by
+    itself, until a detector sums them up. The cube stays on disk. Samples that are no numbers, or
+    the file's value for no data, are refused unless `missing` sets what stands for them.
 
     Parameters
     ----------
@@ -46,11 +47,13 @@ def read_image(
         default empty
     band : int | Expression
         band or channel, counted from 0: a whole number of at least 0; default 0
-    bands : Literal['one', 'all']
-        one band, or all of a spectral cube, which go through the chain by themselves: one of one,
-        all; default 'one'
+    bands : Literal['one', 'all', 'luminance']
+        one band, all of a spectral cube, which go through the chain by themselves, or the luminance
+        of a colour picture: one of one, all, luminance; default 'one'
     scale : float | Expression
         factor on the samples: a number; default 1.0
+    offset : float | Expression
+        what is added after scaling, in the unit: a number; default 0.0
     unit : str
         unit of the samples after scaling: a text; default 'W/m²/sr'
     fov_x_deg : float | Expression | None

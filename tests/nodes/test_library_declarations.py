@@ -11,7 +11,7 @@ PORT_TYPES = {"image", "magnitude", "phase", "context", "pupil", "transfer", "cu
 
 # Numbers that count or share: no unit says more than their text.
 PURE_NUMBERS = {
-    "band", "scale", "width", "height", "frequency", "probe_x", "probe_y", "bins", "f_number",
+    "band", "scale", "offset", "width", "height", "frequency", "probe_x", "probe_y", "bins", "f_number",
     "fill_x", "fill_y", "factor_x", "factor_y", "alpha", "scatter_depth", "size_x", "size_y",
     "vanes", "wavelengths", "seed", "photons_per_unit", "detectors_per_line", "efficiency",
     "optics_transmission", "filter_transmission", "amplifier_snr", "post_poles", "post_gain",
@@ -30,7 +30,7 @@ PURE_NUMBERS = {
 # Numbers of either sign without a natural limit.
 UNBOUNDED = {
     "offset_x_m", "offset_y_m", "fill_value",
-    "scale", "delta_K", "angle_deg", "range_low", "range_high", "velocity_m_per_s",
+    "scale", "offset", "delta_K", "angle_deg", "range_low", "range_high", "velocity_m_per_s",
     "image_velocity_x", "image_velocity_y", "platform_velocity_x", "platform_velocity_y",
     "amplitude", "xi", "eta", "phase_deg", "modulation_xi", "modulation_eta",
     "modulation_phase_deg", "background",
