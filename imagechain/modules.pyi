@@ -425,11 +425,12 @@ def interpolate(
 ) -> Part:
     """Resample the picture to another size over the same field of view.
 
-    Sample centres lie half an interval from the frame's edges, beyond which a picture from Back
-    Transform goes on as Init & Trans has it, mirrored or periodic; of any other, or if cropped
-    since, the outermost samples go on. Nothing is filtered: making a picture smaller aliases, as in
-    a frame grabber. Order 0 takes the nearest sample, of two as near the later; 1 is bilinear, 3
-    cubic convolution. Equal sizes pass the picture on.
+    Sample centres lie half an interval from the frame's edges. Beyond the edges a picture from Back
+    Transform goes on as Init & Trans has it: a mirrored frame is mirrored, and a periodic frame
+    wraps round. Of any other picture, and of one cropped since, the outermost samples go on (edges
+    clamped). Nothing is filtered: making a picture smaller aliases, as in a frame grabber. Order 0
+    takes the nearest sample, of two as near the later; 1 is bilinear, 3 cubic convolution. Equal
+    sizes pass the picture on.
     Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
 
     Parameters

@@ -15,7 +15,10 @@ CHARGE = {
     **FREE, "detectors_per_line": 640, "efficiency": 0.99999, "model": "exact", "nyquist": "image",
 }  # fmt: skip
 RECORDED = {
-    "read_image": {"bands": "one", "band": 0, "scale": 1.0, "offset": 0.0, "unit": "W/m²/sr", "missing": "refuse"},
+    "read_image": {
+        "bands": "one", "band": 0, "scale": 1.0, "offset": 0.0, "unit": "W/m²/sr",
+        "missing": "refuse",
+    },
     "test_scene": {
         "kind": "dormitory", "width": 512, "height": 512, "fov_x_deg": 30.0, "fov_y_deg": 30.0,
         "cut_on_um": 8.0, "cut_off_um": 12.0, "temperature_K": 303.15, "delta_K": 10.0,
