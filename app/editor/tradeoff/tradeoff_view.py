@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PySide6.QtCore import QSize, Signal
-from PySide6.QtGui import QPen
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from app.editor.evaluation.queries import Answer, Query
@@ -21,7 +20,7 @@ from app.editor.tradeoff.plots import Graph, TradeOffPlots
 from app.editor.tradeoff.ranges import Span, coarse_first, usual_span
 from app.editor.tradeoff.tradeoff_query import Part, TradeOffQuery
 from app.editor.tradeoff.varied import Varied
-from app.editor.tradeoff.wording import first_figures, in_order, listed_title, renamed, title_of
+from app.editor.tradeoff.wording import first_figures, in_order, listed_titles, renamed, title_of
 from app.editor.viewers.network_ports import ports_depend_on
 from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.plot_export import export_picture
@@ -236,17 +235,15 @@ class TradeOffView(Viewer):
 
     def _fill_list(self) -> None:
         every = tuple(self.figures.values())
-        entries = [Entry(figure.text, listed_title(figure, every)) for figure in every]
-        self.list.fill(entries, [figure.text for figure in self.shown], self._pen)
-        most = int(_LIST_SHARE * max(self.width(), self.sizeHint().width()))
-        self.list.setFixedWidth(min(self.list.sizeHint().width(), most))
-
-    def _pen(self, name: str) -> QPen:
-        """As its chart has it."""
+        titles = listed_titles(every)
+        entries = [Entry(one.text, title) for one, title in zip(every, titles, strict=True)]
         names = [figure.text for figure in self.shown]
         colours = self.theme.curves
-        colour = colours[names.index(name) % len(colours)] if name in names else self.theme.base
-        return thick(colour, 2)
+        pens = {name: thick(colours[n % len(colours)], 2) for n, name in enumerate(names)}
+        other = thick(self.theme.base, 2)
+        self.list.fill(entries, names, lambda name: pens.get(name, other))
+        most = int(_LIST_SHARE * max(self.width(), self.sizeHint().width()))
+        self.list.setFixedWidth(min(self.list.sizeHint().width(), most))
 
     def _draw(self) -> None:
         shown = self.shown

@@ -37,9 +37,19 @@ def title_of(figure: Figure, shown: Sequence[Figure] = ()) -> str:
     return f"{label_of(figure.name)}{unit}" + (f", {figure.node}" if alike else "")
 
 
-def listed_title(figure: Figure, every: Sequence[Figure]) -> str:
-    """As the list of all figures has it: without its unit."""
-    return title_of(replace(figure, unit=""), every)
+def listed_titles(every: Sequence[Figure]) -> list[str]:
+    """As the list of all figures has them: without their units."""
+    nodes: dict[str, set[str]] = {}
+    for figure in every:
+        nodes.setdefault(figure.name, set()).add(figure.node)
+    one_each = {name: min(having) for name, having in nodes.items()}
+    other = {name: max(having) for name, having in nodes.items()}
+    titles = []
+    for figure in every:  # two of a name are enough to see whether others are called alike
+        ends = (one_each[figure.name], other[figure.name])
+        alike = [replace(figure, node=node) for node in ends]
+        titles.append(title_of(replace(figure, unit=""), alike))
+    return titles
 
 
 def renamed(text: str, old: str, new: str) -> str:

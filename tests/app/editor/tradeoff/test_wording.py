@@ -1,12 +1,15 @@
 """What the trade-off dock calls figures, and which it shows at first."""
 
+from dataclasses import replace
+
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from app.editor.tradeoff.wording import first_figures, listed_title
+from app.editor.tradeoff import wording
+from app.editor.tradeoff.wording import first_figures, listed_titles
 from app.run.shipped import shipped_networks
-from app.tradeoff.tradeoff_figures import figures_of
+from app.tradeoff.tradeoff_figures import Figure, figures_of
 from core.network.file import load_network
 
 
@@ -33,7 +36,7 @@ def test_a_parameter_of_an_analysis_moves_that_ones_figures(known):
 def test_a_node_is_named_only_where_figures_are_called_alike(known):
     _, figures = known
     every = tuple(figures.values())
-    titles = {name: listed_title(figure, every) for name, figure in figures.items()}
+    titles = dict(zip(figures, listed_titles(every), strict=True))
     assert titles["electronics.netd_system_K"] == "NETD system"
     assert titles["electronics.snr"] == "SNR, electronics"
     assert titles["merit.snr"] == "SNR, merit"
@@ -59,3 +62,20 @@ def test_what_is_ticked_is_in_sight(dock):
         if dock.list.item(row).checkState() == Qt.CheckState.Checked
     )
     assert dock.list.viewport().rect().intersects(dock.list.visualItemRect(first))
+
+
+def test_titles_of_many_figures_look_at_each_a_few_times(monkeypatch):
+    """Not at every other figure: 5,000 nodes have 20,000."""
+    looked = []
+    each = [Figure(f"blur_{n}", "half_contrast", "cyc/mrad", "") for n in range(300)]
+    each += [Figure("alone", "snr", "", "")]
+    title = wording.title_of
+    monkeypatch.setattr(
+        wording, "title_of", lambda one, shown: looked.append(len(shown)) or title(one, shown)
+    )
+    titles = wording.listed_titles(each)
+    assert sum(looked) <= 2 * len(each)
+    monkeypatch.undo()
+    assert titles == [wording.title_of(replace(one, unit=""), each) for one in each]
+    assert titles[7].endswith(", blur_7")
+    assert "alone" not in titles[-1]
