@@ -12,7 +12,8 @@ PORT_TYPES = {"image", "magnitude", "phase", "context", "pupil", "transfer", "cu
 # Numbers that count or share: no unit says more than their text.
 PURE_NUMBERS = {
     "band", "scale", "offset", "width", "height", "frequency", "probe_x", "probe_y", "bins",
-    "f_number", "fill_x", "fill_y", "factor_x", "factor_y", "alpha", "scatter_depth", "size_x", "size_y",
+    "f_number", "fill_x", "fill_y", "factor_x", "factor_y", "alpha", "scatter_depth", "size_x",
+    "size_y",
     "vanes", "wavelengths", "seed", "photons_per_unit", "detectors_per_line", "efficiency",
     "optics_transmission", "filter_transmission", "amplifier_snr", "post_poles", "post_gain",
     "amplitude", "modulation", "samples", "range_low", "range_high", "error",
