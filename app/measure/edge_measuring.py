@@ -12,7 +12,7 @@ from app.measure.picture_measurement import BY_HAND, FREQUENCIES, MeasuredEdge, 
 from app.measure.refused_edges import in_words
 from core.errors import DataError
 from core.physics.measurement.edges.edge_found import FoundEdge
-from core.physics.measurement.edges.edge_mtf import measure_edge
+from core.physics.measurement.edges.edge_mtf import crossing_error, measure_edge
 from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG, pooled_mtf
 from core.physics.measurement.edges.edge_search import find_edges
 from core.physics.measurement.edges.slanted_edge import falls_to
@@ -70,8 +70,7 @@ def pooled(
     half = falls_to(frequency=frequency, mtf=mtf, level=0.5)
     error = None
     if half is not None:
-        slope = float(np.interp(half, frequency, np.gradient(mtf, frequency)))
-        error = float(np.interp(half, frequency, sigma)) / abs(slope) if slope else None
+        error = crossing_error(frequency=frequency, mtf=mtf, sigma=sigma, crossing=half)
     return MtfCurve(frequency, mtf, sigma, half, error, together.edges, together.excess), ""
 
 

@@ -5,7 +5,8 @@
 
 Pictures and truth come from `tests/support/oversampled_camera.py`, which shares no code with what
 is judged. `--file` writes a line for each case and leaves out those it has. Development goes by
-the scenes of `camera_scenes`; those of `held_out_scenes` are for the last word alone.
+the scenes of `camera_scenes`; those of `held_out_scenes` are for the last word alone. The two
+families of `tails` have 3 to 15 % of the light in tails of 8 to 30 samples; they are measured only.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import multiprocessing
 import sys
 import time
 import traceback
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ HERE = Path(__file__).resolve()
 sys.path[:0] = [str(HERE.parents[1] / "support"), str(HERE.parents[2])]
 
 from app.measure.edge_measuring import edges_of, pooled  # noqa: E402
-from camera_scenes import drawn_camera  # noqa: E402
+from camera_scenes import drawn_camera, drawn_tail  # noqa: E402
 from camera_verdicts import table, worst  # noqa: E402
 from core.errors import ImagechainError  # noqa: E402
 from core.physics.measurement.noise.picture_noise import noise_of_picture  # noqa: E402
@@ -36,7 +37,10 @@ from oversampled_camera import take, true_mtf, true_sigma  # noqa: E402
 FAMILIES = {
     "development": ("camera_scenes", "DEVELOPMENT"),
     "held_out": ("held_out_scenes", "HELD_OUT"),
+    "tails": ("camera_scenes", "TAILS"),
+    "tails_held_out": ("held_out_scenes", "HELD_OUT_TAILS"),
 }
+TAIL_FINE, TAIL_MARGIN = 4, 120  # cells of a sample, and samples about a frame with long tails
 ROWS, COLUMNS = 208, 248
 LAST = 0.4  # cycles per sample: 0.8 of Nyquist
 # Samples, and noise: an edge that is to be seen. It must also cross a sample's middle: what runs
@@ -58,7 +62,11 @@ def drawn(family, number, rows=ROWS, columns=COLUMNS):
     camera, full = drawn_camera(rng)
     kind = list(kinds)[number % len(kinds)]
     scene = kinds[kind](rng, rows, columns, full)
-    return kind, camera, take(scene, camera, rows=rows, columns=columns, seed=number)
+    if not family.startswith("tails"):
+        return kind, camera, take(scene, camera, rows=rows, columns=columns, seed=number)
+    camera = replace(camera, tail=drawn_tail(rng), cutoff=camera.cutoff or 2.0)
+    grid = {"fine": TAIL_FINE, "margin": TAIL_MARGIN}
+    return kind, camera, take(scene, camera, rows=rows, columns=columns, seed=number, **grid)
 
 
 def judged(family, number, *, fit=True, rows=ROWS, columns=COLUMNS):
@@ -71,7 +79,7 @@ def judged(family, number, *, fit=True, rows=ROWS, columns=COLUMNS):
     noise = noise_of_picture(picture=frame.picture, offset=camera.offset_dn)
     row["measure_s"] = time.process_time() - start
     row["noise"] = _noise(noise, camera)
-    if fit and row["used"] and not (camera.motion or camera.electronics):
+    if fit and row["used"] and camera.tail is None and not (camera.motion or camera.electronics):
         start = time.process_time()
         row["fit"] = _fit(camera, frame.picture, np.random.default_rng([number, 9]))
         row["fit_s"] = time.process_time() - start

@@ -28,6 +28,7 @@ _TEXTURE_LENGTH = 4.0  # samples, over which texture hangs together
 _NEAR = 0.05  # cycles per sample, over which their variances are averaged
 _LARGEST_GAP = 0.75  # samples between distances, above which nothing is supersampled
 _LEAST_SAMPLES = 60
+_SLOPE_WIDTH = 0.03  # cycles per sample about a crossing, over which the MTF's slope is taken
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,9 @@ def measure_edge(
         sigma=sigma,
         shared_sigma=shared,
         mtf50=half,
-        mtf50_sigma=None if half is None else _half_error(frequency, mtf, sigma, half),
+        mtf50_sigma=None
+        if half is None
+        else crossing_error(frequency=frequency, mtf=mtf, sigma=sigma, crossing=half),
     )
 
 
@@ -231,10 +234,33 @@ def _texture_response(frequency: Vector, edge: FoundEdge) -> Vector:
     return np.asarray(wave**2 * seen / (1.0 + (wave * _TEXTURE_LENGTH / 2.0) ** 2), np.float64)
 
 
-def _half_error(frequency: Vector, mtf: Vector, sigma: Vector, half: float) -> float | None:
-    """Standard error of the frequency of one half: that of the MTF there over its slope."""
-    k = int(np.searchsorted(frequency, half))
-    slope = (mtf[k] - mtf[k - 1]) / (frequency[k] - frequency[k - 1])
+def crossing_error(
+    *, frequency: Vector, mtf: Vector, sigma: Vector, crossing: float
+) -> float | None:
+    """Standard error of the frequency at which an MTF falls to a level.
+
+    Parameters
+    ----------
+    frequency, mtf, sigma : ndarray
+        Cycles per sample, modulus, and its standard error.
+    crossing : float
+        Where it falls to the level, cycles per sample.
+
+    Returns
+    -------
+    float or None
+        Cycles per sample; None where the curve does not fall.
+
+    Notes
+    -----
+    The error of the MTF over its slope. Noise turns the slope between two points, and a curve is
+    more likely to cross where noise makes it steep: the slope is that of a straight line through
+    all points near the crossing, weighted by their errors and by a Gaussian of their distance.
+    """
+    away = frequency - crossing
+    weight = np.exp(-0.5 * (away / _SLOPE_WIDTH) ** 2) / np.maximum(sigma, _MODEL) ** 2
+    away = away - np.sum(weight * away) / np.sum(weight)
+    slope = float(np.sum(weight * away * mtf) / np.sum(weight * away**2))
     if not slope < 0.0:
         return None
-    return float(np.interp(half, frequency, sigma) / -slope)
+    return float(np.interp(crossing, frequency, sigma) / -slope)
