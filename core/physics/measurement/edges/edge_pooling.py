@@ -74,7 +74,8 @@ def pooled_mtf(
     the edges where these have several directions; the law is trusted to 0.15·(1 − M)·sin²φ. What
     all edges share (what is assumed of their tails) is not made smaller by their number. Where
     the edges differ by more than their errors, a common variance is added to all (DerSimonian and
-    Laird, Meta-analysis in clinical trials, 1986).
+    Laird, Meta-analysis in clinical trials, 1986); A and B take fewer degrees of freedom than two
+    from the edges, as far as they are assumed.
     """
     angles = np.array([_off_axis(edge, axis) for edge in edges])
     near = np.abs(angles) <= math.radians(largest_angle_deg)
@@ -89,15 +90,15 @@ def pooled_mtf(
     lost = np.maximum(1.0 - np.minimum(here, there), 1e-6)
     doubt = np.hypot(_DIRECTIONS * lost, there - here)
     own = own + (_LAW * lost * design[:, 1:2]) ** 2
-    value, variance, part = _fitted(design, mtf, own, doubt)
+    value, variance, part, terms = _fitted(design, mtf, own, doubt)
     chi2 = np.sum((mtf - part) ** 2 / own, axis=0)
-    degrees = max(0, len(edges) - 3)
-    common = np.zeros(len(chi2))
-    if degrees:
-        spare = np.sum(1.0 / own, axis=0) * (1.0 - 3.0 / len(edges))
+    degrees = len(edges) - terms
+    common, excess = np.zeros(len(chi2)), 1.0
+    if len(edges) > design.shape[1]:
+        spare = np.sum(1.0 / own, axis=0) * degrees / len(edges)
         common = np.maximum(chi2 - degrees, 0.0) / spare
-        value, variance, part = _fitted(design, mtf, own + common, doubt)
-    excess = math.sqrt(float(np.mean(chi2[1:])) / degrees) if degrees else 1.0
+        value, variance, _, _ = _fitted(design, mtf, own + common, doubt)
+        excess = math.sqrt(float(np.mean((chi2 / degrees)[1:])))
     share = np.sum(shared / (own + common), axis=0) / np.sum(1.0 / (own + common), axis=0)
     return PooledMtf(
         frequency=edges[0].frequency,
@@ -122,13 +123,15 @@ def _off_axis(edge: EdgeMtf, axis: Axis) -> float:
 
 def _fitted(
     design: Matrix, mtf: Matrix, variance: Matrix, doubt: Vector
-) -> tuple[Vector, Vector, Matrix]:
-    """Value on the axis, its variance, and the fit at the edges; by frequency."""
+) -> tuple[Vector, Vector, Matrix, Vector]:
+    """Value on the axis, its variance, the fit at the edges, and how many terms these determine."""
     weighted = design.T[:, :, np.newaxis] / variance  # terms, edges, frequencies
     normal = np.einsum("aef,eb->fab", weighted, design)
+    alone = normal.copy()
     normal[:, 1, 1] += 1.0 / doubt**2
     normal[:, 2, 2] += 1.0 / doubt**2
     right = np.einsum("aef,ef->fa", weighted, mtf)
     inverse = np.linalg.inv(normal)
     terms = np.einsum("fab,fb->fa", inverse, right)
-    return terms[:, 0], inverse[:, 0, 0], design @ terms.T
+    determined = np.einsum("fab,fba->f", inverse, alone)
+    return terms[:, 0], inverse[:, 0, 0], design @ terms.T, determined
