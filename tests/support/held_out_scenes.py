@@ -202,9 +202,7 @@ def quadrants(rng, rows, columns, full):
     shapes = [
         Shape(half(first, middle), one),
         Shape(half(first + 90, middle), two),
-        Shape(
-            turned(box(500, 500), first, middle + 500 / math.sqrt(2) * _at(first + 45)), both
-        ),
+        Shape(turned(box(500, 500), first, middle + 500 / math.sqrt(2) * _at(first + 45)), both),
     ]
     return Scene(background=ground, shapes=tuple(shapes))
 
