@@ -15,6 +15,7 @@ from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_mtf import crossing_error, measure_edge
 from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG, pooled_mtf
 from core.physics.measurement.edges.edge_search import find_edges
+from core.physics.measurement.edges.long_tails import LongTails, long_tails
 from core.physics.measurement.edges.slanted_edge import falls_to
 
 Matrix = NDArray[np.float64]
@@ -41,17 +42,22 @@ def edges_of(
         Called between steps; may raise to stop.
     """
     seen = find_edges(picture=picture, clip_levels=clip_levels, check=check)
-    return tuple(_measured(picture, number, edge, check) for edge in seen)
+    tails = long_tails(picture=picture, edges=[edge for edge in seen if edge.used], check=check)
+    return tuple(_measured(picture, number, edge, tails, check) for edge in seen)
 
 
 def _measured(
-    picture: Matrix, number: int, edge: FoundEdge, check: Callable[[], None]
+    picture: Matrix,
+    number: int,
+    edge: FoundEdge,
+    tails: LongTails | None,
+    check: Callable[[], None],
 ) -> MeasuredEdge:
     if not edge.used:
         return MeasuredEdge(number, edge, None, edge.why_not)
     try:
         curve = measure_edge(
-            picture=picture, edge=edge, frequency=np.array(FREQUENCIES), check=check
+            picture=picture, edge=edge, frequency=np.array(FREQUENCIES), tails=tails, check=check
         )
     except DataError as error:
         return MeasuredEdge(number, edge, None, error.message)

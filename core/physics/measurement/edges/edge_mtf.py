@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from core.errors import DataError
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_samples import EdgeSamples, edge_samples
+from core.physics.measurement.edges.long_tails import LongTails
 from core.physics.measurement.edges.slanted_edge import falls_to
 from core.physics.measurement.edges.splines.spread_basis import TAIL, TAIL_WIDTH, line_transform
 from core.physics.measurement.edges.spread_fit import TAIL_ASSUMED, SpreadFit, fit_spread
@@ -64,6 +65,7 @@ def measure_edge(
     picture: NDArray[np.floating],
     edge: FoundEdge,
     frequency: Vector,
+    tails: LongTails | None = None,
     check: Callable[[], None] = lambda: None,
 ) -> EdgeMtf:
     """Measure the MTF across an edge of any direction.
@@ -76,6 +78,8 @@ def measure_edge(
         Where it is, as `find_edges` gives it.
     frequency : ndarray
         Cycles per sample along the edge's normal, ascending from 0.
+    tails : LongTails, optional
+        What the picture shows of light far from the edge, beyond its reach.
     check : callable
         Called between steps; may raise to stop.
 
@@ -113,6 +117,11 @@ def measure_edge(
         )
     check()
     mtf, sigma, shared = _modulus(samples, fit, edge, np.asarray(frequency, np.float64))
+    if tails is not None:
+        place = np.asarray(frequency, np.float64)
+        moved, doubt = _with_tails(samples, fit, edge, place, tails)
+        mtf = np.maximum(mtf + moved, 0.0)
+        sigma, shared = np.hypot(sigma, doubt), np.hypot(shared, doubt)
     half = falls_to(frequency=frequency, mtf=mtf, level=0.5)
     return EdgeMtf(
         edge=edge,
@@ -157,6 +166,38 @@ def _modulus(
     others = longer + blurred**2 + textured + beside**2 + _MODEL**2
     shared = np.hypot(effect.real @ fit.prior[TAIL], beside)
     return modulus, np.asarray(np.sqrt(along + others), np.float64), shared
+
+
+def _with_tails(
+    samples: EdgeSamples, fit: SpreadFit, edge: FoundEdge, frequency: Vector, tails: LongTails
+) -> tuple[Vector, Vector]:
+    """What long tails add to the modulus, and the standard error of that.
+
+    Notes
+    -----
+    The fit is linear in the samples: without what a tail brings to each of them it is that of the
+    core alone, C(f). With b of the light of the core in the tail, whose transfer function is T, the
+    whole is (C + b·T) / (1 + b).
+    """
+    transform = line_transform(spline=fit.spline, frequency=np.concatenate([[0.0], frequency]))
+    (across_x, across_y), half = edge.normal, edge.length / 2.0
+    off = samples.distance + edge.bend * (samples.along / half) ** 2
+    x = edge.x + off * across_x - samples.along * across_y
+    y = edge.y + off * across_y + samples.along * across_x
+    whole = transform @ fit.coefficients
+    parts, transfers = [], []
+    for tail in range(len(tails.form)):
+        brought = tails.at(tail, x, y)
+        fitted = fit.inverse @ fit.basis.onto(brought - brought.mean())
+        parts.append(transform @ fitted)
+        transfers.append(tails.transfer(tail, frequency))
+    ratio = tails.ratio[:, np.newaxis]
+    core = whole - ratio * np.array(parts)[tails.which]
+    core = core[:, 1:] / core[:, :1]
+    modulus = np.abs(core + ratio * np.array(transfers)[tails.which]) / (1.0 + ratio)
+    mean = tails.weight @ modulus
+    doubt = np.sqrt(tails.weight @ (modulus - mean) ** 2)
+    return mean - np.abs(whole[1:] / whole[0]), np.asarray(doubt, np.float64)
 
 
 def _lost_to_neighbours(frequency: Vector, reach: float) -> Vector:
