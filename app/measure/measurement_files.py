@@ -164,7 +164,7 @@ def _noise(noise: NoiseFigures | None, reason: str) -> Json:
 def _edge(edge: MeasuredEdge, of_several: bool) -> Json:
     curve = edge.curve
     figures: Mapping[str, float | None] = (
-        {} if curve is None else {"mtf50": curve.mtf50, "sigma": curve.mtf50_sigma}
+        {} if curve is None else {"mtf50": curve.mtf50, "sigma": edge.mtf50_sigma}
     )
     return {
         **({"picture": edge.picture} if of_several else {}),

@@ -162,9 +162,10 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Heading(2, "Edges used"),
             Grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
             Text(
-                "MTF50 in cycles/sample along the edge's normal, with its standard error. Normals "
-                f"within {LARGEST_ANGLE_DEG:g}° of 0° or 180° are counted as across, of ±90° as "
-                "along; edges of other directions say how the blur turns with direction."
+                "MTF50 in cycles/sample along the edge's normal. Normals within "
+                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° are counted as across, of ±90° as along: the "
+                "standard error is that of this direction, if the edge alone showed it. Edges of "
+                "other directions say how the blur turns with direction."
             ),
         ]
     if refused:
@@ -201,4 +202,4 @@ def _strength(edge: MeasuredEdge) -> tuple[str, str]:
 
 def _half(edge: MeasuredEdge) -> str:
     curve = edge.curve
-    return "–" if curve is None else with_error(curve.mtf50, curve.mtf50_sigma)
+    return "–" if curve is None else with_error(curve.mtf50, edge.mtf50_sigma)

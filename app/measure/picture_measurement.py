@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.edges.edge_found import FoundEdge
-from core.physics.measurement.edges.edge_mtf import EdgeMtf
-from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG
+from core.physics.measurement.edges.edge_mtf import EdgeMtf, crossing_error
+from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG, pooled_mtf
 from core.physics.measurement.levels.flat_field import FlatField
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer
 from core.physics.measurement.noise.frames_noise import FramesNoise
@@ -86,6 +86,23 @@ class MeasuredEdge:
         if away <= LARGEST_ANGLE_DEG:
             return "x"
         return "y" if away >= 90.0 - LARGEST_ANGLE_DEG else ""
+
+    @property
+    def mtf50_sigma(self) -> float | None:
+        """Standard error of the MTF50, as that of its direction where it alone shows it.
+
+        In it is what the blur may differ between the normal and the direction that it counts for.
+        """
+        curve, direction = self.curve, self.direction
+        if curve is None or curve.mtf50 is None:
+            return None
+        alone = None
+        if direction == "x" or direction == "y":
+            alone = pooled_mtf(edges=[curve], axis=direction)
+        if alone is None:
+            return curve.mtf50_sigma
+        frequency, mtf, sigma = alone.frequency, alone.mtf, alone.sigma
+        return crossing_error(frequency=frequency, mtf=mtf, sigma=sigma, crossing=curve.mtf50)
 
     @property
     def stretch(self) -> float:

@@ -116,7 +116,7 @@ class EdgeTable(QTreeWidget):
 def _cells(place: int, edge: MeasuredEdge) -> tuple[str, str, str, str]:
     half, error = "", None
     if edge.curve is not None and edge.curve.mtf50 is not None:
-        half, error = f"{edge.curve.mtf50:.3f}", edge.curve.mtf50_sigma
+        half, error = f"{edge.curve.mtf50:.3f}", edge.mtf50_sigma
     angle = f"{edge.found.angle_deg:.1f}°".replace("-", "\N{MINUS SIGN}")
     return (
         str(place + 1),
@@ -134,8 +134,8 @@ def edge_words(place: int, edge: MeasuredEdge) -> str:
     if edge.curve is None:
         return f"{where}, not used: {edge.why_not}"
     half = "" if edge.curve.mtf50 is None else f", MTF50 {edge.curve.mtf50:.3f}"
-    if edge.curve.mtf50 is not None and edge.curve.mtf50_sigma is not None:
-        half += f" ± {edge.curve.mtf50_sigma:.3f}"
+    if edge.mtf50_sigma is not None:
+        half += f" ± {edge.mtf50_sigma:.3f}"
     return where + half + ("" if edge.used else f", {edge.why_not}")
 
 
