@@ -41,7 +41,7 @@ def edges_of(
     check : callable
         Called between steps; may raise to stop.
     """
-    seen = find_edges(picture=picture, clip_levels=clip_levels, check=check)
+    seen = find_edges(picture=picture, clip_levels=clip_levels, interpolated_too=True, check=check)
     tails = long_tails(picture=picture, edges=[edge for edge in seen if edge.used], check=check)
     return tuple(_measured(picture, number, edge, tails, check) for edge in seen)
 

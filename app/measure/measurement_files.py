@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,7 @@ def measurement_json(measured: PictureMeasurement) -> str:
     }
     if measured.picture_count > 1:
         content["frames"] = _frames(measured.frames, measured.frames_reason)
-    warnings = file_warnings(measured.files)
+    warnings = [*file_warnings(measured.files), *measured.warnings]
     if warnings:
         content["warnings"] = warnings
     if measured.repeated:
@@ -176,6 +177,7 @@ def _edge(edge: MeasuredEdge, of_several: bool) -> Json:
         "low": edge.found.low,
         "high": edge.found.high,
         **_given(**figures),
+        **({} if curve is None or curve.tail is None else {"long_tail": asdict(curve.tail)}),
         "used": edge.used,
         "why_not": edge.why_not,
     }

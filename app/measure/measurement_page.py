@@ -163,9 +163,9 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
             Text(
                 "MTF50 in cycles/sample along the edge's normal. Normals within "
-                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° are counted as across, of ±90° as along: the "
-                "standard error is that of this direction, if the edge alone showed it. Edges of "
-                "other directions say how the blur turns with direction."
+                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° are counted as across, of ±90° as along: "
+                "the standard error is that of this direction, if the edge alone showed it. Edges "
+                "of other directions say how the blur turns with direction."
             ),
         ]
     if refused:

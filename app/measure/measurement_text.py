@@ -35,6 +35,7 @@ _MOST_REASONS = 8
 _ABOVE_ONE, _LEAST_ABOVE = 3.0, 0.02  # standard errors, and of an MTF
 _FEW = 2  # edges, that others do not confirm
 _SCATTERED = 1.5  # times their own errors
+_LEAST_TAIL, _LEAST_BEYOND = 0.01, 0.003  # of all light
 _PLACES = 7  # after the point, or before it: beyond, powers of ten
 Row = tuple[str, str, str, str]
 
@@ -171,6 +172,8 @@ def remarks(measured: PictureMeasurement) -> list[str]:
     """What was measured of files with bands, and what could not be measured, and why."""
     lines = [f"measured of {file.name}: {file.taken}" for file in measured.files if file.taken]
     lines += [f"warning: {line}" for line in file_warnings(measured.files)]
+    lines += [f"warning: {line}" for line in measured.warnings]
+    lines += _tail_lines(measured)
     if measured.repeated:
         lines.append(f"warning: {repeated_words(len(measured.repeated))}")
     for words, curve, reason in (
@@ -220,6 +223,32 @@ def remarks(measured: PictureMeasurement) -> list[str]:
         lines.append(f"no noise from frame to frame: {measured.frames_reason}")
     if measured.flats is None and measured.flats_reason:
         lines.append(f"no photon transfer curve: {measured.flats_reason}")
+    return lines
+
+
+def _tail_lines(measured: PictureMeasurement) -> list[str]:
+    """What the edges' sides show of light far from where it belongs, picture by picture."""
+    tails = {
+        edge.picture: edge.curve.tail
+        for edge in measured.edges
+        if edge.used and edge.curve is not None and edge.curve.tail is not None
+    }
+    lines = []
+    for picture, tail in tails.items():
+        if tail.share < max(_LEAST_TAIL, tail.error):
+            continue
+        line = (
+            f"{measured.picture_name(picture)}: {with_error(100 * tail.share, 100 * tail.error)} % "
+            "of the light lies in long tails (veiling glare, a scintillator or the like): the MTF "
+            "has them in it"
+        )
+        if tail.beyond > _LEAST_BEYOND:
+            line += (
+                f"; at {tail.seen:.0f} samples from the edges, where the frame or something else "
+                f"begins, their sides are not level yet: {100 * tail.beyond:.2g} % may lie beyond, "
+                "and the error is widened by what is not known of it"
+            )
+        lines.append(line)
     return lines
 
 

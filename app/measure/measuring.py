@@ -28,6 +28,7 @@ from app.measure.picture_measurement import (
     Preview,
 )
 from core.errors import DataError, ParameterError
+from core.physics.measurement.edges.picture_suspicions import why_interpolated
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import photon_transfer
 from core.physics.measurement.noise.frames_noise import FramesNoise, SceneFrames
@@ -37,6 +38,9 @@ from nodes.files.frames.frame_reading import open_frames
 
 Matrix = NDArray[np.float64]
 Report = Callable[[str], None]
+_INTERPOLATED = (
+    "the MTF is that of the picture, with what filling it in has changed; its noise is not measured"
+)
 _LEAST = 16  # rows and columns, below which nothing is measured
 _MOST_COLOURS = 4
 MOST_PREVIEWS = 4
@@ -164,6 +168,7 @@ def measure_pictures(
     previews: list[Preview] = []
     noises: list[PictureNoise] = []
     no_noise: list[str] = []
+    warnings: list[str] = []
     seen: set[bytes] = set()
     repeated: list[int] = []
     for number, picture in enumerate(source.pictures):
@@ -185,6 +190,11 @@ def measure_pictures(
             edges += [replace(edge, why_not=edge.why_not or WITH_LOSS) for edge in own]
             continue
         edges += own
+        interpolated = why_interpolated(picture=picture) if any(e.used for e in own) else ""
+        if interpolated:
+            warnings.append(f"{name}: {interpolated}: {_INTERPOLATED}")
+            no_noise.append(interpolated)
+            continue
         try:
             noises.append(noise_of_picture(picture=picture, offset=offset, check=check))
         except DataError as error:  # numbers too large or too small for it
@@ -201,6 +211,7 @@ def measure_pictures(
         source.files, source.rows, source.columns, source.unit, source.interval_x_mrad,
         source.interval_y_mrad, tuple(edges), x, y, reason_x, reason_y, noise, noise_reason,
         frames, frames_reason, previews=tuple(previews), repeated=tuple(repeated),
+        warnings=tuple(warnings),
     )  # fmt: skip
 
 

@@ -93,12 +93,10 @@ class MeasuredEdge:
 
         In it is what the blur may differ between the normal and the direction that it counts for.
         """
-        curve, direction = self.curve, self.direction
+        curve = self.curve
         if curve is None or curve.mtf50 is None:
             return None
-        alone = None
-        if direction == "x" or direction == "y":
-            alone = pooled_mtf(edges=[curve], axis=direction)
+        alone = pooled_mtf(edges=[curve], axis="y" if self.direction == "y" else "x")
         if alone is None:
             return curve.mtf50_sigma
         frequency, mtf, sigma = alone.frequency, alone.mtf, alone.sigma
@@ -236,6 +234,8 @@ class PictureMeasurement:
         From one pixel to the next, where it was given.
     repeated : tuple of int
         Numbers of pictures that are the same as one before, whose edges and noise do not count.
+    warnings : tuple of str
+        What makes the figures other than those of the camera.
     """
 
     files: tuple[MeasuredFile, ...]
@@ -258,6 +258,7 @@ class PictureMeasurement:
     previews: tuple[Preview, ...] = ()
     repeated: tuple[int, ...] = ()
     pitch_um: float | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def picture_count(self) -> int:

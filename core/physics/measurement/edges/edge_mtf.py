@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from core.errors import DataError
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_samples import EdgeSamples, edge_samples
-from core.physics.measurement.edges.long_tails import LongTails
+from core.physics.measurement.edges.long_tails import LongTails, TailShare
 from core.physics.measurement.edges.slanted_edge import falls_to
 from core.physics.measurement.edges.splines.spread_basis import TAIL, TAIL_WIDTH, line_transform
 from core.physics.measurement.edges.spread_fit import TAIL_ASSUMED, SpreadFit, fit_spread
@@ -49,6 +49,8 @@ class EdgeMtf:
     mtf50, mtf50_sigma : float or None
         Lowest frequency at which the MTF falls to one half, and its standard error; None where it
         does not in `frequency`.
+    tail : TailShare or None
+        Light in long tails, that is taken into account; None where none was seen.
     """
 
     edge: FoundEdge
@@ -58,6 +60,7 @@ class EdgeMtf:
     shared_sigma: Vector
     mtf50: float | None
     mtf50_sigma: float | None
+    tail: TailShare | None = None
 
 
 def measure_edge(
@@ -133,6 +136,7 @@ def measure_edge(
         mtf50_sigma=None
         if half is None
         else crossing_error(frequency=frequency, mtf=mtf, sigma=sigma, crossing=half),
+        tail=None if tails is None else tails.share,
     )
 
 

@@ -56,6 +56,7 @@ def find_edges(
     picture: NDArray[np.floating],
     noise_sigma: float | None = None,
     clip_levels: tuple[float, float] | None = None,
+    interpolated_too: bool = False,
     check: Callable[[], None] = lambda: None,
 ) -> tuple[FoundEdge, ...]:
     """Find straight, isolated, unclipped steps of a picture.
@@ -68,6 +69,8 @@ def find_edges(
         Standard deviation of a sample; estimated where the picture is quietest, if not given.
     clip_levels : tuple of float, optional
         Lowest and highest level that a sample can have.
+    interpolated_too : bool
+        Whether edges of a picture made of a mosaic of colour filters are used.
     check : callable
         Called between steps; may raise to stop.
 
@@ -116,7 +119,9 @@ def find_edges(
         found = without_those_at(edges=found, picture=picture, extremes=extremes)
     reason = _enough(used, len(found))
     found.extend(replace(_rough(piece, noise), why_not=reason) for piece in waiting[len(found) :])
-    reason = why_no_picture(picture=picture) if any(edge.used for edge in found) else ""
+    reason = ""
+    if any(edge.used for edge in found):
+        reason = why_no_picture(picture=picture, interpolated_too=interpolated_too)
     if reason:
         found = [replace(edge, used=False, why_not=reason) if edge.used else edge for edge in found]
     found.sort(key=lambda edge: (not edge.used, -edge.length * edge.contrast))

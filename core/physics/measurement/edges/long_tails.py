@@ -43,6 +43,26 @@ _NEGLIGIBLE = 3e-3  # of that probability, below which a tail is left out
 
 
 @dataclass(frozen=True)
+class TailShare:
+    """How much of all light lies in long tails.
+
+    Parameters
+    ----------
+    share, error : float
+        Of all light, and its standard error.
+    beyond : float
+        Share of all light that lies farther away than the sides of the edges are seen.
+    seen : float
+        Samples from the edges to which these are, median.
+    """
+
+    share: float
+    error: float
+    beyond: float
+    seen: float
+
+
+@dataclass(frozen=True)
 class LongTails:
     """What is known of the light in long tails: possible tails and how likely each is.
 
@@ -73,11 +93,22 @@ class LongTails:
     seen: float
 
     @property
-    def share(self) -> tuple[float, float]:
-        """Share of all light in the tail, and its standard error."""
+    def share(self) -> TailShare:
+        """How much of all light lies in the tail."""
         share = self.ratio / (1.0 + self.ratio)
         mean = float(self.weight @ share)
-        return mean, math.sqrt(float(self.weight @ (share - mean) ** 2))
+        left = np.array(
+            [
+                _left(form, self.seen / length)
+                for form, length in zip(self.form, self.length, strict=True)
+            ]
+        )
+        return TailShare(
+            share=mean,
+            error=math.sqrt(float(self.weight @ (share - mean) ** 2)),
+            beyond=float(self.weight @ (share * left[self.which])),
+            seen=self.seen,
+        )
 
     def at(self, tail: int, x: Vector, y: Vector) -> Vector:
         """What a tail brings to places of the picture."""
@@ -158,7 +189,8 @@ def long_tails(
             spread = _back(waves * passed / (1.0 + ratio * passed))
             column = _without_levels(_between(spread, factor, sides.x, sides.y), sides)
             weighted = column / sides.variance
-            ratio = float(np.clip(weighted @ level / max(weighted @ column, 1e-300), 0.0, _MOST))
+            square = max(float(weighted @ column), 1e-300)
+            ratio = min(max(float(weighted @ level) / square, 0.0), _MOST)
         spreads.append(spread)
         columns.append(column)
     diffracted = columns.pop()
@@ -317,6 +349,15 @@ def _transfer(form: str, length: float, frequency: NDArray[np.float64]) -> NDArr
     if form == "Gaussian":
         return np.asarray(np.exp(-(place**2) / 2.0), np.float64)
     return np.asarray(np.exp(-place / 2.0), np.float64)
+
+
+def _left(form: str, lengths: float) -> float:
+    """Share of a tail's line spread farther away than so many of its lengths."""
+    if form == "exponential":
+        return math.exp(-lengths)
+    if form == "Gaussian":
+        return math.erfc(lengths / math.sqrt(2.0))
+    return 1.0 - 2.0 / math.pi * math.atan(2.0 * lengths)
 
 
 def _coarse_waves(picture: NDArray[np.floating], factor: int) -> tuple[Matrix, Matrix]:

@@ -21,13 +21,15 @@ _MOSAIC = 0.5  # logarithm of what the fine detail of one diagonal has over that
 _LEAST_DETAIL = 0.1  # of its mean, added where detail may be none
 
 
-def why_no_picture(*, picture: NDArray[np.floating]) -> str:
+def why_no_picture(*, picture: NDArray[np.floating], interpolated_too: bool = False) -> str:
     """Why no edge of a picture can be believed; empty if nothing speaks against it.
 
     Parameters
     ----------
     picture : ndarray
         Samples, shape (rows, columns), finite.
+    interpolated_too : bool
+        Whether the edges of an interpolated picture may be measured, as they are in it.
 
     Returns
     -------
@@ -43,20 +45,31 @@ def why_no_picture(*, picture: NDArray[np.floating]) -> str:
             f"interlaced: its odd rows lie {abs(shift):.2g} samples beside the even ones; measure "
             "one field"
         )
-    mosaic, mosaic_error = mosaic_detail(picture=picture)
-    if abs(mosaic) > max(_MOSAIC, _SURE * mosaic_error):
-        return (
-            "interpolated: samples of one colour of a chessboard have "
-            f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the others', as where a "
-            "mosaic of colour filters was filled in; measure samples of one filter"
-        )
-    sure = [block_steps(picture=view) for view in (picture, picture.T)]
+    interpolated = why_interpolated(picture=picture)
+    if interpolated and not interpolated_too:
+        return f"{interpolated}; measure samples of one filter"
+    period = 2 if interpolated else 1
+    sure = [block_steps(picture=view, period=period) for view in (picture, picture.T)]
     if min(sure) > _SURE_EITHER and math.hypot(*sure) > _SURE_OF_BLOCKS:
         return (
             "compressed in blocks of 8 × 8 samples (JPEG): steps at their borders are larger than "
             f"others ({math.hypot(*sure):.0f} standard deviations)"
         )
     return ""
+
+
+def why_interpolated(*, picture: NDArray[np.floating]) -> str:
+    """Why a picture is taken as made of a mosaic of colour filters; empty if it is not."""
+    if min(picture.shape) < _LEAST_SIDE:
+        return ""
+    mosaic, mosaic_error = mosaic_detail(picture=picture)
+    if not abs(mosaic) > max(_MOSAIC, _SURE * mosaic_error):
+        return ""
+    return (
+        "interpolated: samples of one colour of a chessboard have "
+        f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the others', as where a "
+        "mosaic of colour filters was filled in"
+    )
 
 
 def row_shift(*, picture: NDArray[np.floating]) -> tuple[float, float]:
@@ -115,8 +128,15 @@ def mosaic_detail(*, picture: NDArray[np.floating]) -> tuple[float, float]:
     return float(np.mean(strips)), float(np.std(strips, ddof=1)) / math.sqrt(len(strips))
 
 
-def block_steps(*, picture: NDArray[np.floating]) -> float:
+def block_steps(*, picture: NDArray[np.floating], period: int = 1) -> float:
     """How sure it is that steps between columns are larger at borders of blocks than in them.
+
+    Parameters
+    ----------
+    picture : ndarray
+        Samples, shape (rows, columns).
+    period : int
+        Of what else the steps of a block may repeat with: only steps of one phase are compared.
 
     Returns
     -------
@@ -133,12 +153,14 @@ def block_steps(*, picture: NDArray[np.floating]) -> float:
     for k, rows in enumerate(np.array_split(np.arange(picture.shape[0]), _RANKED)):
         part = np.asarray(picture[rows[0] : rows[-1] + 1, : blocks * _BLOCK + 1], np.float64)
         sums[k] = np.abs(np.diff(part, axis=1)).mean(axis=0).reshape(blocks, _BLOCK)
-    ordered = np.sort(sums, axis=2)[..., np.newaxis, :]
-    values = sums[..., np.newaxis]
-    rank = ((ordered < values).sum(axis=3) + (ordered <= values).sum(axis=3) - _BLOCK) / 2.0
-    means = rank.mean(axis=(0, 1))
-    border = int(np.argmax(means))
-    return float(means[border]) * math.sqrt(_RANKED * blocks / ((_BLOCK**2 - 1) / 12.0))
+    best = -math.inf
+    for phase in range(period):
+        values = sums[:, :, phase::period, np.newaxis]
+        ordered, count = values[..., 0][..., np.newaxis, :], _BLOCK // period
+        rank = ((ordered < values).sum(axis=3) + (ordered <= values).sum(axis=3) - count) / 2.0
+        means = rank.mean(axis=(0, 1))
+        best = max(best, float(means.max()) * math.sqrt(_RANKED * blocks * 12.0 / (count**2 - 1)))
+    return best
 
 
 def _ratio(products: Vector, squares: Vector) -> tuple[float, float]:
