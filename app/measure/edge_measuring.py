@@ -16,6 +16,7 @@ from core.physics.measurement.edges.edge_mtf import crossing_error, measure_edge
 from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG, pooled_mtf
 from core.physics.measurement.edges.edge_search import find_edges
 from core.physics.measurement.edges.long_tails import LongTails, long_tails
+from core.physics.measurement.edges.picture_suspicions import missing_samples
 from core.physics.measurement.edges.slanted_edge import falls_to
 
 Matrix = NDArray[np.float64]
@@ -42,7 +43,9 @@ def edges_of(
         Called between steps; may raise to stop.
     """
     seen = find_edges(picture=picture, clip_levels=clip_levels, interpolated_too=True, check=check)
-    tails = long_tails(picture=picture, edges=[edge for edge in seen if edge.used], check=check)
+    used = [edge for edge in seen if edge.used]
+    missing = missing_samples(picture=picture) if used else None
+    tails = long_tails(picture=picture, edges=used, missing=missing, check=check)
     return tuple(_measured(picture, number, edge, tails, check) for edge in seen)
 
 

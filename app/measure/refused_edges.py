@@ -59,6 +59,7 @@ REFUSALS = (
     Refusal("a side is not level", "a side is not level", _EVEN),
     Refusal("samples beside it", "too little room beside it", _ROOM),
     Refusal("samples lie about", "too short", "a longer edge"),
+    Refusal("less clear than", "less clear than others, of which none can be used", ""),
     Refusal("not looked at", "not looked at, as enough others are used", ""),
 )  # fmt: skip
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]?\d+)?")

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_limits import (
@@ -32,7 +33,7 @@ from core.physics.measurement.edges.edge_surroundings import (
     least_contrast,
     surroundings,
 )
-from core.physics.measurement.edges.picture_suspicions import why_no_picture
+from core.physics.measurement.edges.picture_suspicions import missing_samples, why_no_picture
 from core.physics.measurement.edges.ridges.ridge_points import SMOOTHING, ridge_points, rough_noise
 from core.physics.measurement.edges.ridges.spread_out import spread_out
 from core.physics.measurement.edges.ridges.straight_pieces import Piece, straight_pieces
@@ -64,7 +65,8 @@ def find_edges(
     Parameters
     ----------
     picture : ndarray
-        Samples, shape (rows, columns), finite.
+        Samples, shape (rows, columns), finite. Those that hold one number in place of data
+        (`missing_samples`) are left out.
     noise_sigma : float, optional
         Standard deviation of a sample; estimated where the picture is quietest, if not given.
     clip_levels : tuple of float, optional
@@ -92,7 +94,14 @@ def find_edges(
     (step test in each row, other edges masked, steps isolated in natural scenes).
     """
     picture = np.asarray(picture)
-    noise = rough_noise(picture=picture) if noise_sigma is None else noise_sigma
+    missing = missing_samples(picture=picture)
+    clear = None
+    if missing is not None:  # what lies next to them takes their place, so that no step is there
+        clear = distance_transform_edt(~missing)
+        nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
+        picture = picture[tuple(nearest)]
+    share = 0.0 if missing is None else float(missing.mean())
+    noise = rough_noise(picture=picture, missing=share) if noise_sigma is None else noise_sigma
     check()
     points = ridge_points(picture=picture, noise_sigma=noise, check=check)
     steep = noise / (_BLURRED * SMOOTHING * math.sqrt(2.0 * math.pi))
@@ -110,7 +119,7 @@ def find_edges(
     used = 0
     while len(found) < min(enough, len(pieces)) and used < _ENOUGH_USED:
         check()
-        found.append(_examined(picture, waiting[len(found)], noise, clip_levels, extremes))
+        found.append(_examined(picture, waiting[len(found)], noise, clip_levels, extremes, clear))
         used += found[-1].used
         if used == _ENOUGH_USED or len(found) == min(enough, len(pieces)):
             found = without_soft(edges=found)
@@ -134,6 +143,7 @@ def _examined(
     noise: float,
     clip_levels: tuple[float, float] | None,
     extremes: tuple[float, float],
+    clear: NDArray[np.float64] | None,
 ) -> FoundEdge:
     """A piece as an edge, used or not."""
     rough = _rough(piece, noise)
@@ -144,7 +154,7 @@ def _examined(
             why_not=f"too little contrast: about {least / noise:.2g} times the noise, of at "
             f"least {least_contrast(piece.length):.2g} for its length",
         )
-    room = frame_reach(piece=piece, shape=picture.shape)
+    room = frame_reach(piece=piece, shape=picture.shape, clear=clear)
     reach = min(float(room.max()), float(LARGEST_REACH + BEYOND))
     if reach < LEAST_REACH:
         return replace(rough, why_not=f"too near to the frame's side: {reach:.1f} samples")
@@ -197,6 +207,8 @@ def _enough(used: int, examined: int) -> str:
     """Why the rest of the candidates was not looked at."""
     if used >= _ENOUGH_USED:
         return f"not looked at: {used} edges that are clearer or farther apart are used"
+    if used == 0:
+        return f"less clear than {examined} others, of which none can be used"
     return (
         f"not looked at: less clear than {examined} others, of which {used} are used, or "
         "crowded among them"

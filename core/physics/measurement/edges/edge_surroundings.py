@@ -63,8 +63,11 @@ def cells_along(length: float) -> int:
     return max(3, round(length / _CELL))
 
 
-def frame_reach(*, piece: Piece, shape: tuple[int, ...]) -> Vector:
-    """Samples on both sides of each cell along a piece to the frame's border."""
+def frame_reach(*, piece: Piece, shape: tuple[int, ...], clear: Matrix | None = None) -> Vector:
+    """Samples on both sides of each cell along a piece to the frame's border, or to missing ones.
+
+    `clear` is how far each sample of the frame is from missing ones.
+    """
     across_x, across_y = (
         math.cos(math.radians(piece.angle_deg)),
         math.sin(math.radians(piece.angle_deg)),
@@ -77,6 +80,12 @@ def frame_reach(*, piece: Piece, shape: tuple[int, ...]) -> Vector:
     for at, across, last in ((x, across_x, shape[1] - 1), (y, across_y, shape[0] - 1)):
         if abs(across) > 1e-3:
             reach = np.minimum(reach, np.minimum(at, last - at) / abs(across))
+    if clear is not None:
+        row, column = (
+            np.clip(np.rint(at), 0, last - 1).astype(np.intp)
+            for at, last in zip((y, x), shape, strict=True)
+        )
+        reach = np.minimum(reach, clear[row, column] - 1.5)
     return np.asarray(np.maximum(np.minimum(reach[1:], reach[:-1]), 0.0), np.float64)
 
 

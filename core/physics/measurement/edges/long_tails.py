@@ -135,6 +135,7 @@ def long_tails(
     *,
     picture: NDArray[np.floating],
     edges: Sequence[FoundEdge],
+    missing: NDArray[np.bool_] | None = None,
     check: Callable[[], None] = lambda: None,
 ) -> LongTails | None:
     """Estimate the light in long tails from the sides of a picture's edges.
@@ -145,6 +146,8 @@ def long_tails(
         Samples, shape (rows, columns), finite.
     edges : sequence of FoundEdge
         Those that are used.
+    missing : ndarray of bool, optional
+        Samples that hold no data; the mean of the others takes their place.
     check : callable
         Called between steps; may raise to stop.
 
@@ -167,7 +170,11 @@ def long_tails(
     """
     chosen = edges[:_MOST_EDGES]
     factor = max(2, math.ceil(math.sqrt(picture.size / _MOST_CELLS)))
-    sides = _sides(picture, chosen, factor)
+    seen = picture
+    if missing is not None:
+        seen = np.where(missing, np.nan, picture)
+        picture = np.where(missing, float(picture[~missing].mean()), picture)
+    sides = _sides(seen, chosen, factor)
     if sides is None:
         return None
     check()
@@ -283,12 +290,15 @@ def _sides(picture: NDArray[np.floating], edges: Sequence[FoundEdge], factor: in
             picture=picture, middle=(edge.x, edge.y), angle_deg=edge.angle_deg,
             half_length=half, reach=_FARTHEST, bend=bend,
         )  # fmt: skip
-        away = np.abs(samples.distance) - start
+        known = np.isfinite(samples.value)
+        value, along = samples.value[known], samples.along[known]
+        distance = samples.distance[known]
+        away = np.abs(distance) - start
         strips = math.ceil((_FARTHEST - start) / _WIDE)
-        piece = np.clip(((samples.along / half + 1.0) / 2.0 * _PIECES).astype(int), 0, _PIECES - 1)
-        piece = piece + _PIECES * (samples.distance > 0.0)
+        piece = np.clip(((along / half + 1.0) / 2.0 * _PIECES).astype(int), 0, _PIECES - 1)
+        piece = piece + _PIECES * (distance > 0.0)
         cell = (piece * strips + (away / _WIDE).astype(int))[away > 0.0]
-        value, cells = samples.value[away > 0.0], 2 * _PIECES * strips
+        value, cells = value[away > 0.0], 2 * _PIECES * strips
         shape = (2 * _PIECES, strips)
         count = np.bincount(cell, minlength=cells).reshape(shape)
         many = np.maximum(count, 1)

@@ -17,6 +17,9 @@ _SURE_OF_BLOCKS, _SURE_EITHER = 7.0, 2.5  # across and down together, and either
 _RANKED = 4  # parts of a picture, whose steps are ranked
 _LEAST_SHIFT = 0.12  # samples
 _LEAST_SIDE = 48
+_LEAST_MISSING = 32  # samples of one number, in squares of 3 × 3
+_LEAST_VALUES = 8  # beside them, or there is no noise
+_FEW, _APART = 0.05, 0.25  # share of the samples beside, and how near to that number, of the usual
 _MOSAIC = 0.5  # logarithm of what the fine detail of one diagonal has over that of the other
 _LEAST_DETAIL = 0.1  # of its mean, added where detail may be none
 
@@ -70,6 +73,46 @@ def why_interpolated(*, picture: NDArray[np.floating]) -> str:
         f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the others', as where a "
         "mosaic of colour filters was filled in"
     )
+
+
+def missing_samples(*, picture: NDArray[np.floating]) -> NDArray[np.bool_] | None:
+    """Samples that hold one number in place of data, as borders of a warped picture do.
+
+    Parameters
+    ----------
+    picture : ndarray
+        Samples, shape (rows, columns), finite.
+
+    Returns
+    -------
+    ndarray of bool or None
+        True where a sample is missing; None where none seems to be.
+
+    Notes
+    -----
+    Looked at are the picture's extreme values and those of its corners. Light that is cut off at a
+    limit comes near to it before it reaches it, since every camera blurs: next to such an area
+    lie samples of all levels. Next to missing ones lie those of the scene, far from their number,
+    and have noise.
+    """
+    from scipy import ndimage
+
+    corners = picture[:: picture.shape[0] - 1, :: picture.shape[1] - 1].ravel()
+    missing = np.zeros(picture.shape, np.bool_)
+    for value in np.unique(np.append(corners, (picture.min(), picture.max()))):
+        same = ndimage.binary_opening(picture == value, np.ones((3, 3)))
+        if np.count_nonzero(same) < _LEAST_MISSING:
+            continue
+        beside = ndimage.binary_dilation(same) & ~same
+        off = np.abs(picture[beside] - value)
+        if len(off) == 0 or not off.min() > 0.0:
+            off = off[off > 0.0]  # what the opening has cut off of the area
+        if len(off) < _LEAST_SIDE // 2 or len(np.unique(off)) < _LEAST_VALUES:
+            continue
+        usual = float(np.median(off))
+        if float(np.quantile(off, _FEW)) > _APART * usual:
+            missing |= same | ((picture == value) & ndimage.binary_dilation(same, iterations=2))
+    return missing if missing.any() and not missing.all() else None
 
 
 def row_shift(*, picture: NDArray[np.floating]) -> tuple[float, float]:

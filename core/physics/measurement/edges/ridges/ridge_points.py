@@ -47,8 +47,15 @@ class RidgePoints:
     strength: Vector
 
 
-def rough_noise(*, picture: Picture) -> float:
+def rough_noise(*, picture: Picture, missing: float = 0.0) -> float:
     """Standard deviation of a sample where the picture is quietest.
+
+    Parameters
+    ----------
+    picture : ndarray
+        Samples, shape (rows, columns).
+    missing : float
+        Share of them that have no noise, as they hold no data.
 
     Notes
     -----
@@ -67,7 +74,7 @@ def rough_noise(*, picture: Picture) -> float:
         shape = (part.shape[0] // _BLOCK, _BLOCK, columns // _BLOCK, _BLOCK)
         blocks.append(wide.reshape(shape).mean(axis=(1, 3)).ravel())
     scale = (_BLOCK / (_BLOCK - 1)) * math.sqrt(math.pi / 2.0) / 6.0
-    return float(np.quantile(np.concatenate(blocks), _QUIET)) * scale
+    return float(np.quantile(np.concatenate(blocks), missing + (1.0 - missing) * _QUIET)) * scale
 
 
 def ridge_points(
