@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from scipy import ndimage
 
-from app.measure.measurement_text import remarks
+from app.measure.measurement_files import measurement_json
+from app.measure.measurement_page import measurement_page
+from app.measure.measurement_text import remarks, with_error
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile
 from camera_scenes import box, turned
-from oversampled_camera import Camera, take
+from core.physics.measurement.edges.edge_search import find_edges
+from oversampled_camera import Camera, half_plane, take
 from oversampled_scene import Scene, Shape
 
 SCENE = Scene(
@@ -55,15 +60,39 @@ def test_an_mtf_above_one_is_called_that_of_a_sharpened_picture(taken):
 
 
 @pytest.mark.parametrize("colour", ["green", "red"])
-def test_a_mosaic_of_filters_that_was_filled_in_is_refused(taken, colour):
+def test_a_mosaic_of_filters_that_was_filled_in_is_measured_with_a_warning(taken, colour):
     kept, weights = np.zeros_like(taken), [[1, 2, 1], [2, 4, 2], [1, 2, 1]]
     kept[::2, ::2] = 1.0
     if colour == "green":
         kept[1::2, 1::2], weights = 1.0, [[0, 1, 0], [1, 4, 1], [0, 1, 0]]
     filled = ndimage.convolve(taken * kept, np.array(weights) / 4.0)
     result = measured(filled)
-    assert result.x is None
-    assert "interpolated (" in result.reason_x
+    assert 0.1 < result.x.mtf50 < measured(taken).x.mtf50
+    assert result.noise is None
+    assert "interpolated" in result.noise_reason
+    assert any(line.startswith("warning: one: interpolated: ") for line in remarks(result))
+    # A fit of the camera's own blur is not for such a picture.
+    seen = find_edges(picture=filled)
+    assert not any(edge.used for edge in seen)
+    assert any(edge.why_not.startswith("interpolated: ") for edge in seen)
+
+
+def test_a_picture_that_was_enlarged_is_measured_as_it_is(taken):
+    """1.5 times, by cubic splines: in its samples the blur is as much wider, and that of these."""
+    enlarged = measured(ndimage.zoom(taken, 1.5, order=3))
+    assert 0.88 < 1.5 * enlarged.x.mtf50 / measured(taken).x.mtf50 < 1.0
+
+
+def test_one_edge_has_one_error():
+    camera = Camera(cutoff=1.2, jitter=0.3, gain_e_per_dn=50, read_e=30)
+    picture = take(half_plane(9.0, (60, 50), 3000, 9000), camera, rows=100, columns=120).picture
+    result = measured(picture)
+    (edge,) = [edge for edge in result.edges if edge.used]
+    assert edge.mtf50_sigma == pytest.approx(result.x.mtf50_sigma, rel=1e-9)
+    text = with_error(result.x.mtf50, result.x.mtf50_sigma)
+    assert measurement_page(result).count(text) == 2
+    (written,) = [one for one in json.loads(measurement_json(result))["edges"] if one["used"]]
+    assert written["sigma"] == pytest.approx(result.x.mtf50_sigma, rel=1e-9)
 
 
 def test_two_amplifiers_in_turn_are_no_mosaic(taken):

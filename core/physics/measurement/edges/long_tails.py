@@ -34,6 +34,7 @@ _FILLED = 0.7  # of a strip's samples, that lie in the frame
 _LEAST_NOISE = 2e-4  # of the contrast
 _MOST_EDGES = 24
 _MOST_CELLS = 400_000  # of the grid on which the tails are computed
+_BEYOND = 60.0  # samples beyond the frame, where the scene is taken to go on
 _MOST, _USUAL = 0.4, 0.08  # light in the tail over that in the core
 _NO_TAIL, _NO_SLOPE = 0.7, 0.7  # probabilities before looking
 _SLOPE = 0.1  # of the contrast over 100 samples, that light may be uneven by
@@ -160,13 +161,14 @@ def long_tails(
     -----
     The picture is (1 − w)·c∗s + w·t∗s of the scene s, the core c and the tail t. With u =
     (1 − w)·c∗s and b = w / (1 − w) it is u + b·t∗u, and t∗u follows from the picture by division
-    with 1 + b·T in the frequency domain, mirrored at the frame's sides. Beside an edge the scene is
-    even: there the picture changes as b·t∗u does, whatever else lies in the frame. For tails whose
-    line spread is exponential (scintillators, light guides), Gaussian (halo) or Lorentzian (veiling
-    glare; ISO 9358:1994), b follows by least squares with a level for each side; unevenness of the
-    light is allowed for by a plane. Tails are averaged by their probability (Hoeting, Madigan,
-    Raftery and Volinsky, Bayesian model averaging, Statistical Science 14, 1999), beside the
-    possibility that there is none; residuals that hang together make it less sharp.
+    with 1 + b·T in the frequency domain; the scene is taken to go on beyond the frame's sides.
+    Beside an edge the scene is even: there the picture changes as b·t∗u does, whatever else lies in
+    the frame. For tails whose line spread is exponential (scintillators, light guides), Gaussian
+    (halo) or Lorentzian (veiling glare; ISO 9358:1994), b follows by least squares with a level for
+    each side; unevenness of the light is allowed for by a plane. Tails are averaged by their
+    probability (Hoeting, Madigan, Raftery and Volinsky, Bayesian model averaging, Statistical
+    Science 14, 1999), beside the possibility that there is none; residuals that hang together make
+    it less sharp.
     """
     chosen = edges[:_MOST_EDGES]
     factor = max(2, math.ceil(math.sqrt(picture.size / _MOST_CELLS)))
@@ -179,7 +181,7 @@ def long_tails(
         return None
     check()
     contrast = float(np.median([edge.contrast for edge in chosen]))
-    waves, radius = _coarse_waves(picture, factor)
+    waves, radius, inner = _coarse_waves(picture, factor)
     lengths = [length for length in _LENGTHS if length >= factor]
     tails = [(form, length) for length in lengths for form in _FORMS]
     if not tails:
@@ -193,7 +195,7 @@ def long_tails(
         passed = _transfer(form, length, radius)
         spread, ratio = np.zeros(0), 0.0
         for _ in range(2):  # the second with the light that the first has found in the tail
-            spread = _back(waves * passed / (1.0 + ratio * passed))
+            spread = _back(waves * passed / (1.0 + ratio * passed), inner)
             column = _without_levels(_between(spread, factor, sides.x, sides.y), sides)
             weighted = column / sides.variance
             square = max(float(weighted @ column), 1e-300)
@@ -311,7 +313,7 @@ def _sides(picture: NDArray[np.floating], edges: Sequence[FoundEdge], factor: in
             [float(np.median(part[full])) if full.any() else math.inf
              for part, full in zip(scatter[:, :3], near, strict=True)]
         )[:, np.newaxis]  # fmt: skip
-        noise = np.maximum(noise, _LEAST_NOISE * edge.contrast)
+        noise = np.asarray(np.maximum(noise, _LEAST_NOISE * edge.contrast), np.float64)
         doubt = 4.0 * noise / np.sqrt(many)
         first = mean[:, :1]
         steps = np.abs(np.diff(mean, axis=1, prepend=first))
@@ -370,21 +372,29 @@ def _left(form: str, lengths: float) -> float:
     return 1.0 - 2.0 / math.pi * math.atan(2.0 * lengths)
 
 
-def _coarse_waves(picture: NDArray[np.floating], factor: int) -> tuple[Matrix, Matrix]:
-    """Cosine transform of the means of squares of samples, and cycles per sample of its waves."""
+def _coarse_waves(
+    picture: NDArray[np.floating], factor: int
+) -> tuple[Matrix, Matrix, tuple[slice, slice]]:
+    """Cosine transform of means of squares of samples, its waves' frequency, and the frame in it.
+
+    Beyond the frame's sides the scene is taken to go on as it is at them.
+    """
     from scipy import fft
 
     rows, columns = (size // factor for size in picture.shape)
     squares = picture[: rows * factor, : columns * factor].reshape(rows, factor, columns, factor)
-    waves = fft.dctn(squares.mean(axis=(1, 3)), norm="ortho")
-    down, across = (np.arange(size) / (2.0 * size * factor) for size in (rows, columns))
-    return np.asarray(waves, np.float64), np.hypot(down[:, np.newaxis], across)
+    beyond = math.ceil(_BEYOND / factor)
+    cells = np.pad(squares.mean(axis=(1, 3)), beyond, mode="edge")
+    waves = fft.dctn(cells, norm="ortho")
+    down, across = (np.arange(size) / (2.0 * size * factor) for size in cells.shape)
+    inner = slice(beyond, beyond + rows), slice(beyond, beyond + columns)
+    return np.asarray(waves, np.float64), np.hypot(down[:, np.newaxis], across), inner
 
 
-def _back(waves: Matrix) -> Matrix:
+def _back(waves: Matrix, inner: tuple[slice, slice]) -> Matrix:
     from scipy import fft
 
-    return np.asarray(fft.idctn(waves, norm="ortho"), np.float64)
+    return np.ascontiguousarray(fft.idctn(waves, norm="ortho")[inner], np.float64)
 
 
 def _between(cells: Matrix, factor: int, x: Vector, y: Vector) -> Vector:

@@ -19,7 +19,7 @@ _LEAST_SHIFT = 0.12  # samples
 _LEAST_SIDE = 48
 _LEAST_MISSING = 32  # samples of one number, in squares of 3 × 3
 _LEAST_VALUES = 8  # beside them, or there is no noise
-_FEW, _APART = 0.05, 0.25  # share of the samples beside, and how near to that number, of the usual
+_FEW, _APART = 0.02, 0.1  # share of the samples beside, and how near to that number, of the range
 _MOSAIC = 0.5  # logarithm of what the fine detail of one diagonal has over that of the other
 _LEAST_DETAIL = 0.1  # of its mean, added where detail may be none
 
@@ -109,7 +109,7 @@ def missing_samples(*, picture: NDArray[np.floating]) -> NDArray[np.bool_] | Non
             off = off[off > 0.0]  # what the opening has cut off of the area
         if len(off) < _LEAST_SIDE // 2 or len(np.unique(off)) < _LEAST_VALUES:
             continue
-        usual = float(np.median(off))
+        usual = max(float(np.median(off)), float(np.ptp(picture[picture != value])))
         if float(np.quantile(off, _FEW)) > _APART * usual:
             missing |= same | ((picture == value) & ndimage.binary_dilation(same, iterations=2))
     return missing if missing.any() and not missing.all() else None

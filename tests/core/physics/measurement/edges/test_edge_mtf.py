@@ -71,6 +71,27 @@ def test_errors_cover_the_truth():
     assert abs(np.mean(pulls)) < 0.35
 
 
+def true_half(camera, angle_deg):
+    fine = np.linspace(0.0, 1.0, 4001)
+    return float(np.interp(-0.5, -true_mtf(fine, camera, angle_deg), fine))
+
+
+def test_the_error_of_mtf50_of_noisy_edges():
+    """Contrast 20 times the noise: departures over errors scatter by 1."""
+    rng, pulls = np.random.default_rng(77), []
+    frequency = np.linspace(0.0, 1.0, 65)
+    for _ in range(20):
+        camera, angle = (rng.uniform(0.7, 2.0), rng.uniform(0.0, 0.6)), rng.uniform(3.0, 12.0)
+        clean, truth = edge_frame(camera, angle, 50.0, 90.0, 0.0, 0), true_half(camera, angle)
+        for length in rng.uniform(30.0, 60.0, 6):
+            edge = FoundEdge(39.8, 39.5, angle, length, 16.0, 50.0, 90.0, 2.0, True)
+            picture = clean + rng.normal(0.0, 2.0, clean.shape)
+            one = measure_edge(picture=picture, edge=edge, frequency=frequency)
+            pulls.append((one.mtf50 - truth) / one.mtf50_sigma)
+    assert 0.8 < np.std(pulls) < 1.2
+    assert np.max(np.abs(pulls)) < 4.5
+
+
 def textured(seed, angle_deg, camera=(1.2, 0.5)):
     """An edge of 40 above a ground whose texture, 3 rms, hangs together over some samples."""
     rng = np.random.default_rng(seed)
@@ -157,6 +178,20 @@ def test_pool_of_edges_that_agree_and_that_do_not():
     )
     assert worse.excess == pytest.approx(4.0, rel=0.2)
     assert np.median(worse.sigma) > 2.5 * np.median(pool.sigma)
+
+
+def test_the_error_of_a_pool_of_four_that_agree():
+    """Two unknowns of direction, which are assumed, take nothing from what the four show."""
+    rng = np.random.default_rng(4)
+    truth = np.exp(-8.0 * FREQUENCY**2)
+    pulls = []
+    for _ in range(60):
+        noise = rng.normal(0.0, 0.03, (4, len(FREQUENCY)))
+        angles = rng.uniform(-4.0, 4.0, 4)
+        four = [pretended(a, truth + n, 0.03) for a, n in zip(angles, noise, strict=True)]
+        pool = pooled_mtf(edges=four, axis="x")
+        pulls.append((pool.mtf - truth)[5:] / pool.sigma[5:])
+    assert 0.85 < np.std(pulls) < 1.15
 
 
 def test_pool_of_a_blur_that_differs_with_direction():

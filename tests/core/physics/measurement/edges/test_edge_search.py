@@ -158,6 +158,31 @@ def test_compressed_picture(tmp_path):
     assert "JPEG" in refused(saved(quality=60))
 
 
+@pytest.mark.parametrize("number", [0.0, -9999.0, 255.0])
+@pytest.mark.parametrize("whole", [False, True])
+def test_samples_without_data_judge_no_edge(number, whole):
+    """A corner of one number, sharper than any blur: the edge is used as without it."""
+    picture = noisy_edge(low=60.0, contrast=120.0, noise=2.0, size=(120, 160))
+    y, x = np.mgrid[:120, :160]
+    picture[x + 2 * y < 60] = number
+    if whole:
+        picture = np.rint(picture)
+    limits = (0.0, 255.0) if whole else None
+    edges = find_edges(picture=picture, clip_levels=limits)
+    assert len([edge for edge in edges if edge.used]) == 1
+    assert not [edge for edge in edges if edge.x + 2 * edge.y < 70]
+
+
+def test_edges_of_which_none_can_be_used_are_not_enough():
+    """A grid along the samples: of 400 that were looked at none is slanted."""
+    y, x = np.mgrid[:360, :360]
+    picture = 50.0 + 40.0 * (((x // 15) + (y // 15)) % 2)
+    edges = find_edges(picture=picture + np.random.default_rng(3).normal(0.0, 0.5, picture.shape))
+    assert not any(edge.used for edge in edges)
+    assert [edge for edge in edges if "of which none can be used" in edge.why_not]
+    assert not [edge for edge in edges if "not looked at" in edge.why_not]
+
+
 def test_no_edge_in_noise_or_in_nothing():
     noise = np.random.default_rng(3).normal(50.0, 1.0, (120, 160))
     assert not [edge for edge in find_edges(picture=noise) if edge.used]

@@ -1,0 +1,65 @@
+"""Long tails: light that lies farther from an edge than its own surroundings reach."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.measure.edge_measuring import edges_of
+from app.measure.measurement_text import remarks
+from app.measure.measuring import Source, measure_pictures
+from app.measure.picture_measurement import MeasuredFile
+from oversampled_camera import Camera, half_plane, take, true_mtf
+
+CAMERA = {"cutoff": 1.2, "jitter": 0.3, "gain_e_per_dn": 2.0, "read_e": 10.0}
+
+
+def picture(tail, *, rows=150, columns=200, middle=(100, 75), angle=6.0):
+    camera = Camera(**CAMERA, tail=tail)
+    scene = half_plane(angle, middle, 2000, 20000)
+    taken = take(scene, camera, rows=rows, columns=columns, seed=4, fine=4, margin=120)
+    return camera, taken.picture
+
+
+def measured(samples):
+    (edge,) = [edge for edge in edges_of(picture=samples, number=0) if edge.used]
+    return edge
+
+
+@pytest.mark.parametrize(
+    ("tail", "too_large"),
+    [
+        (("scintillator", 0.08, 15.0), 0.06),
+        (("halo", 0.15, 20.0), 0.12),
+        (("veil", 0.12, 12.0), 0.06),
+    ],
+)
+def test_light_in_long_tails_is_in_the_mtf(tail, too_large):
+    camera, samples = picture(tail)
+    edge = measured(samples)
+    near = edge.curve.frequency <= 0.4
+    truth = true_mtf(camera, edge.found.angle_deg, edge.curve.frequency)
+    off = (edge.curve.mtf - truth)[near][1:]
+    assert np.all(np.abs(off) < 3.0 * edge.curve.sigma[near][1:])
+    core = true_mtf(Camera(**CAMERA), edge.found.angle_deg, edge.curve.frequency)
+    assert np.median((core / truth)[near][5:]) - 1.0 > too_large  # what the near sides alone give
+    assert np.max(np.abs(off)) < too_large / 2.0
+    assert edge.curve.tail.share == pytest.approx(tail[1], abs=0.05)
+
+
+def test_a_camera_without_tails_has_none():
+    assert measured(picture(None)[1]).curve.tail is None
+
+
+def test_where_the_frame_ends_first_the_error_is_wider_and_it_is_said():
+    tail = ("scintillator", 0.15, 25.0)
+    wide = measured(picture(tail)[1])
+    camera, samples = picture(tail, columns=64, middle=(32, 75))
+    narrow = measured(samples)
+    assert narrow.curve.sigma[8] > 1.5 * wide.curve.sigma[8]
+    off = narrow.curve.mtf - true_mtf(camera, narrow.found.angle_deg, narrow.curve.frequency)
+    assert np.all(np.abs(off[1:26]) < 3.0 * narrow.curve.sigma[1:26])
+    source = Source((MeasuredFile("one", 1, ""),), [samples], *samples.shape)
+    lines = [line for line in remarks(measure_pictures(source)) if "long tails" in line]
+    assert len(lines) == 1
+    assert "their sides are not level yet" in lines[0]
