@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_limits import (
@@ -33,7 +32,11 @@ from core.physics.measurement.edges.edge_surroundings import (
     least_contrast,
     surroundings,
 )
-from core.physics.measurement.edges.picture_suspicions import missing_samples, why_no_picture
+from core.physics.measurement.edges.picture_suspicions import (
+    clear_of,
+    missing_samples,
+    why_no_picture,
+)
 from core.physics.measurement.edges.ridges.ridge_points import SMOOTHING, ridge_points, rough_noise
 from core.physics.measurement.edges.ridges.spread_out import spread_out
 from core.physics.measurement.edges.ridges.straight_pieces import Piece, straight_pieces
@@ -96,10 +99,9 @@ def find_edges(
     picture = np.asarray(picture)
     missing = missing_samples(picture=picture)
     clear = None
-    if missing is not None:  # what lies next to them takes their place, so that no step is there
-        clear = distance_transform_edt(~missing)
-        nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
-        picture = picture[tuple(nearest)]
+    if missing is not None:
+        clear = clear_of(missing=missing, farthest=LARGEST_REACH + BEYOND + 2)
+        picture = np.where(missing, np.median(picture[~missing]), picture)
     share = 0.0 if missing is None else float(missing.mean())
     noise = rough_noise(picture=picture, missing=share) if noise_sigma is None else noise_sigma
     check()
@@ -112,6 +114,8 @@ def find_edges(
         least_strength=steep * least_contrast(1e9),
         strength_of_16=steep * least_contrast(16.0),
     )
+    if clear is not None:  # the steps to missing samples are no edges
+        pieces = [piece for piece in pieces if clear[round(piece.y), round(piece.x)] > LEAST_REACH]
     extremes = (float(picture.min()), float(picture.max()))
     enough = min(max(_LEAST_EXAMINED, picture.size // _SAMPLES_EXAMINED), _MOST_EXAMINED)
     waiting = _in_turn(pieces, picture.shape)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.edges.edge_found import FoundEdge
-from core.physics.measurement.edges.edge_samples import rectangle_samples
+from core.physics.measurement.edges.edge_samples import EdgeSamples, rectangle_samples
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -283,7 +283,8 @@ def _possibilities(
 
 def _sides(picture: NDArray[np.floating], edges: Sequence[FoundEdge], factor: int) -> _Sides | None:
     """Strips beside the edges, outwards to where the frame or something else begins."""
-    parts, seen, units = [], [], 0
+    parts, units = [], 0
+    seen: list[float] = []
     for edge in edges:
         start = max(_NEAREST, _WIDTHS * edge.softness, 2.0 * factor)
         half = min(edge.length, _LONGEST) / 2.0
@@ -292,58 +293,63 @@ def _sides(picture: NDArray[np.floating], edges: Sequence[FoundEdge], factor: in
             picture=picture, middle=(edge.x, edge.y), angle_deg=edge.angle_deg,
             half_length=half, reach=_FARTHEST, bend=bend,
         )  # fmt: skip
-        known = np.isfinite(samples.value)
-        value, along = samples.value[known], samples.along[known]
-        distance = samples.distance[known]
-        away = np.abs(distance) - start
-        strips = math.ceil((_FARTHEST - start) / _WIDE)
-        piece = np.clip(((along / half + 1.0) / 2.0 * _PIECES).astype(int), 0, _PIECES - 1)
-        piece = piece + _PIECES * (distance > 0.0)
-        cell = (piece * strips + (away / _WIDE).astype(int))[away > 0.0]
-        value, cells = value[away > 0.0], 2 * _PIECES * strips
-        shape = (2 * _PIECES, strips)
-        count = np.bincount(cell, minlength=cells).reshape(shape)
-        many = np.maximum(count, 1)
-        mean = np.bincount(cell, value, cells).reshape(shape) / many
-        off = value - mean.ravel()[cell]
-        scatter = np.sqrt(np.bincount(cell, off**2, cells).reshape(shape) / many)
-        filled = count >= _FILLED * 2.0 * half / _PIECES * _WIDE
-        near = filled[:, :3]
-        noise = np.array(
-            [float(np.median(part[full])) if full.any() else math.inf
-             for part, full in zip(scatter[:, :3], near, strict=True)]
-        )[:, np.newaxis]  # fmt: skip
-        noise = np.asarray(np.maximum(noise, _LEAST_NOISE * edge.contrast), np.float64)
-        doubt = 4.0 * noise / np.sqrt(many)
-        first = mean[:, :1]
-        steps = np.abs(np.diff(mean, axis=1, prepend=first))
-        even = (steps <= _JUMP * edge.contrast + math.sqrt(2.0) * doubt) & (
-            np.abs(mean - first) <= _CHANGE * edge.contrast + 2.0 * doubt
-        )
-        even &= scatter <= _SPREAD * noise + _JUMP * edge.contrast
-        good = np.logical_and.accumulate(filled & even, axis=1)
-        # The last strip before something else may have a part of it.
-        after = np.logical_and.accumulate(filled, axis=1)
-        good[:, :-1] &= good[:, 1:] | ~after[:, 1:]
+        mean, variance, good = _strips(samples, half, start, edge.contrast)
         length = good.sum(axis=1)
         seen += [start + _WIDE * n for n in length]
         good[length < 2] = False
         which, strip = np.nonzero(good)
         if len(which) == 0:
             continue
-        distance = (start + (strip + 0.5) * _WIDE) * np.where(which >= _PIECES, 1.0, -1.0)
+        away = (start + (strip + 0.5) * _WIDE) * np.where(which >= _PIECES, 1.0, -1.0)
         along = ((which % _PIECES + 0.5) / _PIECES * 2.0 - 1.0) * half
         across_x, across_y = edge.normal
-        moved = distance + bend * (along / half) ** 2
-        variance = (noise**2 / many)[which, strip]
+        moved = away + bend * (along / half) ** 2
         x = edge.x + moved * across_x - along * across_y
         y = edge.y + moved * across_y + along * across_x
-        parts.append((mean[which, strip], variance, x, y, which + units))
+        parts.append((mean[which, strip], variance[which, strip], x, y, which + units))
         units += 2 * _PIECES
     if not parts:
         return None
     value, variance, x, y, unit = (np.concatenate(column) for column in zip(*parts, strict=True))
     return _Sides(value, variance, x, y, np.unique(unit, return_inverse=True)[1], np.array(seen))
+
+
+def _strips(
+    samples: EdgeSamples, half: float, start: float, contrast: float
+) -> tuple[Matrix, Matrix, NDArray[np.bool_]]:
+    """Mean of each strip, the variance of that, and whether all up to it are even.
+
+    Shapes are (sides and pieces along the edge, strips outwards); samples that are no numbers are
+    missing.
+    """
+    away = np.abs(samples.distance) - start
+    chosen = np.isfinite(samples.value) & (away > 0.0)
+    strips = math.ceil((_FARTHEST - start) / _WIDE)
+    piece = np.clip(((samples.along / half + 1.0) / 2.0 * _PIECES).astype(int), 0, _PIECES - 1)
+    piece = piece + _PIECES * (samples.distance > 0.0)
+    cell = (piece * strips + (away / _WIDE).astype(int))[chosen]
+    value, shape = samples.value[chosen], (2 * _PIECES, strips)
+    count = np.bincount(cell, minlength=2 * _PIECES * strips).reshape(shape)
+    many = np.maximum(count, 1)
+    mean = np.bincount(cell, value, many.size).reshape(shape) / many
+    off = value - mean.ravel()[cell]
+    scatter = np.sqrt(np.bincount(cell, off**2, many.size).reshape(shape) / many)
+    filled = count >= _FILLED * 2.0 * half / _PIECES * _WIDE
+    near = [part[:3][full[:3]] for part, full in zip(scatter, filled, strict=True)]
+    noises = [float(np.median(part)) if len(part) else math.inf for part in near]
+    noise = np.maximum(np.array(noises)[:, np.newaxis], _LEAST_NOISE * contrast)
+    doubt = 4.0 * noise / np.sqrt(many)
+    first = mean[:, :1]
+    steps = np.abs(np.diff(mean, axis=1, prepend=first))
+    even = (steps <= _JUMP * contrast + math.sqrt(2.0) * doubt) & (
+        np.abs(mean - first) <= _CHANGE * contrast + 2.0 * doubt
+    )
+    even &= scatter <= _SPREAD * noise + _JUMP * contrast
+    good = np.logical_and.accumulate(filled & even, axis=1)
+    # The last strip before something else may have a part of it.
+    after = np.logical_and.accumulate(filled, axis=1)
+    good[:, :-1] &= good[:, 1:] | ~after[:, 1:]
+    return np.asarray(mean, np.float64), np.asarray(noise**2 / many, np.float64), good
 
 
 def _without_levels(value: Vector, sides: _Sides) -> Vector:

@@ -95,15 +95,13 @@ def missing_samples(*, picture: NDArray[np.floating]) -> NDArray[np.bool_] | Non
     lie samples of all levels. Next to missing ones lie those of the scene, far from their number,
     and have noise.
     """
-    from scipy import ndimage
-
     corners = picture[:: picture.shape[0] - 1, :: picture.shape[1] - 1].ravel()
     missing = np.zeros(picture.shape, np.bool_)
     for value in np.unique(np.append(corners, (picture.min(), picture.max()))):
-        same = ndimage.binary_opening(picture == value, np.ones((3, 3)))
+        same = _grown(~_grown(picture != value))
         if np.count_nonzero(same) < _LEAST_MISSING:
             continue
-        beside = ndimage.binary_dilation(same) & ~same
+        beside = _grown(same) & ~same
         off = np.abs(picture[beside] - value)
         if len(off) == 0 or not off.min() > 0.0:
             off = off[off > 0.0]  # what the opening has cut off of the area
@@ -111,8 +109,25 @@ def missing_samples(*, picture: NDArray[np.floating]) -> NDArray[np.bool_] | Non
             continue
         usual = max(float(np.median(off)), float(np.ptp(picture[picture != value])))
         if float(np.quantile(off, _FEW)) > _APART * usual:
-            missing |= same | ((picture == value) & ndimage.binary_dilation(same, iterations=2))
+            missing |= same | ((picture == value) & _grown(_grown(same)))
     return missing if missing.any() and not missing.all() else None
+
+
+def clear_of(*, missing: NDArray[np.bool_], farthest: int) -> NDArray[np.float64]:
+    """How many samples each sample is away from missing ones, across, down or both, to a limit."""
+    clear = np.full(missing.shape, float(farthest))
+    near = missing
+    for distance in range(farthest):
+        clear[near & (clear > distance)] = distance
+        near = _grown(near)
+    return clear
+
+
+def _grown(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """True where one of the 3 × 3 samples about a sample is."""
+    wide = np.pad(mask, 1)
+    down = wide[:-2] | wide[1:-1] | wide[2:]
+    return np.asarray(down[:, :-2] | down[:, 1:-1] | down[:, 2:], np.bool_)
 
 
 def row_shift(*, picture: NDArray[np.floating]) -> tuple[float, float]:
