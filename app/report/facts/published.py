@@ -5,21 +5,30 @@ A network may carry two fields for it. `published` is a list of objects with `fi
 reproduced where it differs by no more than `within`. It is NODE.READOUT, or
 NODE.PORT.mean (sigma, minimum, maximum) of a picture, or NODE.mtf_nyquist_x (ptf, y; `total` for
 the product). `conflicts` is a list of texts: where the source contradicts itself.
+
+The figures of a shipped network belong to its own modules, wires, values and scene. A changed
+network that still carries them is not compared.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from app.run.evaluation import Evaluation
+from app.run.shipped import shipped_networks
+from core.chain.engine import Plan
 from core.chain.realize import realize
 from core.chain.wires import Image
 from core.errors import NetworkError
+from core.modules.parameters import plain
 from core.names import close
+from core.network.file import read_network
 from core.network.network import Network
+from core.network.validation import plain_network
 
 REPRODUCED, DIFFERENT, ABSENT = "reproduced", "not reproduced", "not computed"
 _STATISTICS: Mapping[str, Any] = {
@@ -33,7 +42,7 @@ _FIELDS = (*_TEXTS, "value", "within")
 
 
 def published_rows(evaluation: Evaluation, nyquist: Mapping[str, float]) -> list[dict[str, Any]]:
-    """Each published figure with ours and a verdict.
+    """Each published figure with ours and a verdict; none for a shipped network that was changed.
 
     Raises
     ------
@@ -43,7 +52,47 @@ def published_rows(evaluation: Evaluation, nyquist: Mapping[str, float]) -> list
     entries = evaluation.network.extra.get("published", ())
     if not isinstance(entries, tuple):
         raise NetworkError("published must be a list of figures")
+    if is_changed(evaluation):
+        return []
     return [_row(evaluation, nyquist, number, entry) for number, entry in enumerate(entries, 1)]
+
+
+def is_changed(evaluation: Evaluation) -> bool:
+    """Whether the figures were published for a shipped network, and this one differs from it.
+
+    The noise's seed, titles and the canvas make no difference.
+    """
+    wanted = _named(evaluation.network.extra.get("published", ()))
+    changed = False
+    for path in shipped_networks().values() if wanted else ():
+        text = path.read_text(encoding="utf-8")
+        if '"published":' in text and _named(json.loads(text).get("published", ())) == wanted:
+            library = evaluation.engine.library
+            network = plain_network(read_network(path, library=library), library=library)
+            shipped = evaluation.engine.plan(network, folder=path.parent)
+            if _content(shipped) == _content(evaluation.plan):
+                return False
+            changed = True
+    return changed
+
+
+def _named(entries: Any) -> list[Any]:
+    """What is published, whatever the nodes are called."""
+    rows = [entry for entry in entries if isinstance(entry, Mapping)]
+    return [[entry.get(name) for name in ("figure", "where", "value")] for entry in rows]
+
+
+def _content(plan: Plan) -> Any:
+    """Modules with their values, and wires."""
+    nodes = {
+        name: (
+            node.node.module,
+            node.node.disabled,
+            [plain(getattr(node.module, each.name)) for each in node.declaration.parameters],
+        )
+        for name, node in plan.nodes.items()
+    }
+    return nodes, set(plan.network.links)
 
 
 def conflicts(network: Network) -> list[str]:

@@ -15,7 +15,7 @@ from app.report.drawing.node_curves import curve_facts
 from app.report.facts.budget_facts import budget_facts
 from app.report.facts.data_sheet_facts import data_sheet_facts
 from app.report.facts.edge_facts import judged_facts
-from app.report.facts.published import conflicts, published_rows
+from app.report.facts.published import conflicts, is_changed, published_rows
 from app.report.facts.spectrum_facts import spectrum_facts
 from app.run.evaluation import Evaluation
 from app.run.figures import main_figures
@@ -76,7 +76,7 @@ def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str,
         "data_sheet": data_sheet_facts(evaluation, nodes),
         "nodes": nodes,
         "published": published_rows(evaluation, nyquist),
-        "conflicts": conflicts(network),
+        "conflicts": [] if is_changed(evaluation) else conflicts(network),
         "skipped": _skipped(skipped),
     }
 

@@ -11,7 +11,9 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from app.run.shipped import shipped_networks
 from child_process import ROOT, finished
+from command_line import run_here
 
 FIGURES = {
     "inframetrics": ("fig. 5.26", "fig. 5.27", "figs. 5.56 and 5.57"),
@@ -151,3 +153,36 @@ def test_without_a_report_nothing_is_measured(tmp_path):
 def test_bad_names_of_figures(given, told, fails, write, small):
     write(small | {"drawn_as": given})
     assert told in fails("run", "net.json", "--report", "r.json")
+
+
+@pytest.mark.parametrize(
+    ("words", "compared"),
+    [
+        ((), True),
+        (("--seed", "5"), True),
+        (("--set", "photons.percent=50"), False),
+        (("--set", "scene.kind=uniform"), False),
+        (("--set", "scene.width=128"), False),
+    ],
+)
+def test_only_the_published_network_is_compared_with_the_thesis(words, compared, tmp_path):
+    """By its content: here under another name, as a file of one's own."""
+    document = json.loads(shipped_networks()["poisson_two_panel"].read_text("utf-8"))
+    document |= {"name": "A copy", "description": "", "conflicts": ["Page 1 says A, page 2 B."]}
+    (tmp_path / "copy.json").write_text(json.dumps(document))
+    words = ("--report", "r.json", "--report", "r.html", *words)
+    done = run_here("run", "copy.json", *words, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    facts = json.loads((tmp_path / "r.json").read_text())
+    assert bool(facts["published"]) == bool(facts["conflicts"]) == compared
+    assert ("Beside the published" in (tmp_path / "r.html").read_text()) == compared
+
+
+def test_another_wire_makes_another_network(tmp_path):
+    document = json.loads(shipped_networks()["poisson_two_panel"].read_text("utf-8"))
+    wire = document["links"].index(["left_photons.noise", "left_noise.image"])
+    document["links"][wire][0] = "right_photons.noise"
+    (tmp_path / "copy.json").write_text(json.dumps(document))
+    done = run_here("run", "copy.json", "--report", "r.json", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "r.json").read_text())["published"] == []
