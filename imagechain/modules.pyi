@@ -29,15 +29,17 @@ def read_image(
     wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for
     every other file these two give the band of the samples. Radiance comes out in W/m²/sr, one
     spectral band in W/m²/sr/µm: where the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …)
-    and `scale` is 1, from that one, else from `unit`. K, DN and the like stay what they are;
-    photons are not turned into watts; a unit of radiance not understood is refused. Of a colour
-    picture one channel is read, or with `bands` luminance the three as the eye weighs them; of a
-    cube one band or plane, the first unless `band` names another. An empty field of view is taken
-    from the header. FITS pictures come with their first row at the bottom. Of a cube whose header
-    gives wavelengths, `bands` all takes every band between `cut_on_um` and `cut_off_um`, each in
-    W/m²/sr/µm (photons too, by the energy of its wavelength): optics and atmosphere act on each by
-    itself, until a detector sums them up. The cube stays on disk. Samples that are no numbers, or
-    the file's value for no data, are refused unless `missing` sets what stands for them.
+    and `scale` is 1, from that one, else from `unit`; a cube whose header names no unit needs one
+    of the two. Gains and offsets of an ENVI header are applied, and its bad bands left out. K, DN
+    and the like stay what they are; photons are not turned into watts; a unit of radiance not
+    understood is refused. Of a colour picture one channel is read, or with `bands` luminance the
+    three as the eye weighs them; of a cube one band or plane, the first unless `band` names
+    another. An empty field of view is taken from the header. FITS pictures come with their first
+    row at the bottom. Of a cube whose header gives wavelengths, `bands` all takes every band
+    between `cut_on_um` and `cut_off_um`, each in W/m²/sr/µm (photons too, by the energy of its
+    wavelength): optics and atmosphere act on each by itself, until a detector sums them up. The
+    cube stays on disk. Samples that are no numbers, or the file's value for no data, are refused
+    unless `missing` sets what stands for them.
 
     Parameters
     ----------

@@ -65,6 +65,7 @@ CALLED = {
         "with_": lambda c: c.with_({"blur.sigma_x_mrad": 0.1}).get("blur.sigma_x_mrad") == 0.1,
         "link": lambda c: ("init.phase", "back.phase") in c.link("init.phase", "back.phase").links,
         "unlink": lambda c: len(c.unlink("init.phase", "back.phase").links) < len(chain().links),
+        "replace_scene": lambda c: c.replace_scene(EDGE).run().image().shape == EDGE.shape,
         "remove": lambda c: "back" not in c.remove("back"),
         "rename": lambda c: "end" in c.rename("back", "end"),
         "mark_final": lambda c: c.mark_final("back").final == "back.image",
@@ -130,7 +131,7 @@ def test_envi_has_its_header_and_a_picture_no_unknown_suffix(tmp_path, monkeypat
     result = chain().run()
     result.save("p.img")
     assert "samples = 32" in (tmp_path / "p.img.hdr").read_text()
-    for name in ("p.nc", "p.h5", "p.jpg", "other.img"):
+    for name in ("p.nc", "p.h5", "p.jpg"):
         with pytest.raises(ic.UsageError, match=name):
             result.picture().save(name)
     assert {path.name for path in tmp_path.iterdir()} == {"p.img", "p.img.hdr"}

@@ -26,7 +26,7 @@ def test_figures_of_a_picture_have_its_unit(imagechain, small, write, units, uni
         ["init.context", "fpa.context"], ["scene.image", "fpa.image"],
         *(["fpa.image", f"{name}.image"] for name in ("budget", "cube", "look", "nuc")),
     ]  # fmt: skip
-    done = imagechain("run", write(small))
+    done = imagechain("run", write(small), "--all")
     assert done.returncode == 0, done.stderr
     rows = {tuple(line.split()[:2]): line.split() for line in done.stdout.splitlines() if line}
     for row in (("budget", "sigma"), ("cube", "temporal"), ("look", "mean"),

@@ -257,6 +257,9 @@ BY_HAND = {  # need what only a file tells
     ("read_image", "one_channel"),
     ("read_image", "radiance"),
     ("read_image", "as_stored"),
+    ("read_image", "bands_left_out"),
+    ("read_image", "bands_with_gaps"),
+    ("read_image", "chunks_not_there"),
     ("read_image", "wavelengths_without_unit"),  # of a header, in test_node_read_image
     ("diffraction_mtf", "response_unused"),  # of a file, in test_detector_response
     ("exit_pupil_mtf", "response_unused"),

@@ -13,6 +13,7 @@ from core.modules.declaration import declaration
 from core.modules.panel_sections import Section
 from core.network.network import Link, Network, Node
 from cube_files import centres, write_cube
+from nodes.files.oiio_writing import write_by_oiio
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -40,6 +41,7 @@ ENOUGH_WITH = {  # of one choice
     ("atmospheric_path", "modtran"): {"path": "air.csv"},
     ("spectral_response", "file"): {"path": "response.csv"},
     ("read_image", "all"): {"path": "cube.img"},
+    ("read_image", "luminance"): {"path": "colour.tif"},
 }
 INIT = {
     "detector_x_um": 30.0,
@@ -170,6 +172,7 @@ def test_parameters_that_are_not_shown_change_nothing(key, section, tmp_path):
     (tmp_path / "air.csv").write_text("7,0.5,1\n13,0.6,2\n")
     (tmp_path / "response.csv").write_text("7,0.5\n13,0.6\n")
     write_cube(tmp_path, np.ones((3, 8, 8)), *centres(3))
+    write_by_oiio(tmp_path / "colour.tif", np.full((8, 8, 3), 7, np.uint8), {})
     declared = DECLARED[key]
     name, values = section.shown_when
     hidden = [c for c in declared.parameter(name).choices if c not in values]
