@@ -326,7 +326,7 @@ class _Replacing:
             offset = low - scale * first
         of_unit = f" in {unit}" if unit and unit != RELATIVE else ""
         self._lines.append(
-            f"{what} {first:.4g}…{last:.4g}{of_unit} scaled to {low:.4g}…{high:.4g} {before.unit}, "
+            f"{what} {first:.5g}…{last:.5g}{of_unit} scaled to {low:.4g}…{high:.4g} {before.unit}, "
             f"the range of the scene before ({self._option('unit')} says what they are)"
         )
         return {"scale": scale, "offset": offset, "unit": before.unit}
