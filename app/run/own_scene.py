@@ -279,6 +279,9 @@ class _Replacing:
         if band is not None:
             values |= {"cut_on_um": band[0], "cut_off_um": band[1]}
             whose = "" if own.band_um else " of its header" if _header_band(info) else " as before"
+            scene_um = None if before is None else before.band_um
+            if scene_um and not (band[0] < scene_um[1] and scene_um[0] < band[1]):
+                whose += f", outside the {_um(scene_um)} of the scene before"
             self._where.append(f"band {_um(band)}{whose}")
         radiance = _radiance(unit)
         same = bool(unit) and before is not None and unit == before.unit
