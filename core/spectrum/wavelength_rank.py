@@ -9,6 +9,7 @@ fit all others in least squares with Σ_j p_j = 1, so that a uniform picture sta
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
@@ -30,6 +31,8 @@ ACROSS = 49
 """The same along either axis for functions that are not radial."""
 _USUAL = {"single": 1e-4, "double": 1e-13}
 """Largest error where no tolerance is chosen; in pictures it is about a hundredth of that."""
+_FEW = 64
+"""Are looked for in any case; more only while a step costs less than the spectra that it saves."""
 _SHARE = 0.5
 """Of a chosen error budget; the rest is for stages that are left out."""
 
@@ -107,7 +110,9 @@ class ChosenWavelengths(Recipe):
             table = np.ascontiguousarray(table.real)
         chosen = work.policy.tolerance
         tolerance = _USUAL[work.policy.precision] if chosen is None else _SHARE * chosen
-        return few_wavelengths(table[::2], table[1::2], tolerance=tolerance)
+        samples = self.grid.rows * self.grid.columns
+        most = max(_FEW, int(samples * math.log2(samples) / len(table)))
+        return few_wavelengths(table[::2], table[1::2], tolerance=tolerance, most=most)
 
 
 def transfer_at(
@@ -120,7 +125,9 @@ def transfer_at(
     return np.asarray(total)
 
 
-def few_wavelengths(fitted: Array, judged: Array, *, tolerance: float) -> WavelengthRank:
+def few_wavelengths(
+    fitted: Array, judged: Array, *, tolerance: float, most: int | None = None
+) -> WavelengthRank:
     """As few columns of a table as span all others.
 
     Parameters
@@ -129,11 +136,20 @@ def few_wavelengths(fitted: Array, judged: Array, *, tolerance: float) -> Wavele
         Transfer functions at two sets of frequencies.
     tolerance : float
         Largest error wanted; where not even all but one column reach it, all are taken.
+    most : int, optional
+        All are taken, too, where more than so many are needed.
     """
     count = fitted.shape[1]
     order: list[int] = []
-    for furthest in islice(_pivots(fitted), count - 1):
+    # No weights leave less of a column than its distance: the largest error is a √places-th of it
+    # at least. Twice that, for rounding.
+    hopeless = 2.0 * tolerance * math.sqrt(fitted.shape[0])
+    for furthest, left in islice(
+        _pivots(fitted), count - 1 if most is None else min(most, count - 1)
+    ):
         order.append(furthest)
+        if left > hopeless:
+            continue
         chosen = np.sort(order)
         shares = _shares(fitted, chosen)
         error = max(
@@ -144,23 +160,23 @@ def few_wavelengths(fitted: Array, judged: Array, *, tolerance: float) -> Wavele
     return WavelengthRank(tuple(range(count)), np.eye(count), 0.0)
 
 
-def _pivots(table: Array) -> Iterator[int]:
+def _pivots(table: Array) -> Iterator[tuple[int, float]]:
     """Columns in the order in which each is furthest from all before, by Gram and Schmidt.
 
-    One at a time: of a thousand bands a few are wanted.
+    With each the largest distance that is left. One at a time: of a thousand bands a few are wanted.
     """
     rest = table.copy()
-    left = np.ones(table.shape[1], bool)
-    for _ in range(len(left)):
-        sizes = np.where(left, np.linalg.norm(rest, axis=0), -1.0)
-        furthest = int(np.argmax(sizes))
-        yield furthest
-        left[furthest] = False
-        if sizes[furthest] <= 0.0:
-            continue
-        along = rest[:, furthest] / sizes[furthest]
-        for _ in range(2):  # once more for what rounding has left
-            rest -= np.multiply.outer(along, along.conj() @ rest)
+    distances = np.linalg.norm(rest, axis=0)
+    taken = np.zeros(table.shape[1], bool)
+    for _ in range(len(taken)):
+        furthest = int(np.argmax(np.where(taken, -1.0, distances)))
+        taken[furthest] = True
+        if distances[furthest] > 0.0:
+            along = rest[:, furthest] / distances[furthest]
+            for _ in range(2):  # once more for what rounding has left
+                rest -= np.multiply.outer(along, along.conj() @ rest)
+            distances = np.linalg.norm(rest, axis=0)
+        yield furthest, float(distances.max(where=~taken, initial=0.0))
 
 
 def _shares(table: Array, chosen: Array) -> Array:

@@ -12,6 +12,9 @@ from cube_files import centres, disc_otf
 WAVELENGTHS, _ = centres(60)
 
 
+ALL = tuple(range(len(WAVELENGTHS)))
+
+
 def table(nyquist, places=1200):
     return disc_otf(np.linspace(0, nyquist, places)[:, np.newaxis], WAVELENGTHS, 100.0)
 
@@ -58,6 +61,13 @@ def test_as_many_steps_as_wavelengths_and_those_of_lapack(monkeypatch):
     monkeypatch.setattr(np.linalg, "norm", lambda *a, **k: norms.append(a) or norm(*a, **k))
     fitted, judged = table(12.0)[::2], table(12.0)[1::2]
     rank = few_wavelengths(fitted, judged, tolerance=1e-4)
-    assert len(norms) == len(rank.chosen) < len(WAVELENGTHS) / 2
+    assert len(norms) - 1 == len(rank.chosen) < len(WAVELENGTHS) / 2
     *_, order = qr(fitted, mode="economic", pivoting=True)
     assert rank.chosen == tuple(sorted(order[: len(rank.chosen)]))
+
+
+def test_where_more_than_so_many_are_needed_all_are_taken():
+    fitted, judged = table(12.0)[::2], table(12.0)[1::2]
+    needed = len(few_wavelengths(fitted, judged, tolerance=1e-4).chosen)
+    assert few_wavelengths(fitted, judged, tolerance=1e-4, most=needed).chosen != ALL
+    assert few_wavelengths(fitted, judged, tolerance=1e-4, most=needed - 1).chosen == ALL
