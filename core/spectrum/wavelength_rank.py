@@ -163,7 +163,7 @@ def few_wavelengths(
 def _pivots(table: Array) -> Iterator[tuple[int, float]]:
     """Columns in the order in which each is furthest from all before, by Gram and Schmidt.
 
-    With each the largest distance that is left. One at a time: of a thousand bands a few are wanted.
+    With each the largest distance that is left. One at a time: of a thousand a few are wanted.
     """
     rest = table.copy()
     distances = np.linalg.norm(rest, axis=0)
