@@ -9,8 +9,9 @@ Which to raise:
 - `NetworkError`: a network document that is not one, or whose modules and links do not fit.
 - `UsageError`: a command line that cannot be carried out.
 - `Cancelled`: the caller requested a stop.
+- `PlugInError`: nobody raises it; it stands for any other error in the code of a plug-in.
 
-All but `Cancelled` are faults of the input: the command line ends with exit code 2 for them.
+All but the last two are faults of the input: the command line ends with exit code 2 for them.
 """
 
 from __future__ import annotations
@@ -116,6 +117,18 @@ class UnconnectedError(NetworkError):
 
 class UsageError(InputError):
     """A command line that cannot be carried out."""
+
+
+class PlugInError(ImagechainError):
+    """A fault in the code of a plug-in; `fault` is what was raised there."""
+
+    def __init__(self, message: str, fault: Exception, *, node: str | None = None) -> None:
+        super().__init__(message, node=node)
+        self.fault: Exception | None = fault
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What others raise need not go to another process.
+        return _rebuilt, (type(self), self.args, {**self.__dict__, "fault": None})
 
 
 class Cancelled(ImagechainError):

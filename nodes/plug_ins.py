@@ -17,11 +17,10 @@ from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
+from core.evaluation.float_guard import PLUG_INS, with_place
 from core.modules.declaration import Module, declaration
 from core.modules.library_type import Library, PackagedLibrary, local_key, package_of
 from core.names import in_line
-
-GROUP = "imagechain.modules"
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,7 @@ def installed_plug_ins(taken: Iterable[str] = ()) -> PlugIns:
     modules: dict[str, type[Module]] = {}
     faults: dict[str, str] = {}
     known = set(taken)
-    for point in sorted(entry_points(group=GROUP), key=lambda one: (_package(one), one.name)):
+    for point in sorted(entry_points(group=PLUG_INS), key=lambda one: (_package(one), one.name)):
         package = _package(point)
         try:
             for module in _modules_at(point, package):
@@ -100,5 +99,4 @@ def _modules_at(point: EntryPoint, package: str) -> tuple[type[Module], ...]:
 
 
 def _line(point: EntryPoint, error: BaseException) -> str:
-    words = " ".join(str(error).split()) or "no reason given"
-    return f"{point.value} cannot be loaded: {type(error).__name__}: {words:.300}"
+    return f"{point.value} cannot be loaded: {with_place(error)}"

@@ -5,8 +5,10 @@ from __future__ import annotations
 import gc
 import os
 import sys
+import traceback
 import warnings
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.options.stopping import Stop, Stopped, stoppable
@@ -16,9 +18,13 @@ from core.errors import Cancelled, ImagechainError, Suspended
 if TYPE_CHECKING:
     from app.options.command_options import Options
 
+DEBUG = "--debug"
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command line; stderr gets one line if it fails, else nothing.
+
+    With ``--debug`` anywhere among the words, Python's traceback comes before that line.
 
     Parameters
     ----------
@@ -30,7 +36,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         The exit code.
     """
-    words = list(sys.argv[1:] if argv is None else argv)
+    given = list(sys.argv[1:] if argv is None else argv)
+    words = [word for word in given if word != DEBUG]
     # The engine divides its work itself; BLAS threads beside its own only get in their way (the
     # whole process then takes 1.6 times the processor time). Read when numpy is first imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -45,10 +52,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         warnings.catch_warnings(),
     ):
         warnings.simplefilter("ignore")
-        return exit_code(stop, _carry_out, words, stop)
+        return exit_code(stop, _carry_out, words, stop, debug=words != given)
 
 
-def exit_code(stop: Stop, carry_out: Callable[..., object], *words: object) -> int:
+def exit_code(
+    stop: Stop, carry_out: Callable[..., object], *words: object, debug: bool = False
+) -> int:
     """Call a function that a signal may stop; what goes wrong becomes a line on stderr."""
     try:
         stop.during(carry_out, *words)
@@ -61,6 +70,9 @@ def exit_code(stop: Stop, carry_out: Callable[..., object], *words: object) -> i
         # A stop may have become anything, as numpy makes an ImportError of one.
         if stop.is_set() and not (stop.is_late or isinstance(error, Suspended)):
             return _cancelled()
+        if debug:
+            shown = getattr(error, "fault", None) or error
+            print_error("".join(traceback.format_exception(shown)).rstrip())
         return _failed(error, written=stop.is_late)
     return 0
 
@@ -80,7 +92,10 @@ def _failed(error: Exception, *, written: bool) -> int:
         what = "; the files are written" if written else ""
         # Not 2: nothing of the input could be mended.
         return _fail(f"cannot write to standard output: {error.strerror or error}{what}", 1)
-    return _fail(f"internal error: {type(error).__name__}: {error}", 1)
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else ""
+    what = f"internal error: {type(error).__name__}: {error}{place}"
+    return _fail(f"{what}; {DEBUG} prints the traceback", 1)
 
 
 def _carry_out(words: list[str], stop: Stop) -> None:

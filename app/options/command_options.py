@@ -438,11 +438,15 @@ def _parser(used: str) -> tuple[_Parser, Mapping[str, _Parser]]:
         allow_abbrev=False,
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
+    # `--debug` is taken before the words come here: for the help, and what is like a wrong one.
+    about_debug = "print Python's traceback before the line of an error"
+    parser.add_argument("--debug", action="store_true", help=about_debug)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, (about, words) in _COMMANDS.items():
         command = commands.add_parser(name, help=about, allow_abbrev=False)
         if name == used:  # the words of them all take longer to build than to read
             words(command)
+            command.add_argument("--debug", action="store_true", help=about_debug)
     return parser, commands.choices
 
 

@@ -290,7 +290,7 @@ class Engine:
                 continue
             arguments = {name: known[name] for name in readout.needs}
             try:
-                with watched(node):
+                with watched(node, planned.node.module):
                     values[readout.name] = getattr(planned.module, readout.method)(**arguments)
             except ImagechainError as error:
                 raise error.at(node) from error
@@ -301,7 +301,7 @@ class Engine:
     ) -> PlannedNode:
         inputs: dict[str, Any] = {}
         try:
-            with watched(name):
+            with watched(name, network.nodes[name].module):
                 return self._planned(network, name, planned, folder, inputs)
         except ImagechainError as error:
             return PlannedNode(network.nodes[name], inputs=inputs, error=error.at(name))

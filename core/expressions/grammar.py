@@ -34,7 +34,7 @@ Function = Callable[..., Any]
 Moved = Callable[[str, str], tuple[str, str]]
 """What is to be named in the place of a node and its parameter."""
 
-# How many arguments each takes (None: one or more), and whether they may have a unit: it goes on to
+# How many arguments each takes (None: two or more), and whether they may have a unit: it goes on to
 # the result ("keeps"), is turned into radians ("angle"), or is refused ("none").
 FUNCTIONS: Mapping[str, tuple[Function, int | None, Literal["keeps", "angle", "none"]]] = (
     MappingProxyType(
@@ -299,14 +299,17 @@ class _Reader:
             hint = close(name, FUNCTIONS) or f"; there are {', '.join(FUNCTIONS)}"
             raise ExpressionError(f"there is no function {shown(name)}{hint}")
         _, wanted, units = FUNCTIONS[name]
+        if self.text[self.at : self.at + 1] == ")":
+            raise ExpressionError(f"{name}() has nothing between its parentheses")
         count = 1
         self.sum(depth + 1, angle=units == "angle")
         while self.operator(","):
             self.sum(depth + 1, angle=units == "angle")
             count += 1
         self.closed()
-        if wanted is not None and count != wanted:
-            raise ExpressionError(f"{name} takes one number, not {count}")
+        if count != wanted if wanted is not None else count < 2:
+            allowed = "two numbers or more" if wanted is None else "one number"
+            raise ExpressionError(f"{name} takes {allowed}, not {count}")
         self.steps.append(Step("function", name, count=count))
 
     def unit(self, *, angle: bool) -> None:
@@ -332,6 +335,8 @@ def _number(match: re.Match[str]) -> Fraction | float:
 
 
 def _no_parameter(name: str) -> ExpressionError:
+    if name in FUNCTIONS:
+        return ExpressionError(f"{name} is a function: put its numbers behind it in parentheses")
     text = f"{shown(name)} is no number and no parameter"
     hint = close(name, [*FUNCTIONS, "pi"])
     return ExpressionError(text + (hint or ": write NODE.PARAMETER, as init.f_number"))

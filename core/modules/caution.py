@@ -13,6 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from core.errors import Cancelled, ImagechainError
+from core.evaluation.float_guard import plug_in_error, with_place
 from core.evaluation.recipes import Recipe
 from core.names import shown
 
@@ -81,11 +82,11 @@ def checked(
     except ImagechainError as error:
         result = Caution(f"its check {check} was not possible: {error.message}", "mend that first")
     except Exception as error:  # a fault of the method alone: network and other checks are sound
-        what = " ".join(f"{type(error).__name__}: {error}".split())
-        result = Caution(
-            f"its check {check} failed ({what:.200})",
-            "a fault of this program, not of the network; what it checks may be wrong or right",
-        )
+        fault = plug_in_error(error, node)
+        what = fault.message if fault else with_place(error)
+        remedy = "not of the network; what it checks may be wrong or right"
+        whose = "a fault of its package" if fault else "a fault of this program"
+        result = Caution(f"its check {check} failed ({what})", f"{whose}, {remedy}")
     if isinstance(result, Recipe):
         return PendingCheck(node, check, result)
     return None if result is None else result.at(node, check)

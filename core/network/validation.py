@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from core.errors import ImagechainError, NetworkError, ParameterError
-from core.modules.declaration import Declaration, Port, declaration
+from core.evaluation.float_guard import watched
+from core.modules.declaration import Declaration, Module, Port, declaration
 from core.modules.library_type import Library, where_absent
 from core.names import close, shown, thaw
 from core.network.expansion import expanded
@@ -24,6 +26,8 @@ class NetworkProblems(NetworkError):
     def __init__(self, problems: Sequence[ImagechainError]) -> None:
         super().__init__(problems[0].message, node=problems[0].node)
         self.problems = tuple(problems)
+        self.exit_code = problems[0].exit_code
+        self.fault = getattr(problems[0], "fault", None)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.problems,), self.__dict__
@@ -145,7 +149,7 @@ class _Survey:
         if len(self.faults) == before:
             # Combinations make sense to judge only once each value does.
             module = self.library[node.module]
-            self._attempt(node, lambda given: module.build(given).check(), values)
+            self._attempt(node, partial(_build_and_check, module, node), values)
 
     def _attempt(self, node: Node, step: Callable[[Any], object], value: Any) -> None:
         try:
@@ -222,6 +226,11 @@ class _Survey:
         if main in through:
             sources.add(through[main])
         return [port for port in declared.inputs if port.name in sources]
+
+
+def _build_and_check(module: type[Module], node: Node, values: Mapping[str, Any]) -> None:
+    with watched(node.id, node.module):
+        module.build(values).check()
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -13,7 +13,10 @@ T = TypeVar("T")
 
 
 def plain_errors(function: Callable[P, T]) -> Callable[P, T]:
-    """Let the errors of a public function end at it: no causes, no frames of what it calls."""
+    """Let the errors of a public function end at it: no frames of what it calls, and no causes.
+
+    The cause of a plug-in's fault stays: its traceback is for who wrote it.
+    """
 
     @wraps(function)
     def plain(*words: P.args, **named: P.kwargs) -> T:
@@ -22,7 +25,8 @@ def plain_errors(function: Callable[P, T]) -> Callable[P, T]:
         except ImagechainError as error:
             # Raised here: below, the traceback would go on into the engine.
             raised = error.with_traceback(None)
-        raised.__cause__ = raised.__context__ = None
+        raised.__context__ = None
+        raised.__cause__ = getattr(raised, "fault", None)
         if more := getattr(raised, "more", 0):
             raised.add_note(f"(and {more} more: chain.check() lists them)")
         raise raised

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from core.expressions.arithmetic import value_of
 from core.expressions.grammar import (
+    FUNCTIONS,
     LONGEST,
     ExpressionError,
     parse_expression,
@@ -98,6 +99,7 @@ def test_what_it_comes_to(text, unit, expected):
         ("0^-1", "", "no value"),
         ("sqr(2)", "", "did you mean sqrt?"),
         ("sqrt(1, 2)", "", "sqrt takes one number, not 2"),
+        ("sqrt", "", "sqrt is a function"),
         ("__import__('os')", "", "there is no function"),
         ("f_number", "", "write NODE.PARAMETER"),
         ("3 K", "mm", "K is a unit of temperature, but this is in mm: write m, nm"),
@@ -117,6 +119,23 @@ def test_what_it_comes_to(text, unit, expected):
 )
 def test_what_is_refused(text, unit, part):
     assert part in refusal(text, unit)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("count", range(4))
+def test_functions_take_the_count_they_state(name, count):
+    text = f"{name}({', '.join(['0.5'] * count)})"
+    if count == 0:
+        assert refusal(text) == f"{text} has nothing between its parentheses"
+    elif name in ("min", "max"):
+        if count == 1:
+            assert refusal(text) == f"{name} takes two numbers or more, not 1"
+        else:
+            assert value(text) == 0.5
+    elif count > 1:
+        assert refusal(text) == f"{name} takes one number, not {count}"
+    else:
+        assert math.isfinite(value(text))
 
 
 def test_long_chains_of_signs_and_sums_need_no_stack():

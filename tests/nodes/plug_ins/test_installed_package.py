@@ -203,3 +203,144 @@ def test_broken_packages_keep_nobody_from_working(tmp_path):
         ]
         assert words in line
     assert "Traceback" not in both
+
+
+FAULTY = '''
+from typing import Annotated
+
+import numpy as np
+
+from imagechain.plug_in import (
+    Context, Image, ImageOutput, Magnitude, Module, MtfModule, MtfOutputs, NodeContext, Param,
+    Step, picture_step, radial, readout, warning,
+)
+
+
+@picture_step()
+def step(work, image, *, level):
+    return image + {}["step"]
+
+
+def law(*, rho, level):
+    return np.ones_like(rho) * undefined
+
+
+class Filter(Module, key="faulty_optics.filter", title="Filter", group="Filters"):
+    """Fail."""
+
+    where: Annotated[str, Param("where it fails")] = ""
+
+    def check(self):
+        if self.where == "check":
+            None + 1
+
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
+        if self.where == "run":
+            return ImageOutput(1 / 0)
+        if self.where == "step":
+            made = Step.of(step, image.recipe, node=here.node, level=1.0)
+            return ImageOutput(image.with_recipe(made))
+        return ImageOutput(image)
+
+    @readout()
+    def figure(self) -> float:
+        """A figure."""
+        return [][1] if self.where == "readout" else 1.0
+
+    @warning
+    def looks(self):
+        """Look."""
+        return [][2] if self.where == "warning" else None
+
+
+class Lens(MtfModule, key="faulty_optics.lens", title="Lens", group="Optics"):
+    """Fail."""
+
+    level: Annotated[float, Param("level", low=0)] = 1.0
+
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
+        factors = radial(law, level=self.level, label=self.title, node=here.node)
+        return self.mtf_outputs(magnitude, *factors)
+
+
+MODULES = (Filter, Lens)
+'''
+FAULTS = {
+    "check": "TypeError: unsupported operand",
+    "run": "ZeroDivisionError: division by zero",
+    "step": "KeyError: 'step'",
+    "readout": "IndexError: list index out of range",
+}
+
+
+def test_a_fault_in_a_plug_in_names_it(tmp_path):
+    (tmp_path / "faulty_optics.py").write_text(FAULTY, encoding="utf-8")
+    about = tmp_path / "faulty_optics-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: faulty-optics\nVersion: 1.0\n")
+    entry = "[imagechain.modules]\nall = faulty_optics:MODULES\n"
+    (about / "entry_points.txt").write_text(entry)
+    nodes = {
+        "scene": {"module": "test_scene", "params": {"width": 16, "height": 16}},
+        "glass": {"module": "faulty_optics.filter"},
+        "init": {"module": "init_trans"},
+        "back": {"module": "back_transform"},
+    }
+    links = [["scene.image", "glass.image"], ["glass.image", "init.image"]]
+    links += [["init.phase", "back.phase"]]
+    whole = {**NETWORK, "nodes": nodes, "links": [*links, ["init.magnitude", "back.magnitude"]]}
+    (tmp_path / "net.json").write_text(json.dumps(whole), encoding="utf-8")
+    lens = {**nodes, "front lens": {"module": "faulty_optics.lens"}}
+    links += [["init.context", "front lens.context"], ["init.magnitude", "front lens.magnitude"]]
+    links += [["front lens.magnitude", "back.magnitude"]]
+    behind = {**NETWORK, "nodes": lens, "links": links}
+    (tmp_path / "lens.json").write_text(json.dumps(behind), encoding="utf-8")
+    (tmp_path / "program.py").write_text(
+        "import json, sys, traceback\n"
+        "from app.command.cli import main\n"
+        "from app.editor.evaluation.failures import as_error\n"
+        "from app.editor.error_text import error_text\n"
+        "import imagechain as ic\n"
+        f"for where in {list(FAULTS)}:\n"
+        "    print(main(['run', 'net.json', f'--set=glass.where={where}', '--all']))\n"
+        "print(main(['run', 'lens.json']))\n"
+        "print(main(['run', 'lens.json', '--debug']), main(['check', 'net.json']))\n"
+        "print(main(['run', 'net.json', '--set=glass.where=warning', '--output-dir=out']))\n"
+        "chain = ic.open('net.json')\n"
+        "chain.set('glass.where', 'step')\n"
+        "try:\n"
+        "    chain.run().image()\n"
+        "except ic.ImagechainError as error:\n"
+        "    print(repr(error.__cause__), error.node)\n"
+        "    print(traceback.extract_tb(error.__cause__.__traceback__)[-1].line)\n"
+        "    print(error_text(as_error(error), on_node=True))\n"
+    )
+    path = os.pathsep.join([str(ROOT), str(tmp_path)])
+    done = ran(sys.executable, "program.py", folder=tmp_path, env={"PYTHONPATH": path})
+    lines = FAULTY.splitlines()
+    marked = {"check": "None + 1", "run": "1 / 0", "step": '{}["step"]', "readout": "[][1]"}
+    told = done.stderr.splitlines()
+    for line, (where, words) in zip(told, FAULTS.items(), strict=False):
+        number = next(n for n, code in enumerate(lines, 1) if marked[where] in code)
+        assert line.startswith(
+            "imagechain: glass: a fault of the module faulty_optics.filter in the plug-in "
+            f"faulty_optics: {words}"
+        )
+        assert line.endswith(f"faulty_optics.py, line {number})")
+    number = next(n for n, code in enumerate(lines, 1) if "undefined" in code)
+    front = (
+        "imagechain: front lens: a fault of the module faulty_optics.lens in the plug-in "
+        "faulty_optics: NameError: name 'undefined' is not defined"
+    )
+    assert told[4].startswith(front)
+    assert told[4].endswith(f"faulty_optics.py, line {number})")
+    assert told[5] == "Traceback (most recent call last):"
+    assert told.count(told[4]) == 2  # with --debug, too
+    assert "    return np.ones_like(rho) * undefined" in told
+    assert "its check looks failed (a fault of the module faulty_optics.filter" in done.stdout
+    assert "a fault of its package, not of the network" in done.stdout
+    printed = done.stdout.splitlines()
+    assert [line for line in printed if line in ("1", "2", "0")] == ["1", "1", "1", "1", "1", "0"]
+    assert "1 0" in printed
+    assert printed[-3:-1] == ["KeyError('step') glass", 'return image + {}["step"]']
+    assert printed[-1].startswith("a fault of the module faulty_optics.filter in the plug-in")
