@@ -112,7 +112,10 @@ def _holds_python(folder: Path) -> bool:
 
 
 def _same(one: Path, other: Path) -> bool:
-    return os.path.realpath(one) == os.path.realpath(other)
+    try:
+        return os.path.realpath(one) == os.path.realpath(other)
+    except OSError:  # the current folder has been removed
+        return False
 
 
 def _place(module: ModuleType) -> str:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from app.options.stopping import Stop, Stopped, stoppable
 from app.options.terminal_streams import discard, print_error, usable_streams
-from core.errors import Cancelled, ImagechainError, Suspended
+from core.errors import Cancelled, ImagechainError, InputError, Suspended
 
 if TYPE_CHECKING:
     from app.options.command_options import Options
@@ -79,8 +79,12 @@ def exit_code(
 
 def _failed(error: Exception, *, written: bool) -> int:
     """Print what went wrong; `written` when only the printing was left to do."""
+    gone = "" if _has_folder() else "the current folder has been removed: change to another one"
     if isinstance(error, ImagechainError):
-        return _fail(_with_more(error), error.exit_code)
+        gone = f" ({gone})" if gone and error.exit_code == InputError.exit_code else ""
+        return _fail(_with_more(error) + gone, error.exit_code)
+    if gone and isinstance(error, FileNotFoundError):
+        return _fail(gone, 2)
     if isinstance(error, MemoryError):
         what = "the files are written" if written else "nothing was written"
         return _fail(f"not enough memory; {what}", 1)
@@ -182,6 +186,15 @@ def _stop_if(stop: Stop) -> None:
     """Stop after imports, which may have swallowed the exception."""
     if stop.is_set():
         raise Stopped
+
+
+def _has_folder() -> bool:
+    """Whether the current folder is still there."""
+    try:
+        os.getcwd()  # noqa: PTH109
+    except OSError:
+        return False
+    return True
 
 
 def _with_more(error: ImagechainError) -> str:

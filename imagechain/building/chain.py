@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -37,7 +36,7 @@ from imagechain.common.notebook_html import block, table
 from imagechain.common.plain_errors import plain_errors
 from imagechain.parts.module_part import Part
 from imagechain.results.chain_result import Result, run_plan
-from imagechain.results.run_options import Origin, RunOptions
+from imagechain.results.run_options import Origin, RunOptions, current_folder, whole_path
 from nodes.library import standard_library
 
 Precision = Literal["single", "double"]
@@ -63,7 +62,7 @@ class Chain:
     def __init__(self, name: str = "", *, seed: int = 0, description: str = "") -> None:
         network = Network(name=name, seed=seed, description=description)
         self._engine = Engine(standard_library())
-        self._state = ChainState(network, Path.cwd())
+        self._state = ChainState(network, current_folder())
         self._planned: Plan | None = None
 
     @classmethod
@@ -437,7 +436,7 @@ class Chain:
         FileError
             If a file cannot be written, or one of those beside it is another's.
         """
-        target = Path(os.path.abspath(fspath(path)))  # noqa: PTH100  (links stay)
+        target = whole_path(path)
         state = self._state
         network = saved(state.network, self._engine.library, state.folder, target, state.samples)
         self._state = replace(state, network=network, folder=target.parent, file=target)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
@@ -31,6 +30,7 @@ from core.network.network import Network, Node
 from core.network.validation import check_network, plain_network
 from imagechain.building.chain_wiring import added, node_name
 from imagechain.parts.module_part import Part, file_value
+from imagechain.results.run_options import current_folder, whole_path
 from nodes.input_output.held_samples import HeldSamples
 from nodes.input_output.read_image import ReadImage
 
@@ -225,9 +225,9 @@ class ChainState:
         if not isinstance(value, str | PathLike) or not fspath(value):
             return value
         path = Path(fspath(value))
-        if path.is_absolute() or Path.cwd() == self.folder:
+        if path.is_absolute() or current_folder() == self.folder:
             return path
-        return Path.cwd() / path
+        return current_folder() / path
 
     def plain(self, library: Library, seed: int | None = None) -> Network:
         """The network that is computed, its macros written out, checked.
@@ -296,5 +296,5 @@ def _is_of(planned: PlannedNode, samples: HeldSamples) -> bool:
 
 def opened_state(network: Network, file: Path) -> ChainState:
     """The state of a chain that has been read from a file."""
-    path = Path(os.path.abspath(file))  # noqa: PTH100  (links stay)
+    path = whole_path(file)
     return ChainState(network, path.parent, path, order=tuple(network.nodes))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike, fspath
@@ -70,7 +71,7 @@ class RunOptions:
         ):
             raise ParameterError("region", region, _REGION)
         ports = None if chosen is None else tuple(chosen)
-        folder = Path.cwd() if scratch is None else Path(fspath(scratch))
+        folder = current_folder() if scratch is None else Path(fspath(scratch))
         return cls(policy, frames, ports, region, _bytes(memory), folder)
 
     def region_of(self, shape: tuple[int, int]) -> Region | None:
@@ -90,6 +91,19 @@ class RunOptions:
             allowed = f"{_REGION}, not empty within {shape[0]} rows and {shape[1]} columns"
             raise ParameterError("region", self.region, allowed)
         return Region(top, left, bottom - top, right - left)
+
+
+def current_folder() -> Path:
+    """The current folder; where it was, if it has been removed since."""
+    try:
+        return Path.cwd()
+    except FileNotFoundError:
+        return Path(os.environ.get("PWD", "/"))
+
+
+def whole_path(path: str | PathLike[str]) -> Path:
+    """A file's name with all of its folders; links stay."""
+    return Path(os.path.normpath(current_folder() / fspath(path)))
 
 
 def _bytes(memory: int | str | None) -> int | None:

@@ -7,6 +7,7 @@ import re
 import sys
 
 import numpy as np
+import pytest
 
 from app.run.own_process import command, environment
 from child_process import ROOT, finished
@@ -81,3 +82,34 @@ def test_importing_loads_nothing_heavy(tmp_path):
     heavy = {"matplotlib", "PySide6", "dask", "pandas", "xarray", "OpenImageIO", "rich", "scipy"}
     assert not heavy & names
     assert not {name for name in names if name.startswith(("core.", "nodes.", "app."))}
+
+
+IN_PYTHON = (
+    "import imagechain as ic; chain = ic.open('first_steps'); chain.set('scene.width', 32); "
+    "assert chain.run().image().shape[1] == 32; ic.Chain('new')"
+)
+GONE = "the current folder has been removed: change to another one"
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["-c", IN_PYTHON], ""),
+        (["-m", "imagechain", "networks"], ""),
+        (["-m", "imagechain", "run", "first_steps", "--output-dir", "{}"], ""),
+        (["-m", "imagechain", "run", "first_steps"], f"cannot write to first_steps-output: {GONE}"),
+        (["-m", "imagechain", "edit", "--screenshot", "window.png"], GONE),
+    ],
+)
+def test_a_current_folder_that_has_been_removed(words, line, tmp_path):
+    words = [word.format(tmp_path / "out") for word in words]
+    (tmp_path / "gone").mkdir()
+    script = 'cd "$1" && rmdir "$1" && shift && exec "$@"'
+    command = ["sh", "-c", script, "sh", tmp_path / "gone", sys.executable, *words]
+    # Python itself cannot read a relative name on its path there.
+    env = environment() | {"PYTHONPATH": str(ROOT), "QT_QPA_PLATFORM": "offscreen"}
+    done = finished([str(word) for word in command], folder=tmp_path, env=env)
+    assert done.returncode == (2 if line else 0), done.stderr
+    said = done.stderr.replace("No such file or directory (", "").replace(")", "")
+    assert said == (f"imagechain: {line}\n" if line else "")
+    assert (tmp_path / "out").exists() == ("--output-dir" in words)
