@@ -17,6 +17,7 @@ from app.run.staging import Staging
 from app.tradeoff.evaluated_points import with_value
 from core.atomic import write_text
 from core.chain.engine import Engine
+from core.editing.moved_folder import rebased
 from core.network.file import format_network
 from nodes.library import standard_library
 
@@ -64,7 +65,9 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
             for parameter, one in zip(free, result.parameters, strict=True):
                 if one.used is not None:
                     fitted = with_value(fitted, engine, parameter.node, parameter.name, one.used)
-            text = format_network(fitted, library=library)
+            typed = {(setting.node, setting.name) for setting in options.settings}
+            moved = rebased(fitted, library, place.folder, options.fit_output.parent, typed=typed)
+            text = format_network(moved.apply(fitted) if moved else fitted, library=library)
             staging.write(options.fit_output, partial(write_text, content=text))
         if options.fit_report is not None:
             from app.fit.page.fit_page import (

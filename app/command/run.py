@@ -291,6 +291,12 @@ def _claim(
     saves, files = [], []
     if options.frames is not None and not 1 <= options.frames <= MOST_FRAMES:
         raise UsageError(f"--frames {options.frames}: give a whole number from 1 to {MOST_FRAMES}")
+    if options.frames is not None and not options.saves:
+        example = find_output(plan).port or "NODE.PORT"
+        raise UsageError(
+            f"--frames {options.frames} needs --save, which says of which picture and into which "
+            f"file: --save {example}=frames.npy"
+        )
     for save in options.saves:
         path, value = Path(save.text), _port_value(plan, save.node, save.name)
         region = _region(save, value)

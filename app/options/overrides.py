@@ -7,6 +7,7 @@ import json
 import re
 from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from app.options.option_values import Assignment
@@ -27,7 +28,7 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
 
     A value is taken as JSON where it is JSON that fits the parameter, else as a number as people
     write it (``.5``, ``+3``), else as text. Behind a further ``=`` it is an expression that the
-    parameter follows from then on.
+    parameter follows from then on. A file's name is relative to the current folder.
 
     Raises
     ------
@@ -39,7 +40,7 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
         parameter = named_parameter("--set", setting, network, library=library)
         if parameter is None:  # the check of the whole network reports it
             continue
-        value = plain(_fitting(parameter, setting))
+        value = from_here(plain(_fitting(parameter, setting)), parameter)
         network = network.with_parameter(setting.node, setting.name, value)
     return network
 
@@ -71,6 +72,23 @@ def with_final(network: Network, port: str, *, library: Library) -> Network:
             known = close(output, pictures) or f"; its pictures: {', '.join(pictures) or 'none'}"
             raise UsageError(f"--final {port:.120}: {name} has no picture {shown(output)}{known}")
     return with_marks(network, (), {**network.extra, "final": port})
+
+
+def from_here(value: Any, parameter: Parameter, folder: Path | None = None) -> Any:
+    """A file's name with all of its folders; one in a network is relative to the network's folder.
+
+    Parameters
+    ----------
+    value
+        What was typed; it is returned as it is where it names no file.
+    parameter : Parameter
+        What it is for.
+    folder : Path, optional
+        What it is relative to; default the current folder.
+    """
+    if parameter.kind != "path" or not isinstance(value, str) or not value:
+        return value
+    return (folder or Path()).joinpath(value).absolute().as_posix()
 
 
 def behind(setting: Assignment, network: Network) -> Assignment:

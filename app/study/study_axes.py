@@ -5,14 +5,14 @@ from __future__ import annotations
 import glob
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from app.options.option_values import Assignment, assignment
-from app.options.overrides import behind, named_parameter
+from app.options.overrides import behind, from_here, named_parameter
 from app.tradeoff.values import FORM, OPTION, Variation, is_number, variation
 from core.errors import FileError, ParameterError, UsageError
 from core.modules.library_type import Library
@@ -63,7 +63,7 @@ class Axis:
 
     @property
     def is_files(self) -> bool:
-        """Whether the values are the files of a pattern."""
+        """Whether the values are files."""
         return bool(self.names)
 
     @property
@@ -152,7 +152,7 @@ def values_axis(
     taken = tuple(dict.fromkeys(_plain_value(parameter, item, node) for item in items))
     if not taken:
         raise UsageError(f"{option} {label}: there are no values")
-    return Axis(label, node, parameter, taken)
+    return of_files(Axis(label, node, parameter, taken))
 
 
 def target(option: str, label: str, network: Network, *, library: Library) -> tuple[str, Parameter]:
@@ -217,7 +217,20 @@ def allowed(parameter: Parameter, value: Any, node: str) -> None:
 def _axis(label: str, varied: Variation) -> Axis:
     for value in varied.values:
         allowed(varied.parameter, value, varied.node)
-    return Axis(label, varied.node, varied.parameter, varied.values, log=varied.log)
+    return of_files(Axis(label, varied.node, varied.parameter, varied.values, log=varied.log))
+
+
+def of_files(axis: Axis) -> Axis:
+    """The axis with its values' names as they were typed, where they are files."""
+    if axis.parameter.kind != "path":
+        return axis
+    here = Path().absolute()
+    files = [Path(value) for value in axis.values if value]
+    names = {
+        file.as_posix(): (file.relative_to(here) if file.is_relative_to(here) else file).as_posix()
+        for file in files
+    }
+    return replace(axis, names=names)
 
 
 def _named(option: str, setting: Assignment, network: Network, library: Library) -> Parameter:
@@ -229,4 +242,4 @@ def _named(option: str, setting: Assignment, network: Network, library: Library)
 
 def _plain_value(parameter: Parameter, value: Any, node: str) -> Any:
     allowed(parameter, value, node)
-    return plain(parameter.coerce(value))
+    return from_here(plain(parameter.coerce(value)), parameter)

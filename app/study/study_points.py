@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from app.options.overrides import readings
-from app.study.study_axes import Axis, allowed, target
+from app.options.overrides import from_here, readings
+from app.study.study_axes import Axis, allowed, of_files, target
 from app.tradeoff.tradeoff_figures import nodes_after
 from core.errors import FileError, ParameterError, UsageError
 from core.modules.library_type import Library
@@ -108,10 +108,10 @@ def listed_points(
             unit = axis.unit or "none"
             raise FileError(f"{name}: column {head}: the parameter's own unit is {unit}")
         columns[place] = [
-            _read(axis, cell, f"{name}: line {number}")
+            from_here(_read(axis, cell, f"{name}: line {number}"), parameter, path.parent)
             for number, cell in enumerate(columns[place], 2)
         ]
-        axes.append(replace(axis, values=tuple(dict.fromkeys(columns[place]))))
+        axes.append(of_files(replace(axis, values=tuple(dict.fromkeys(columns[place])))))
     return tuple(axes), list(zip(*columns, strict=True))
 
 

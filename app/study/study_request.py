@@ -84,7 +84,7 @@ class Study:
         """The files that it reads."""
         nodes = self.network.nodes.values()
         own = [file for node in nodes for file in input_paths(node, self.library, self.folder)]
-        return [*own, *(Path(v) for axis in self.axes if axis.is_files for v in axis.values)]
+        return [*own, *(Path(v) for axis in self.axes for v in axis.values if v in axis.names)]
 
     def setting(self, policy: Policy | None = None) -> Setting:
         """What a worker needs to know of it."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.options.option_values import Assignment, assignment
-from app.options.overrides import behind, named_parameter, readings
+from app.options.overrides import behind, from_here, named_parameter, readings
 from core.errors import ParameterError, UsageError
 from core.modules.library_type import Library
 from core.modules.parameters import Parameter, plain
@@ -125,7 +125,8 @@ def _value(text: str, parameter: Parameter, setting: Assignment) -> Any:
                 return reading
             first = first or error.at(setting.node)
         else:
-            return reading if is_number(reading) and coerced is None else plain(coerced)
+            value = reading if is_number(reading) and coerced is None else plain(coerced)
+            return from_here(value, parameter)
     assert first is not None
     raise first
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Collection
 from pathlib import Path
 
 from core.editing.fields import set_parameter
@@ -13,7 +14,12 @@ from core.network.network import Network
 
 
 def rebased(
-    network: Network, library: Library, old_folder: Path, new_folder: Path
+    network: Network,
+    library: Library,
+    old_folder: Path,
+    new_folder: Path,
+    *,
+    typed: Collection[tuple[str, str]] = (),
 ) -> Operation | None:
     """Make relative file names point at the same files from another folder; None if they do.
 
@@ -25,9 +31,11 @@ def rebased(
         What is saved.
     old_folder, new_folder : Path
         What its file names are relative to, and shall be. They need not exist.
+    typed : collection of (str, str)
+        Nodes and parameters whose full names become relative below the new folder.
     """
     old, new = (Path(os.path.realpath(folder)) for folder in (old_folder, new_folder))
-    if old == new:
+    if old == new and not typed:
         return None
     steps: list[Operation] = []
     for node in network.nodes.values():
@@ -35,7 +43,10 @@ def rebased(
             continue
         for parameter in declaration(library[node.module]).parameters:
             value = node.params.get(parameter.name)
-            if parameter.kind == "path" and isinstance(value, str) and _relative(value):
+            if parameter.kind != "path" or not isinstance(value, str):
+                continue
+            moves = _relative(value) and old != new
+            if moves or ((node.id, parameter.name) in typed and _is_below(value, new)):
                 moved = _from(old / value, new)
                 if moved != value:
                     steps.append(set_parameter(node.id, parameter.name, moved))
@@ -44,6 +55,11 @@ def rebased(
 
 def _relative(value: str) -> bool:
     return bool(value) and "\0" not in value and not Path(value).is_absolute()
+
+
+def _is_below(value: str, folder: Path) -> bool:
+    file = Path(value)
+    return file.is_absolute() and Path(os.path.realpath(file.parent)).is_relative_to(folder)
 
 
 def _from(file: Path, folder: Path) -> str:

@@ -438,7 +438,8 @@ class Chain:
         """
         target = whole_path(path)
         state = self._state
-        network = saved(state.network, self._engine.library, state.folder, target, state.samples)
+        library, named = self._engine.library, state.given
+        network = saved(state.network, library, state.folder, target, state.samples, named)
         self._state = replace(state, network=network, folder=target.parent, file=target)
         return Path(fspath(path))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,7 @@ def saved(
     folder: Path,
     target: Path,
     samples: Mapping[str, HeldSamples],
+    given: Collection[tuple[str, str]],
 ) -> Network:
     """Write a network and its arrays; gives the network as it was written.
 
@@ -47,6 +48,8 @@ def saved(
         The network file.
     samples : mapping
         Samples by node.
+    given : collection of (str, str)
+        Nodes and parameters whose file names were given in Python.
 
     Raises
     ------
@@ -62,7 +65,7 @@ def saved(
     for node, name in names.items():
         network = set_parameter(node, "path", ABSENT).apply(network)
         _refuse_anothers(target.parent / name, samples[node], own)
-    moved = rebased(network, library, folder, target.parent)
+    moved = rebased(network, library, folder, target.parent, typed=given)
     if moved is not None:
         network = moved.apply(network)
     for node, name in names.items():

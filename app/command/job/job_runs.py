@@ -213,7 +213,12 @@ class _Running:
 
     def _run(self, network: Network, variant: Variant, engine: Engine, stage: Stage) -> Evaluation:
         start = time.perf_counter()
-        settings = (Assignment(node, n, json.dumps(value)) for node, n, value in variant.settings)
+        folder, is_files = self.place.folder, self.job.kind == "files"
+        settings = (
+            # The window's file names are relative to the network, not to this process.
+            Assignment(node, n, json.dumps(str(folder / value) if is_files else value))
+            for node, n, value in variant.settings
+        )
         reports = (stage.folder / REPORT,) if self.job.report else ()
         options = Options("run", settings=tuple(settings), reports=reports)
         network = self._with(network, options)

@@ -230,7 +230,8 @@ def test_current_folder_removed(tmp_path):
     done = shell("cd gone; rmdir ../gone; imagechain run first_steps", tmp_path)
     assert done.returncode == 2
     assert done.stderr == (
-        "imagechain: cannot write to first_steps-output: No such file or directory\n"
+        "imagechain: cannot write to first_steps-output: No such file or directory (the current "
+        "folder has been removed: change to another one)\n"
     )
 
 

@@ -1,0 +1,95 @@
+"""File names typed on a command line, and in Python: relative to the current folder."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+import imagechain as ic
+
+PICTURE = {"fov_x_deg": 1, "fov_y_deg": 1, "cut_on_um": 8, "cut_off_um": 12, "unit": "W/m^2/sr/um"}
+
+
+@pytest.fixture
+def lab(tmp_path):
+    """A network in a folder of its own; each folder has files of the same names, and others."""
+    nodes = {
+        "scene": {"module": "read_image", "params": {"path": "at_home.npy", **PICTURE}},
+        "written": {"module": "write_image", "params": {"path": "written.npy"}},
+    }
+    network = {"format": "imagechain-network", "version": 1, "nodes": nodes}
+    folder = tmp_path / "lab"
+    for place, levels in ((tmp_path, {"mine": 1, "other": 2}), (folder, {"mine": 8, "at_home": 9})):
+        place.mkdir(exist_ok=True)
+        for name, level in levels.items():
+            np.save(place / f"{name}.npy", np.full((8, 8), float(level)))
+    links = [["scene.image", "written.image"]]
+    (folder / "net.json").write_text(json.dumps({**network, "links": links}), encoding="utf-8")
+    return folder
+
+
+def rows(file):
+    return list(csv.DictReader(file.read_text(encoding="utf-8").splitlines()))
+
+
+def test_run_takes_them_from_the_current_folder(imagechain, lab, tmp_path):
+    words = ["run", "lab/net.json", "--output-dir", "out", "--save", "scene.image=saved.npy"]
+    assert imagechain(*words).returncode == 0
+    assert np.load(tmp_path / "saved.npy").max() == np.load(lab / "written.npy").max() == 9
+    done = imagechain(*words, "--set=scene.path=mine.npy", "--set=written.path=typed.npy")
+    assert done.returncode == 0, done.stderr
+    assert np.load(tmp_path / "saved.npy").max() == np.load(tmp_path / "typed.npy").max() == 1
+    assert np.load(lab / "written.npy").max() == 9
+    done = imagechain("run", "dirsig_cube", "--set=scene.path=my.img")
+    assert f"{tmp_path}/my.img: no such file" in done.stderr
+
+
+def test_studies_take_them_from_the_current_folder_and_tables_from_theirs(
+    imagechain, lab, tmp_path
+):
+    words = ["study", "lab/net.json", "--output", "s.csv", "--save", "scene.image=at{point}.npy"]
+    done = imagechain(*words, "--vary", "scene.path=mine.npy,other.npy")
+    assert done.returncode == 0, done.stderr
+    assert [np.load(tmp_path / f"at{number}.npy").max() for number in (1, 2)] == [1, 2]
+    assert [row["scene.path"] for row in rows(tmp_path / "s.csv")] == ["mine.npy", "other.npy"]
+    for folder, level in ((tmp_path, 1), (lab, 8)):
+        (folder / "list.csv").write_text("scene.path\nmine.npy\n", encoding="utf-8")
+        words[3] = f"{level}.csv"
+        done = imagechain(*words, "--sample", folder / "list.csv")
+        assert done.returncode == 0, done.stderr
+        assert np.load(tmp_path / "at1.npy").max() == level
+
+
+def test_a_trade_off_takes_them_from_the_current_folder(imagechain, lab, tmp_path):
+    network = json.loads((lab / "net.json").read_text())
+    del network["nodes"]["written"]
+    network["nodes"]["seen"] = {"module": "examine_image"}
+    network["links"] = [["scene.image", "seen.image"]]
+    (lab / "seen.json").write_text(json.dumps(network), encoding="utf-8")
+    words = ["--vary", "scene.path=mine.npy,other.npy", "--figure", "seen.mean"]
+    done = imagechain("tradeoff", "lab/seen.json", *words, "--output", "t.json")
+    assert done.returncode == 0, done.stderr
+    (curve,) = json.loads((tmp_path / "t.json").read_text(encoding="utf-8"))["curves"]
+    assert [point["figures"]["seen.mean"] for point in curve["points"]] == [1, 2]
+
+
+def test_a_chain_that_is_saved_beside_them_names_them_from_there(lab, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    chain = ic.open("lab/net.json")
+    chain.set("scene.path", "mine.npy")
+    assert chain.run().image("scene.image").max() == 1
+    for file, name in (("beside.json", "mine.npy"), ("lab/inside.json", "../mine.npy")):
+        chain.save(file)
+        assert json.loads((tmp_path / file).read_text())["nodes"]["scene"]["params"]["path"] == name
+        monkeypatch.chdir(lab)
+        assert ic.open(tmp_path / file).run().image("scene.image").max() == 1
+        monkeypatch.chdir(tmp_path)
+
+
+def test_frames_without_a_file_for_them(fails):
+    line = fails("run", "first_steps", "--frames", "3")
+    assert "--frames 3 needs --save" in line
+    assert line.endswith("--save back.image=frames.npy\n")
