@@ -71,6 +71,20 @@ def close(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {alike[0]}?" if alike else ""
 
 
+def alike(name: str, known: Iterable[str]) -> str:
+    """As `close`, up to three suggestions: names that are spelt like it, or that hold it."""
+    names = list(known)
+    word = name.casefold() if len(name) <= 64 else ""
+    holding = sorted(
+        (one for one in names if word and word in one.casefold()),
+        key=lambda one: not one.casefold().startswith(word),
+    )
+    spelt = difflib.get_close_matches(word, names, n=3, cutoff=0.85)
+    found = list(dict.fromkeys([*holding, *spelt]))[:3] or difflib.get_close_matches(word, names, 1)
+    *first, last = found or [""]
+    return f"; did you mean {', '.join(first)}{' or ' if first else ''}{last}?" if last else ""
+
+
 SCALARS = frozenset({str, int, float, bool, type(None)})
 """Types of plain JSON data without parts: most of what a network holds, so looked for first."""
 

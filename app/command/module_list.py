@@ -13,32 +13,48 @@ from core.errors import UsageError
 from core.modules.declaration import Declaration, Port, declaration
 from core.modules.library_type import package_of, where_absent
 from core.modules.parameters import Parameter, plain
-from core.names import close, shown
+from core.names import alike, shown
 from nodes.library import standard_library
 from nodes.plug_ins import missing_modules
 
 
 def modules(*, as_json: bool, key: str = "") -> None:
-    """Print every module, or that one, with ports, parameters and read-outs.
+    """Print every module, those that fit a word, or the one of that key.
+
+    Of one module all its text is printed, of all of them ports, parameters and read-outs, of those
+    that a word finds in key, title or summary the summary.
 
     Raises
     ------
     UsageError
-        If there is none of that key.
+        If none fits.
     """
     library = standard_library()
-    if key and key not in library:
+    declared = [declaration(module) for module in library.values()]
+    found = key != "" and key not in library
+    if found:
+        word = key.casefold()
+        declared = [
+            entry
+            for entry in declared
+            if any(word in text.casefold() for text in (entry.key, entry.title, entry.summary))
+        ]
+    elif key:
+        declared = [declaration(library[key])]
+    if not declared:
         absent = where_absent(key, library)
-        hint = f": {absent}" if absent else close(key, library)
+        hint = f": {absent}" if absent else alike(key, library)
         hint = hint or "; imagechain modules lists them"
         raise UsageError(f"there is no module {shown(key)}{hint}")
-    declared = [declaration(module) for name, module in library.items() if key in ("", name)]
     if as_json:
         described = [described_module(entry) for entry in declared]
         print(json.dumps(described, indent=2, ensure_ascii=False, allow_nan=False))
         return
     groups = list(dict.fromkeys(entry.group for entry in declared))
     declared.sort(key=lambda entry: groups.index(entry.group))
+    if found:
+        print(columns([(entry.key, entry.title, entry.summary) for entry in declared]))
+        return
     for group, members in groupby(declared, key=lambda entry: entry.group):
         print(f"{group}\n{'=' * len(group)}\n")
         for entry in members:

@@ -60,7 +60,7 @@ REFUSALS = (
     Refusal("samples beside it", "too little room beside it", _ROOM),
     Refusal("samples lie about", "too short", "a longer edge"),
     Refusal("less clear than", "less clear than others, of which none can be used", ""),
-    Refusal("not looked at", "not looked at, as enough others are used", ""),
+    Refusal("not looked at", "not looked at, as clearer ones came first", ""),
 )  # fmt: skip
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]?\d+)?")
 _MOST = 3

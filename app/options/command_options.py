@@ -60,7 +60,7 @@ exit codes:
   1  a failure of the program, or stopped
   2  a fault of the input; one line on stderr says which
 
-imagechain COMMAND --help lists the options of a command; --set, --save, --report, --figure and
+imagechain help COMMAND lists the options of a command; --set, --save, --report, --figure and
 --output may be repeated, --vary be given twice, for a study any number of times."""
 Look = Literal["dark", "light"]
 
@@ -401,6 +401,8 @@ def _places(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _arguments(argv: list[str]) -> argparse.Namespace:
     """The words as argparse reads them; an unknown one is refused with what is like it."""
+    if argv[0] == "help":  # as `--help`, of a command where one is named
+        argv = [*(word for word in argv[1:2] if word != "help"), "--help"]
     first = argv[0]
     parser, commands = _parser(first)
     if not first.startswith("-") and first not in commands:
@@ -456,7 +458,12 @@ def _check_words(parser: argparse.ArgumentParser) -> None:
 
 
 def _modules_words(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("key", metavar="KEY", nargs="?", help="only this module")
+    parser.add_argument(
+        "key",
+        metavar="KEY|WORD",
+        nargs="?",
+        help="only this module, or those in whose key, title or summary this word stands",
+    )
     parser.add_argument("--json", action="store_true", help="for programs")
 
 

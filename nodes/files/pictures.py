@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -45,6 +46,11 @@ _NUMPY_NAMES = {
     "int": "int32",
 }
 _BLANK_BYTES = 16
+_ADVICE = re.compile(
+    r"\s*\([^()]*(\?|maybe )[^()]*\)"
+    r"|(^|(?<=[.!]))\s*([^.!?()]*\?+|(Please|Perhaps|Maybe)\b[^.!]*[.!]?)"
+    r"|,?\s*(or maybe|please)\b[^.!]*"
+)
 Array = NDArray[Any]
 
 _READABLE = {"uint8", "int8", "uint16", "int16", "uint64", "int64", *_NUMPY_NAMES.values()}
@@ -295,7 +301,9 @@ def _message(geterror: Callable[[], str]) -> str:
         lines = geterror().splitlines()
     except UnicodeDecodeError:  # the library quotes bytes of a damaged file
         lines = []
-    return lines[0].strip() if lines else "the file is damaged"
+    # Its questions and advice, as in "… 0x0. Possible corrupt input?", help nobody here.
+    told = _ADVICE.sub("", lines[0]).strip(" .") if lines else ""
+    return told or "the file is damaged"
 
 
 def _at_own_depth(stored: Array, *, bits: int) -> Array:

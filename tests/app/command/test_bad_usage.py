@@ -36,6 +36,13 @@ USAGE = {
         "--tolerance is given more than once",
     ),
     "no such network": (["run", "nothing.json"], "nothing.json"),
+    "part of a name": (["run", "kodak"], "did you mean kodak_kir310 or kodak_kir310_1996?"),
+    "a cube that is not there": (
+        ["check", "a b.img"],
+        "a b.img: there is no such file; to send a "
+        "picture through a camera: imagechain run mwir_camera --scene 'a",
+    ),
+    "help of no command": (["help", "rnu"], "there is no command rnu; did you mean run?"),
     "a folder": (["run", "."], "folder"),
     "empty name": (["run", ""], "''"),
     "impossible name": (["run", "a" * 5000], "aaa"),
@@ -111,6 +118,13 @@ def _network(write, small):
     write(small)
 
 
+def test_a_picture_in_place_of_a_network(fails, imagechain, write, small, tmp_path):
+    (tmp_path / "photo.png").write_bytes(b"\x89PNG")
+    line = "photo.png: is a picture, not a network; to send a picture through a camera: "
+    assert line + "imagechain run mwir_camera --scene photo.png" in fails("run", "photo.png")
+    assert imagechain("check", write(small, "net.txt")).returncode == 0
+
+
 @pytest.mark.skipif(usable_bytes() > 68.7e9, reason="34.4 GB of samples fit this machine")
 @pytest.mark.parametrize("kind", ["dormitory", "uniform"])
 def test_a_scene_that_does_not_fit(kind, fails):
@@ -150,7 +164,10 @@ def test_the_editor_with_a_display_that_does_not_answer(imagechain, display):
 
 
 def test_a_slip_comes_before_a_display_that_is_not_there(imagechain):
-    for words, told in ((["kodak_kir31"], "mean kodak_kir310?"), (["--sice=1x1"], "mean --size?")):
+    for words, told in (
+        (["kodak_kir31"], "mean kodak_kir310 or "),
+        (["--sice=1x1"], "mean --size?"),
+    ):
         done = imagechain("edit", *words, env=NO_DISPLAY)
         assert done.returncode == 2
         assert told in done.stderr

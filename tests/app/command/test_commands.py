@@ -52,6 +52,28 @@ def test_modules_for_people(capsys):
     assert all(key in text for key in standard_library())
 
 
+def test_modules_that_a_word_finds(capsys):
+    assert main(["modules", "Noise"]) == 0
+    found = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+    assert found == [
+        key
+        for key, module in standard_library().items()
+        if "noise" in f"{key} {module.title} {declaration(module).summary}".lower()
+    ]
+    assert {"poisson_noise", "focal_plane"} < set(found)
+    assert main(["modules", "noise", "--json"]) == 0
+    assert [each["key"] for each in json.loads(capsys.readouterr().out)] == found
+
+
+def test_help_by_its_name(capsys):
+    for by_name, by_option in (
+        (["help"], ["--help"]), (["help", "help"], ["--help"]), (["help", "run"], ["run", "--help"])
+    ):  # fmt: skip
+        assert main(by_name) == main(by_option) == 0
+        text = capsys.readouterr().out
+        assert text[: len(text) // 2] == text[len(text) // 2 :]
+
+
 def test_check(capsys, write, small, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["check", write(small)]) == 0

@@ -44,6 +44,23 @@ def test_a_blur_is_recovered_from_an_edge_with_its_error(imagechain, files):
     assert done.stdout.startswith("blur.sigma_x_mrad")
 
 
+def test_a_network_fitted_into_another_folder_names_its_files_from_there(imagechain, files):
+    network = json.loads((files / "net.json").read_text(encoding="utf-8"))
+    for name in ("spare", "typed"):
+        network["nodes"][name] = {"module": "read_image", "params": {"path": "edge.npy"}}
+    (files / "lab").mkdir()
+    (files / "lab" / "net.json").write_text(json.dumps(network), encoding="utf-8")
+    np.save(files / "lab" / "edge.npy", np.load(files / "edge.npy"))
+    done = imagechain(
+        "fit", "lab/net.json", "--to", "edge.npy", "--free", "blur.sigma_x_mrad",
+        "--set", "typed.path=edge.npy", "--final", "back.image", "--output", "fitted.json",
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    nodes = json.loads((files / "fitted.json").read_text(encoding="utf-8"))["nodes"]
+    paths = [nodes[name]["params"]["path"] for name in ("spare", "typed")]
+    assert paths == ["lab/edge.npy", "edge.npy"]
+
+
 @pytest.fixture(scope="module")
 def crossed(tmp_path_factory):
     """Edges across and down, and a chain with two Gaussian blurs in it and one beside it."""

@@ -210,11 +210,11 @@ def _in_turn(pieces: Sequence[Piece], shape: tuple[int, ...]) -> list[Piece]:
 def _enough(used: int, examined: int) -> str:
     """Why the rest of the candidates was not looked at."""
     if used >= _ENOUGH_USED:
-        return f"not looked at: {used} edges that are clearer or farther apart are used"
+        return f"not looked at: {used} edges that are clearer or farther apart can be used"
     if used == 0:
         return f"less clear than {examined} others, of which none can be used"
     return (
-        f"not looked at: less clear than {examined} others, of which {used} are used, or "
+        f"not looked at: less clear than {examined} others, of which {used} can be used, or "
         "crowded among them"
     )
 
