@@ -50,6 +50,11 @@ class ImagechainError(Exception):
         return f"{self.node}: {self.message}" if self.node else self.message
 
 
+def how_to_install(extra: str) -> str:
+    """How the packages of an extra are installed; no index has this program."""
+    return f"pip install '.[{extra}]' in the folder of its source brings what is missing"
+
+
 def _rebuilt(kind: type[E], args: tuple[Any, ...], state: dict[str, Any]) -> E:
     """Copy an error without its constructor, whose arguments are long gone."""
     error = kind.__new__(kind, *args)

@@ -17,11 +17,10 @@ from app.study.study_files import Column, write_columns
 from app.study.study_journal import Journal
 from app.study.study_request import Study
 from app.study.worker_processes import process_rows
-from core.errors import Cancelled, ImagechainError, Suspended, UsageError
+from core.errors import Cancelled, ImagechainError, Suspended, UsageError, how_to_install
 from core.evaluation.policy import Policy
 from core.names import shown
 
-EXTRA = "pip install 'imagechain[study]' brings them"
 ALONE_S = 1.0
 """How long one process computes before it is known what the rest of the study takes."""
 _WORTH_S = 4.0  # of one process: less is done sooner than others have begun
@@ -65,7 +64,9 @@ class Workers:
             return
         if self.scheduler and not has_dask():
             what = f"--scheduler {self.scheduler:.120}"
-            raise UsageError(f"{what}: dask and distributed are not installed: {EXTRA}")
+            raise UsageError(
+                f"{what}: dask and distributed are not installed: {how_to_install('study')}"
+            )
         if self.scheduler:
             from app.study.dask_study import check_address
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from core.atomic import atomic_file, write_bytes, write_text
-from core.errors import UsageError
+from core.errors import UsageError, how_to_install
 from core.names import printable
 from nodes.files.common.file_format import NETCDF, PARQUET
 from nodes.files.common.table_cells import csv_lines
@@ -71,7 +71,7 @@ def check_installed(path: Path) -> None:
         if file_format.matches(path) and missing:
             raise UsageError(
                 f"--output {path}: {path.suffix} needs {' and '.join(missing)}: "
-                "pip install 'imagechain[study]' brings them; .csv needs nothing"
+                f"{how_to_install('study')}; .csv needs nothing"
             )
 
 

@@ -20,6 +20,5 @@ def needed(name: str, purpose: str) -> ModuleType:
         return import_module(name)
     except ImportError:
         raise UsageError(
-            f"{name} is not installed, which {purpose} take: pip install {name}, or "
-            "'imagechain[tables]'"
+            f"{name} is not installed, which {purpose} take: pip install {name}"
         ) from None

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import FileError
+from core.errors import FileError, how_to_install
 from core.scratch.allocation import Empty
 from nodes.files.common.paths import checked_band, first_bytes
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples, delivered_dtype
@@ -245,9 +245,7 @@ def check_zarr(path: Path) -> None:
         Naming the extra that brings it.
     """
     if importlib.util.find_spec("zarr") is None:
-        raise FileError(
-            f"{path}: Zarr needs the package zarr: pip install 'imagechain[zarr]' brings it"
-        )
+        raise FileError(f"{path}: Zarr needs the package zarr: {how_to_install('zarr')}")
 
 
 def _library(path: Path) -> Any:
