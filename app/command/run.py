@@ -291,14 +291,15 @@ def _claim(
     saves, files = [], []
     if options.frames is not None and not 1 <= options.frames <= MOST_FRAMES:
         raise UsageError(f"--frames {options.frames}: give a whole number from 1 to {MOST_FRAMES}")
-    if options.frames is not None and not options.saves:
+    values = [_port_value(plan, save.node, save.name) for save in options.saves]
+    if options.frames is not None and not any(isinstance(value, Image) for value in values):
         example = find_output(plan).port or "NODE.PORT"
         raise UsageError(
             f"--frames {options.frames} needs --save, which says of which picture and into which "
             f"file: --save {example}=frames.npy"
         )
-    for save in options.saves:
-        path, value = Path(save.text), _port_value(plan, save.node, save.name)
+    for save, value in zip(options.saves, values, strict=True):
+        path = Path(save.text)
         region = _region(save, value)
         on_disk = way.on_disk(value, policy_of(options))
         frames = _number_of_frames(value, path, options.frames, on_disk=on_disk)

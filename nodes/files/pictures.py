@@ -175,7 +175,10 @@ def _opened(path: Path) -> Iterator[Any]:
         except (MemoryError, RuntimeError, ValueError) as error:
             raise FileError(f"{path}: cannot be opened: {error or 'out of memory'}") from error
         if picture is None:
-            raise FileError(f"{path}: cannot be opened: {_message(OpenImageIO.geterror)}")
+            message = _message(OpenImageIO.geterror)
+            if message.startswith("OpenImageIO could not find a format reader"):
+                message = "it is no picture of a format that is known here"
+            raise FileError(f"{path}: cannot be opened: {message}")
         try:
             yield picture
         finally:

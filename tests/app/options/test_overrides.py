@@ -90,6 +90,7 @@ def test_a_chain_that_is_saved_beside_them_names_them_from_there(lab, tmp_path, 
 
 
 def test_frames_without_a_file_for_them(fails):
-    line = fails("run", "first_steps", "--frames", "3")
-    assert "--frames 3 needs --save" in line
-    assert line.endswith("--save back.image=frames.npy\n")
+    for saved in ([], ["--save", "blur.mtf=mtf.npy"]):
+        line = fails("run", "first_steps", "--frames", "3", *saved)
+        assert "--frames 3 needs --save" in line
+        assert line.endswith("--save back.image=frames.npy\n")
