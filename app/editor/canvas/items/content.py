@@ -13,7 +13,7 @@ from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.faces import face_of
 from app.editor.canvas.items.node_item import NodeItem
 from app.editor.canvas.items.points import points_of
-from app.editor.canvas.items.routing import Box
+from app.editor.canvas.items.routing import Ground, overlap
 from app.editor.canvas.items.wire_item import DOT_RADIUS, WireItem
 from app.editor.evaluation.queries import Badge
 from core.editing.drawing.backdrops import Backdrop, backdrops_of
@@ -47,6 +47,7 @@ class Content:
         self._drawn: dict[str, Node] = {}
         self._links: tuple[Link, ...] = ()
         self._points: dict[str, Point] = {}
+        self._ground = Ground()
         self._frames: list[QRectF] = []
         self._extra: Mapping[str, Any] | None = None
         self._dots: Mapping[Link, tuple[Point, ...]] = {}
@@ -115,10 +116,10 @@ class Content:
         moved = {name for name, at in places.items() if self.nodes[name].pos() != at}
         for name in moved:
             self.nodes[name].setPos(places[name])
+            self._ground.put(name, self.nodes[name].box())
         if moved:
-            boxes = self.boxes()
             for wire in {wire for name in moved for wire in self.wires_at(name)}:
-                self._lead(wire, boxes)
+                self._lead(wire)
             if self.on_placed is not None:
                 self.on_placed()
 
@@ -135,27 +136,25 @@ class Content:
         return {name: item.size for name, item in self.nodes.items()}
 
     def route(self) -> None:
-        """Lead every wire anew past the nodes."""
-        boxes = self.boxes()
-        for wire in self.wires.values():
-            self._lead(wire, boxes)
+        """Lead those wires anew that have dots, and those in whose reach nodes came or went."""
+        changed, self._ground.changed = self._ground.changed, None
+        for link, wire in self.wires.items():
+            reach = wire.reach
+            if reach is None or link in self._dots or (changed and overlap(reach, changed)):
+                self._lead(wire)
 
     def place_dot(self, link: Link, index: int, at: QPointF) -> None:
         """Put a dot somewhere; its wire follows."""
         wire = self.wires[link]
-        wire.lead((*wire.dots[:index], at, *wire.dots[index + 1 :]))
+        wire.lead((*wire.dots[:index], at, *wire.dots[index + 1 :]), self._ground)
 
-    def _lead(self, wire: WireItem, boxes: list[Box]) -> None:
+    def _lead(self, wire: WireItem) -> None:
         """Draw a wire anew. Its dots go along where both its nodes stand elsewhere alike."""
         dots = self._dots.get(wire.link, ())
         ends = (wire.link.source, wire.link.target)
         one, other = (self.nodes[name].pos() - QPointF(*self._points[name]) for name in ends)
         by = one if one == other else QPointF()
-        wire.lead([QPointF(*at) + by for at in dots], boxes)
-
-    def boxes(self) -> list[Box]:
-        """Where the nodes are."""
-        return [item.box() for item in self.nodes.values()]
+        wire.lead([QPointF(*at) + by for at in dots], self._ground)
 
     def bounds(self, names: Iterable[str] | None = None) -> QRectF:
         """What the nodes take up; of all, the backdrops too. Null where there is nothing."""
@@ -217,6 +216,7 @@ class Content:
         if node.id in self._selected:
             item.setSelected(True)
         self.nodes[node.id] = item
+        self._ground.put(node.id, item.box())
         self._scene.addItem(item)
 
     def _follow_links(self, network: Network) -> None:
@@ -262,6 +262,7 @@ class Content:
             self._remove_wire(wire)
         self._at.pop(name, None)
         self._drawn.pop(name, None)
+        self._ground.drop(name)
         item = self.nodes.pop(name)
         item.ports.clear()
         self._scene.removeItem(item)

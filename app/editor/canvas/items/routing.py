@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 from PySide6.QtCore import QPointF
 from PySide6.QtGui import QPainterPath
@@ -16,6 +17,7 @@ _LEAVE = 32.0  # units across in which a wire changes to its lane: less than the
 _TURN = 40.0  # units aside in which a wire turns back
 _BELOW = 16.0  # a lane back is this much further below nodes than others are beside them
 _TRIES = 5
+_CELL = 512.0  # units: about two nodes by three
 _SHARE = 0.35  # of the way to the next dot that a wire keeps its direction
 _FAVOUR = 80.0  # for the lane above
 
@@ -70,74 +72,158 @@ def _go_back(path: QPainterPath, start: QPointF, end: QPointF, lane: float) -> N
     path.cubicTo(from_lane - turn, end - turn, end)
 
 
-def lane_for(start: Spot, end: Spot, boxes: Sequence[Box], beside: float) -> float | None:
-    """The height at which a wire gets past the boxes in its way; None if nothing is.
+class Ground:
+    """Where nodes stand, found by place: a wire looks only at the nodes near its course.
 
-    The free height above the boxes, `beside` away from them, or the one below where that is much
-    nearer: so that wires from one port run along one lane. A wire that goes back to the left, as to
-    the next row, has its lane between the two rows.
+    `changed` is the hull of all places where nodes came, stood or went since it was last None.
+    """
+
+    def __init__(self, boxes: Iterable[Box] = ()) -> None:
+        self.changed: Box | None = None
+        self._boxes: dict[str, Box] = {}
+        self._cells: dict[tuple[int, int], dict[str, Box]] = {}
+        for number, box in enumerate(boxes):
+            self.put(str(number), box)
+
+    def put(self, name: str, box: Box) -> None:
+        """Have a node there, and nowhere else."""
+        if self._boxes.get(name) == box:
+            return
+        self.drop(name)
+        self._boxes[name] = box
+        for cell in _cells(box):
+            self._cells.setdefault(cell, {})[name] = box
+        self._change(box)
+
+    def drop(self, name: str) -> None:
+        """Have no node of that name."""
+        box = self._boxes.pop(name, None)
+        if box is not None:
+            for cell in _cells(box):
+                del self._cells[cell][name]
+            self._change(box)
+
+    def within(self, area: Box) -> set[Box]:
+        """The nodes that overlap an area."""
+        columns, rows = _cell_ranges(area)
+        if len(columns) * len(rows) > len(self._boxes):
+            near: Iterable[Box] = self._boxes.values()
+        else:
+            cells = (self._cells.get((x, y)) for x in columns for y in rows)
+            near = (box for cell in cells if cell for box in cell.values())
+        return {box for box in near if overlap(box, area)}
+
+    def _change(self, box: Box) -> None:
+        hull = self.changed or box
+        least = (min(hull[side], box[side]) for side in (0, 1))
+        most = (max(hull[side], box[side]) for side in (2, 3))
+        self.changed = (*least, *most)  # type: ignore[assignment]
+
+
+def overlap(one: Box, other: Box) -> bool:
+    """Whether two boxes have an area in common."""
+    return (
+        one[0] < other[2] and one[2] > other[0] and one[1] < other[3] and one[3] > other[1]
+    )
+
+
+def _cell_ranges(area: Box) -> tuple[range, range]:
+    left, top, right, bottom = (math.floor(side / _CELL) for side in area)
+    return range(left, right + 1), range(top, bottom + 1)
+
+
+def _cells(box: Box) -> Iterable[tuple[int, int]]:
+    columns, rows = _cell_ranges(box)
+    return ((x, y) for x in columns for y in rows)
+
+
+class Course(NamedTuple):
+    """The height at which a wire gets past nodes, None for straight, and what that depends on.
+
+    A node that comes or goes outside of `reach` does not change the lane.
+    """
+
+    lane: float | None
+    reach: Box
+
+
+def course_of(start: Spot, end: Spot, ground: Ground, beside: float) -> Course:
+    """The course of a wire past the boxes in its way.
+
+    The lane is the free height above the boxes, `beside` away from them, or the one below where
+    that is much nearer: so that wires from one port run along one lane. A wire that goes back to
+    the left, as to the next row, has its lane between the two rows.
     """
     left, right = start[0] + _LEAVE, end[0] - _LEAVE
     if right - left < _LEAVE:
-        return _lane_back(start, end, boxes, beside)
+        return _course_back(start, end, ground, beside)
     top, bottom = min(start[1], end[1]), max(start[1], end[1])
-    between = [box for box in boxes if box[0] < right and box[2] > left]
     # A cubic with level ends stays near its ends' heights: that of the end met first.
-    in_way = [box for box in between if box[1] - 4 < bottom and box[3] + 4 > top]
-    if not any(_crosses(box, start, end) for box in in_way):
-        return None
-    above = _free(min(box[1] for box in in_way) - beside, between, -beside)
-    below = _free(max(box[3] for box in in_way) + beside, between, beside)
+    in_way = ground.within((left, top - 4, right, bottom + 4))
+    if not _cross(in_way, start, end):
+        return Course(None, (left, top - 4, right, bottom + 4))
+    above, highest = _free(min(box[1] for box in in_way) - beside, left, right, ground, -beside)
+    below, lowest = _free(max(box[3] for box in in_way) + beside, left, right, ground, beside)
+    reach = left, min(top, highest) - 4, right, max(bottom, lowest) + 4
     lanes = [
         (lane, favour) for lane, favour in ((above, _FAVOUR), (below, 0.0)) if lane is not None
     ]
     if not lanes:
-        return None
-    return min(lanes, key=lambda option: _detour(option[0], start, end) - option[1])[0]
+        return Course(None, reach)
+    return Course(
+        min(lanes, key=lambda option: _detour(option[0], start, end) - option[1])[0], reach
+    )
 
 
-def _lane_back(start: Spot, end: Spot, boxes: Sequence[Box], beside: float) -> float | None:
+def _course_back(start: Spot, end: Spot, ground: Ground, beside: float) -> Course:
     """The height between two ends where nothing stands: below the row of the one further up.
 
     There no title of a backdrop is in the way.
     """
-    left, right = end[0] - _TURN, start[0] + _TURN
-    between = [box for box in boxes if box[0] < right and box[2] > left]
-    if not any(_crosses(box, start, end) for box in between):
-        return None
     low, high = min(start[1], end[1]) + _LEAVE, max(start[1], end[1])
-    for lane in sorted(box[3] + _BELOW + beside for box in between):
-        free = not any(box[1] - 3 < lane < box[3] + 3 for box in between)
-        if low < lane < high and free:
-            return lane
-    return None
+    highest = min(start[1], end[1]) - _BELOW - beside
+    reach = end[0] - _TURN, highest, start[0] + _TURN, max(low, high) + 4
+    between = ground.within(reach)
+    if not _cross(between, start, end):
+        return Course(None, reach)
+    lanes = {box[3] + _BELOW + beside for box in between}
+    spans = sorted({(box[1], box[3]) for box in between}, reverse=True)
+    reached = -math.inf  # the lower end of all spans that begin above the lane
+    for lane in sorted(lane for lane in lanes if low < lane < high):
+        while spans and spans[-1][0] - 3 < lane:
+            reached = max(reached, spans.pop()[1] + 3)
+        if reached <= lane:
+            return Course(lane, reach)
+    return Course(None, reach)
 
 
 def _detour(lane: float, start: Spot, end: Spot) -> float:
     return abs(lane - start[1]) + abs(lane - end[1])
 
 
-def _free(lane: float, boxes: Iterable[Box], step: float) -> float | None:
-    """The first height from `lane` on, away by `step`, at which no box is met."""
+def _free(
+    lane: float, left: float, right: float, ground: Ground, step: float
+) -> tuple[float | None, float]:
+    """The first height from `lane` on, away by `step`, with no box; and the last one tried."""
     for _ in range(_TRIES):
-        hit = [box for box in boxes if box[1] - 3 < lane < box[3] + 3]
+        near = ground.within((left, lane - 4, right, lane + 4))
+        hit = [box for box in near if box[1] - 3 < lane < box[3] + 3]
         if not hit:
-            return lane
+            return lane, lane
+        last = lane
         lane = (min(box[1] for box in hit) if step < 0 else max(box[3] for box in hit)) + step
-    return None
+    return None, last
 
 
-def _crosses(box: Box, start: Spot, end: Spot) -> bool:
-    """Whether the plain curve meets the box."""
+def _cross(boxes: Iterable[Box], start: Spot, end: Spot) -> bool:
+    """Whether the plain curve meets one of the boxes."""
     reach = _reach(end[0] - start[0], abs(end[1] - start[1]))
     xs = start[0], start[0] + reach, end[0] - reach, end[0]
     ys = start[1], start[1], end[1], end[1]
-    for n in range(1, 20):
-        t = n / 20
-        x, y = _cubic(xs, t), _cubic(ys, t)
-        if box[0] < x < box[2] and box[1] < y < box[3]:
-            return True
-    return False
+    points = [(_cubic(xs, n / 20), _cubic(ys, n / 20)) for n in range(1, 20)]
+    return any(
+        box[0] < x < box[2] and box[1] < y < box[3] for box in boxes for x, y in points
+    )
 
 
 def _cubic(p: tuple[float, float, float, float], t: float) -> float:

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.node_item import NodePort
 from app.editor.canvas.items.nodegraphqt import PipeItem
-from app.editor.canvas.items.routing import Box, dotted_path, lane_for, wire_path
+from app.editor.canvas.items.routing import Box, Ground, course_of, dotted_path, wire_path
 from core.network.network import Link
 
 Z_WIRE, Z_LIT, Z_LIVE = -1.0, -0.5, 5.0
@@ -31,7 +31,8 @@ class WireItem(PipeItem):
     """A wire between two ports, in the colour of what it carries.
 
     `lit` wires belong to a selected node, `chosen` is the selected wire, `target` the one a node
-    would be inserted in.
+    would be inserted in. `reach` is where nodes decide about its course; None before it has one,
+    and where dots give it.
     """
 
     def __init__(self, link: Link, output: NodePort, entry: NodePort, style: CanvasStyle) -> None:
@@ -41,6 +42,7 @@ class WireItem(PipeItem):
         self.lit = self.chosen = self.hovered = self.target = False
         self.dots: tuple[QPointF, ...] = ()
         self.chosen_dot: int | None = None
+        self.reach: Box | None = None
         self._line: list[QPointF] = []
         self.setCacheMode(QGraphicsItem.CacheMode.NoCache)
         self.setAcceptHoverEvents(False)
@@ -48,26 +50,23 @@ class WireItem(PipeItem):
         self.set_connections(output, entry)
         for port in (output, entry):
             port.wires += 1
-        self.redraw()
         self.restyle()
 
-    def redraw(self, boxes: Sequence[Box] = ()) -> None:
-        """Follow the ports, through its dots or else past the nodes in these boxes."""
-        start, end = self.output_port.centre(), self.input_port.centre()
-        self._line = []
-        if self.dots:
-            self.setPath(dotted_path(start, end, self.dots))
-            return
-        ends = (start.x(), start.y()), (end.x(), end.y())
-        lane = lane_for(*ends, boxes, self.style_of_canvas.lane(self.output_port.face.types))
-        self.setPath(wire_path(start, end, lane))
-
-    def lead(self, dots: Sequence[QPointF], boxes: Sequence[Box] = ()) -> None:
-        """Follow the ports, through these dots."""
+    def lead(self, dots: Sequence[QPointF], ground: Ground) -> None:
+        """Follow the ports, through these dots or else past the nodes on the ground."""
         if (led := tuple(dots)) != self.dots:  # else all that is drawn would be drawn anew
             self.prepareGeometryChange()  # dots reach beyond the curve
             self.dots = led
-        self.redraw(boxes)
+        start, end = self.output_port.centre(), self.input_port.centre()
+        self._line = []
+        if self.dots:
+            self.reach = None
+            self.setPath(dotted_path(start, end, self.dots))
+            return
+        ends = (start.x(), start.y()), (end.x(), end.y())
+        beside = self.style_of_canvas.lane(self.output_port.face.types)
+        lane, self.reach = course_of(*ends, ground, beside)
+        self.setPath(wire_path(start, end, lane))
 
     def restyle(self) -> None:
         """Take the colour and width of the state."""
@@ -156,7 +155,7 @@ class WireItem(PipeItem):
         """Nothing: `restyle` does it."""
 
     def draw_path(self, *_: object, **__: object) -> None:
-        """Nothing: `redraw` does it."""
+        """Nothing: `lead` does it."""
 
     def forget(self) -> None:
         """Leave the ports and the scene."""

@@ -4,9 +4,13 @@ import pytest
 from PySide6.QtCore import QPointF
 
 from app.editor.canvas.items.hits import distance
-from app.editor.canvas.items.routing import lane_for, wire_path
+from app.editor.canvas.items.routing import Ground, course_of, wire_path
 
 BESIDE = 10.0
+
+
+def lane_for(start, end, boxes, beside):
+    return course_of(start, end, Ground(boxes), beside).lane
 
 
 def met(start, end, lane, box):
