@@ -58,6 +58,7 @@ class CurveList(QListWidget):
         A note stands above them.
         """
         ticked = set(shown)
+        icons: dict[tuple[object, ...], QIcon] = {}
         self.blockSignals(True)
         row = self.currentRow()
         self.clear()
@@ -67,7 +68,10 @@ class CurveList(QListWidget):
             heading.setFlags(Qt.ItemFlag.ItemIsEnabled)
             self.addItem(heading)
         for entry in sorted(entries, key=lambda entry: not entry.total):
-            item = QListWidgetItem(self._icon(pen(entry.name)), entry.title)
+            drawn = pen(entry.name)
+            look = drawn.color().rgba(), drawn.widthF(), drawn.style(), *drawn.dashPattern()
+            icon = icons.get(look) or icons.setdefault(look, self._icon(drawn))
+            item = QListWidgetItem(icon, entry.title)
             item.setData(_NAME, entry.name)
             item.setToolTip(entry.title)
             item.setFlags(item.flags() | Qt.ItemFlag.ItemIsUserCheckable)

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.viewers.plot.curves_query import Mark, TransferCurves
+from app.editor.viewers.plot.curves_query import Mark, TransferCurve, TransferCurves
 from core.chain.results import CurveData
 
 Vector = NDArray[np.float64]
@@ -18,6 +18,7 @@ _AXES = {0.0: "ξ", 90.0: "η"}
 _DECADES = 8  # below the greatest value that a logarithmic ordinate shows at most
 _SAME = 0.005  # of the ordinates' range: curves nearer to one another look like one
 _MOST = 0.9  # of its points
+_MANY, _FEW = 200, 24  # stages: of more than so many, so many are drawn
 _BOUNDS = ("+ ", "\N{MINUS SIGN} ")  # how the labels of limits around a curve begin
 
 
@@ -118,8 +119,10 @@ class Drawing:
 def transfer_drawing(curves: TransferCurves, parts: Parts, *, log: bool = False) -> Drawing:
     """MTF, PTF or both of a chain; a PTF that is 0 everywhere is not drawn.
 
-    With `log` the modulus of the MTF, which is signed, by its logarithm.
+    With `log` the modulus of the MTF, which is signed, by its logarithm. Of very many stages only
+    those that do most are drawn, with all products.
     """
+    drawn = _drawn_of(curves.curves)
     entries = tuple(
         Entry(
             curve.name,
@@ -127,23 +130,40 @@ def transfer_drawing(curves: TransferCurves, parts: Parts, *, log: bool = False)
             curve.kind == "total",
             curve.kind == "total" or (curve.acts and curve.kind == "stage"),
         )
-        for curve in curves.curves
+        for curve in drawn
     )
     panels = []
     if parts in ("mtf", "both"):
         lines = (
             Line(curve.name, curves.frequency, np.abs(curve.mtf) if log else curve.mtf)
-            for curve in curves.curves
+            for curve in drawn
         )
         panels.append(Panel("|MTF|" if log else "MTF", tuple(lines), (0.0, 1.0), log))
     if parts in ("ptf", "both"):
-        shifting = [curve for curve in curves.curves if curve.ptf.any()]
+        shifting = [curve for curve in drawn if curve.ptf.any()]
         lines = (Line(curve.name, curves.frequency, curve.ptf) for curve in shifting)
         panels.append(Panel("PTF (rad)", tuple(lines), None if shifting else (-1.0, 1.0)))
     along = _AXES.get(curves.angle_deg % 180.0)
     label = along or f"frequency along {curves.angle_deg:g}°"
-    note = f"no Total: {curves.missing}" if curves.missing and entries else ""
-    return Drawing(f"{label} (cyc/mrad)", entries, tuple(panels), curves.marks, note=note)
+    notes = [f"no Total: {curves.missing}"] if curves.missing and entries else []
+    if len(drawn) < len(curves.curves):
+        stages = sum(curve.kind != "total" for curve in curves.curves)
+        notes.append(f"{_FEW} of {stages:,} stages: those that do most. Save as CSV for all.")
+    return Drawing(
+        f"{label} (cyc/mrad)", entries, tuple(panels), curves.marks, note="; ".join(notes)
+    )
+
+
+def _drawn_of(curves: tuple[TransferCurve, ...]) -> tuple[TransferCurve, ...]:
+    """All curves, or of very many stages those that change most along the line."""
+    stages = [curve for curve in curves if curve.kind != "total"]
+    if len(stages) <= _MANY:
+        return curves
+    by_change = sorted(
+        stages, key=lambda c: max(np.abs(c.mtf - 1).max(), np.abs(c.ptf).max()), reverse=True
+    )
+    few = {curve.name for curve in by_change[:_FEW]}
+    return tuple(curve for curve in curves if curve.kind == "total" or curve.name in few)
 
 
 def curve_drawing(data: CurveData, *, log: bool = False) -> Drawing:
