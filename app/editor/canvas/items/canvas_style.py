@@ -68,6 +68,7 @@ class CanvasStyle:
         self.natural_zoom = max(QFontInfo(font).pixelSize(), 6) / _PLAIN
         self._font = font
         self._fonts: dict[tuple[int, bool], QFont] = {}
+        self._sized_metrics: dict[int, QFontMetricsF] = {}
         self._widths: dict[tuple[TextRole, str], float] = {}
         self._metrics = {role: QFontMetricsF(self.font(role)) for role in _SIZES}
         self.text = QColor(theme.text)
@@ -100,6 +101,13 @@ class CanvasStyle:
             font.setHintingPreference(QFont.HintingPreference.PreferNoHinting)
             self._fonts[size, bold] = font
         return font
+
+    def metrics(self, size: int) -> QFontMetricsF:
+        """What measures texts of that many units."""
+        metrics = self._sized_metrics.get(size)
+        if metrics is None:
+            metrics = self._sized_metrics[size] = QFontMetricsF(self.sized(size))
+        return metrics
 
     def width(self, role: TextRole, text: str) -> float:
         """Width of a text in units."""

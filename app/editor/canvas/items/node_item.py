@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
@@ -91,6 +92,7 @@ class NodeItem(AbstractNodeItem):
             item.setPos(self.geometry.ports[port.side, port.name])
             self.ports[port.side, port.name] = item
         self._badge: BadgeItem | None = None
+        self._title: tuple[tuple[float, CanvasStyle], Fitted | None] | None = None
         self.setToolTip(face.tooltip)
 
     def boundingRect(self) -> QRectF:
@@ -133,6 +135,14 @@ class NodeItem(AbstractNodeItem):
             self._badge.setPos(self._width - INSET, INSET)
         else:
             self._badge.show_badge(badge)
+
+    def title_at(self, zoom: float) -> Fitted | None:
+        """The title as it is drawn in the overview; measured once for a zoom."""
+        made_for = zoom, self.style
+        if self._title is None or self._title[0] != made_for:
+            room = QSizeF(self._width - 10, self._height - 4)
+            self._title = made_for, fitted(self.face, room, zoom, self.style)
+        return self._title[1]
 
     def take_face(self, face: NodeFace) -> bool:
         """Show another face, if it has the same texts and ports; whether it has."""
@@ -220,9 +230,8 @@ def _paint_overview(painter: QPainter, item: NodeItem, zoom: float) -> None:
     painter.setBrush(head_colour(item))
     painter.drawRoundedRect(frame, _ROUND, _ROUND)
     _veil_disabled(painter, item)
-    wanted = round(_READABLE_PX * style.natural_zoom / zoom)
-    title = fitted(item.face.id, frame.width() - 10, frame.height() - 4, wanted, style)
-    if title.size * zoom < _LEAST_PX * style.natural_zoom:
+    title = item.title_at(zoom)
+    if title is None:
         return
     painter.setPen(style.text)
     painter.setFont(title.font)
@@ -313,34 +322,36 @@ class Fitted:
 
     lines: tuple[str, ...]
     font: QFont
-    size: int
     pitch: float
 
 
-def fitted(text: str, width: float, height: float, wanted: int, style: CanvasStyle) -> Fitted:
-    """Break a title into lines in the largest font, at most `wanted`, that fits."""
-    size = wanted
-    while True:
-        font = style.sized(size)
-        metrics = QFontMetricsF(font)
+def fitted(face: NodeFace, room: QSizeF, zoom: float, style: CanvasStyle) -> Fitted | None:
+    """Break a title into lines in the largest font that fits and can be read; None if none does."""
+    words = face.id.replace("_", "_ ").replace("-", "- ").split() or [""]
+    size = round(_READABLE_PX * style.natural_zoom / zoom)
+    while size * zoom >= _LEAST_PX * style.natural_zoom:
+        metrics = style.metrics(size)
         pitch = metrics.height() * 0.92
-        lines = _broken(text, width, metrics)
-        wide = max(metrics.horizontalAdvance(line) for line in lines) > width
-        if size <= 4 or not (wide or pitch * len(lines) > height):
-            return Fitted(tuple(lines), font, size, pitch)
+        if pitch <= room.height() and all(
+            metrics.horizontalAdvance(word) <= room.width() for word in words
+        ):
+            lines = _broken(words, room.width(), metrics)
+            if pitch * len(lines) <= room.height():
+                return Fitted(tuple(lines), style.sized(size), pitch)
         size -= max(1, size // 16)
+    return None
 
 
-def _broken(text: str, width: float, metrics: QFontMetricsF) -> list[str]:
+def _broken(words: Sequence[str], width: float, metrics: QFontMetricsF) -> list[str]:
     lines: list[str] = []
-    for word in text.replace("_", "_ ").replace("-", "- ").split():
+    for word in words:
         joint = "" if lines and lines[-1].endswith(("_", "-")) else " "
         longer = f"{lines[-1]}{joint}{word}" if lines else word
         if lines and metrics.horizontalAdvance(longer) <= width:
             lines[-1] = longer
         else:
             lines.append(word)
-    return lines or [""]
+    return lines
 
 
 _CENTRED = Qt.AlignmentFlag.AlignCenter

@@ -122,9 +122,7 @@ class Ground:
 
 def overlap(one: Box, other: Box) -> bool:
     """Whether two boxes have an area in common."""
-    return (
-        one[0] < other[2] and one[2] > other[0] and one[1] < other[3] and one[3] > other[1]
-    )
+    return one[0] < other[2] and one[2] > other[0] and one[1] < other[3] and one[3] > other[1]
 
 
 def _cell_ranges(area: Box) -> tuple[range, range]:
@@ -221,9 +219,7 @@ def _cross(boxes: Iterable[Box], start: Spot, end: Spot) -> bool:
     xs = start[0], start[0] + reach, end[0] - reach, end[0]
     ys = start[1], start[1], end[1], end[1]
     points = [(_cubic(xs, n / 20), _cubic(ys, n / 20)) for n in range(1, 20)]
-    return any(
-        box[0] < x < box[2] and box[1] < y < box[3] for box in boxes for x, y in points
-    )
+    return any(box[0] < x < box[2] and box[1] < y < box[3] for box in boxes for x, y in points)
 
 
 def _cubic(p: tuple[float, float, float, float], t: float) -> float:
