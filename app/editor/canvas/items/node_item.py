@@ -19,7 +19,7 @@ from app.editor.canvas.items.geometry import (
     geometry_of,
     label_room,
 )
-from app.editor.canvas.items.nodegraphqt import AbstractNodeItem, PortItem
+from app.editor.canvas.items.nodegraphqt import AbstractNodeItem
 from app.editor.canvas.items.routing import Box
 from app.editor.evaluation.queries import Badge
 
@@ -34,7 +34,7 @@ OUTPUT_MARK = "output"
 _MARGIN = 8.0  # what is drawn around the frame: ports, the mark of the selection
 
 
-class NodePort(PortItem):
+class NodePort(QGraphicsItem):
     """Where wires end; drawn by its node, which saves a call for each port.
 
     Its point is its centre. `fits`: whether a wire that is being drawn may end here; None while
@@ -45,19 +45,22 @@ class NodePort(PortItem):
         super().__init__(parent)
         self.face = face
         self.name = face.name
-        self.port_type = "in" if face.side == "input" else "out"
         self.fits: bool | None = None
         self.hovered = False
         self.wires = 0
-        self.setCacheMode(QGraphicsItem.CacheMode.NoCache)
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents, True)
-        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemSendsScenePositionChanges, False)
-        self.setAcceptHoverEvents(False)
         self.setToolTip(face.tooltip)
 
     def boundingRect(self) -> QRectF:
         """Where the pointer meets it."""
         return _PORT_RECT
+
+    @property
+    def node(self) -> NodeItem:
+        """The node that it is a port of."""
+        node = self.parentItem()
+        assert isinstance(node, NodeItem)
+        return node
 
     def centre(self) -> QPointF:
         """Its point in the scene."""

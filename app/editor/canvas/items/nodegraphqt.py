@@ -1,7 +1,8 @@
 """NodeGraphQt's view layer: the only file that imports it.
 
-Of its parts we take the graphics view, which brings the scene, and the items as bases of our own;
-none of its graphs, models, menus and undo. Its types are in the `.pyi` beside this file.
+Of its parts we take the graphics view, which brings the scene, and the node as base of our own;
+none of its graphs, models, menus and undo. Wires and ports are Qt's own items: thousands of its
+take seconds, most of them for what is not shown. Its types are in the `.pyi` beside this file.
 
 It is imported without the rest of its package, and without two that it takes a few names of:
 ``distutils``, which Python has no more since 3.12 and setuptools brings, and ``Qt``, which copies
@@ -72,8 +73,6 @@ def _view_layer_alone() -> Iterator[None]:
 with warnings.catch_warnings(), _view_layer_alone():
     warnings.simplefilter("ignore")  # its texts have escapes that Python warns of
     from NodeGraphQt.qgraphics.node_abstract import AbstractNodeItem
-    from NodeGraphQt.qgraphics.pipe import PipeItem
-    from NodeGraphQt.qgraphics.port import PortItem
     from NodeGraphQt.widgets.viewer import NodeViewer
 
-__all__ = ["AbstractNodeItem", "NodeViewer", "PipeItem", "PortItem"]
+__all__ = ["AbstractNodeItem", "NodeViewer"]

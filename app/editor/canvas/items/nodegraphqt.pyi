@@ -1,11 +1,8 @@
 """What we use of NodeGraphQt's view layer, with its types."""
 
-from typing import Any
-
 from PySide6.QtCore import QRectF
 from PySide6.QtWidgets import (
     QGraphicsItem,
-    QGraphicsPathItem,
     QGraphicsView,
     QMenu,
     QMenuBar,
@@ -44,34 +41,3 @@ class AbstractNodeItem(QGraphicsItem):
     def disabled(self) -> bool: ...
     @disabled.setter
     def disabled(self, state: bool) -> None: ...
-
-class PortItem(QGraphicsItem):
-    """A place where wires end."""
-
-    name: str
-    port_type: str
-    _hovered: bool
-
-    def __init__(self, parent: QGraphicsItem | None = None) -> None: ...
-    @property
-    def connected_pipes(self) -> list[PipeItem]: ...
-    @property
-    def node(self) -> Any: ...
-    def redraw_connected_pipes(self) -> None: ...
-
-class PipeItem(QGraphicsPathItem):
-    """A wire between two ports."""
-
-    color: tuple[int, int, int, int]
-    style: int
-    _active: bool
-    _highlight: bool
-    _dir_pointer: QGraphicsItem
-
-    def set_connections(self, port1: PortItem, port2: PortItem) -> None: ...
-    @property
-    def input_port(self) -> Any: ...
-    @property
-    def output_port(self) -> Any: ...
-    def reset(self) -> None: ...
-    def delete(self) -> None: ...

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import (
-    QGraphicsItem,
     QGraphicsPathItem,
     QStyleOptionGraphicsItem,
     QWidget,
@@ -15,7 +14,6 @@ from PySide6.QtWidgets import (
 
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.node_item import NodePort
-from app.editor.canvas.items.nodegraphqt import PipeItem
 from app.editor.canvas.items.routing import Box, Ground, course_of, dotted_path, wire_path
 from core.network.network import Link
 
@@ -27,7 +25,7 @@ DOT_RADIUS = 5.0
 _LEAST_DOT_PX, _LARGEST_DOT = 2.0, 12.0
 
 
-class WireItem(PipeItem):
+class WireItem(QGraphicsPathItem):
     """A wire between two ports, in the colour of what it carries.
 
     `lit` wires belong to a selected node, `chosen` is the selected wire, `target` the one a node
@@ -44,10 +42,7 @@ class WireItem(PipeItem):
         self.chosen_dot: int | None = None
         self.reach: Box | None = None
         self._line: list[QPointF] = []
-        self.setCacheMode(QGraphicsItem.CacheMode.NoCache)
-        self.setAcceptHoverEvents(False)
-        self._dir_pointer.setVisible(False)
-        self.set_connections(output, entry)
+        self.output_port, self.input_port = output, entry
         for port in (output, entry):
             port.wires += 1
         self.restyle()
@@ -72,8 +67,7 @@ class WireItem(PipeItem):
         """Take the colour and width of the state."""
         style = self.style_of_canvas
         types = self.output_port.face.types or self.input_port.face.types
-        colour = style.port(types)
-        self.color = colour.getRgb()
+        self.colour = colour = style.port(types)
         marked = self.chosen or self.target
         self._pen_colour = style.accent if marked else colour
         self._pen_width = _STRONG if marked or self.hovered else _LIT if self.lit else _WIDTH
@@ -149,20 +143,12 @@ class WireItem(PipeItem):
             painter.setBrush(colour)
             painter.drawEllipse(dot, radius, radius)
 
-    # What the base calls of itself; its colours and its arrow are not ours.
-
-    def reset(self) -> None:
-        """Nothing: `restyle` does it."""
-
-    def draw_path(self, *_: object, **__: object) -> None:
-        """Nothing: `lead` does it."""
-
     def forget(self) -> None:
         """Leave the ports and the scene."""
         for port in (self.output_port, self.input_port):
             port.wires -= 1
             port.node.update()
-        self.delete()
+        self.scene().removeItem(self)
 
 
 class LiveWire(QGraphicsPathItem):

@@ -1,7 +1,6 @@
 """The canvas shows what the document holds, and follows each change of it."""
 
 import pytest
-from PySide6.QtGui import QColor
 
 from app.editor.evaluation.queries import Badge
 from app.editor.theme import LIGHT
@@ -117,10 +116,10 @@ def test_wires_have_the_colour_of_what_they_carry(opened, canvas):
     wires = canvas.content.wires
     image = wires[Link.between("scene.image", "init.image")]
     phase = wires[Link.between("init.phase", "back.phase")]
-    assert QColor(*image.color).name() == "#e5da4f"
-    assert QColor(*phase.color).name() == "#c891b9"
+    assert image.colour.name() == "#e5da4f"
+    assert phase.colour.name() == "#c891b9"
     canvas.set_theme(LIGHT)
-    assert QColor(*image.color).name() == "#926d07"
+    assert image.colour.name() == "#926d07"
 
 
 def test_an_unknown_module_shows_its_key_and_the_ports_of_its_links(session, canvas, library):
