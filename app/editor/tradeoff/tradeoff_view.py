@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PySide6.QtCore import QSize, Signal
+from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from app.editor.evaluation.queries import Answer, Query
@@ -78,6 +79,7 @@ class TradeOffView(Viewer):
         self._chosen: frozenset[str] | None = None
         self._state: Hashable = None
         self._known: Hashable = None
+        self._listed = False
         self._build()
         self.set_theme(theme)
         self._follow_nodes()
@@ -233,7 +235,18 @@ class TradeOffView(Viewer):
         self._fill_list()
         self._begin()
 
+    def showEvent(self, event: QShowEvent) -> None:
+        """List the figures, which takes long where there are thousands."""
+        super().showEvent(event)
+        if not self._listed:
+            self._fill_list()
+            self.list.scroll_to_ticked()
+
     def _fill_list(self) -> None:
+        """List the figures, once they are seen."""
+        self._listed = self.isVisible()
+        if not self._listed:
+            return
         every = tuple(self.figures.values())
         titles = listed_titles(every)
         entries = [Entry(one.text, title) for one, title in zip(every, titles, strict=True)]

@@ -13,7 +13,7 @@ from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.faces import face_of
 from app.editor.canvas.items.node_item import NodeItem
 from app.editor.canvas.items.points import points_of
-from app.editor.canvas.items.routing import Ground, overlap
+from app.editor.canvas.items.routing import Ground, hull_of, overlap
 from app.editor.canvas.items.wire_item import DOT_RADIUS, WireItem
 from app.editor.evaluation.queries import Badge
 from core.editing.drawing.backdrops import Backdrop, backdrops_of
@@ -158,10 +158,11 @@ class Content:
 
     def bounds(self, names: Iterable[str] | None = None) -> QRectF:
         """What the nodes take up; of all, the backdrops too. Null where there is nothing."""
-        whole = QRectF()
-        chosen = self.nodes if names is None else [n for n in names if n in self.nodes]
-        for name in chosen:
-            whole = whole.united(self.nodes[name].frame())
+        whole, there = QRectF(), self._ground.boxes
+        boxes = [*there.values()] if names is None else [there[n] for n in names if n in there]
+        if boxes:
+            left, top, right, bottom = hull_of(boxes)
+            whole = QRectF(left, top, right - left, bottom - top)
         for backdrop in self.backdrops if names is None else ():
             whole = whole.united(backdrop.frame())
         for wire in self.wires.values() if names is None else ():

@@ -80,24 +80,24 @@ class Ground:
 
     def __init__(self, boxes: Iterable[Box] = ()) -> None:
         self.changed: Box | None = None
-        self._boxes: dict[str, Box] = {}
+        self.boxes: dict[str, Box] = {}
         self._cells: dict[tuple[int, int], dict[str, Box]] = {}
         for number, box in enumerate(boxes):
             self.put(str(number), box)
 
     def put(self, name: str, box: Box) -> None:
         """Have a node there, and nowhere else."""
-        if self._boxes.get(name) == box:
+        if self.boxes.get(name) == box:
             return
         self.drop(name)
-        self._boxes[name] = box
+        self.boxes[name] = box
         for cell in _cells(box):
             self._cells.setdefault(cell, {})[name] = box
         self._change(box)
 
     def drop(self, name: str) -> None:
         """Have no node of that name."""
-        box = self._boxes.pop(name, None)
+        box = self.boxes.pop(name, None)
         if box is not None:
             for cell in _cells(box):
                 del self._cells[cell][name]
@@ -106,18 +106,21 @@ class Ground:
     def within(self, area: Box) -> set[Box]:
         """The nodes that overlap an area."""
         columns, rows = _cell_ranges(area)
-        if len(columns) * len(rows) > len(self._boxes):
-            near: Iterable[Box] = self._boxes.values()
+        if len(columns) * len(rows) > len(self.boxes):
+            near: Iterable[Box] = self.boxes.values()
         else:
             cells = (self._cells.get((x, y)) for x in columns for y in rows)
             near = (box for cell in cells if cell for box in cell.values())
         return {box for box in near if overlap(box, area)}
 
     def _change(self, box: Box) -> None:
-        hull = self.changed or box
-        least = (min(hull[side], box[side]) for side in (0, 1))
-        most = (max(hull[side], box[side]) for side in (2, 3))
-        self.changed = (*least, *most)  # type: ignore[assignment]
+        self.changed = hull_of([self.changed or box, box])
+
+
+def hull_of(boxes: Sequence[Box]) -> Box:
+    """The smallest box that holds all of these, of which there is one."""
+    left, top, right, bottom = zip(*boxes, strict=True)
+    return min(left), min(top), max(right), max(bottom)
 
 
 def overlap(one: Box, other: Box) -> bool:

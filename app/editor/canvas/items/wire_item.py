@@ -42,6 +42,7 @@ class WireItem(QGraphicsPathItem):
         self.chosen_dot: int | None = None
         self.reach: Box | None = None
         self._line: list[QPointF] = []
+        self._bounds = QRectF()
         self.output_port, self.input_port = output, entry
         for port in (output, entry):
             port.wires += 1
@@ -56,12 +57,17 @@ class WireItem(QGraphicsPathItem):
         self._line = []
         if self.dots:
             self.reach = None
-            self.setPath(dotted_path(start, end, self.dots))
+            self._follow(dotted_path(start, end, self.dots))
             return
         ends = (start.x(), start.y()), (end.x(), end.y())
         beside = self.style_of_canvas.lane(self.output_port.face.types)
         lane, self.reach = course_of(*ends, ground, beside)
-        self.setPath(wire_path(start, end, lane))
+        self._follow(wire_path(start, end, lane))
+
+    def _follow(self, path: QPainterPath) -> None:
+        self.setPath(path)
+        reach = _LARGEST_DOT + 2 if self.dots else 6.0
+        self._bounds = path.controlPointRect().adjusted(-reach, -reach, reach, reach)
 
     def restyle(self) -> None:
         """Take the colour and width of the state."""
@@ -109,8 +115,7 @@ class WireItem(QGraphicsPathItem):
 
     def boundingRect(self) -> QRectF:
         """The curve with the widest pen."""
-        reach = _LARGEST_DOT + 2 if self.dots else 6.0
-        return self.path().controlPointRect().adjusted(-reach, -reach, reach, reach)
+        return self._bounds
 
     def shape(self) -> QPainterPath:
         """The line itself, for the pointer: Qt's own would be the area under it."""

@@ -42,6 +42,7 @@ class ThumbnailItem(QGraphicsItem):
         self.small = small
         self._box = box_of(small, self._room)
         self._image: QImage | None = None
+        self._points: QPolygonF | None = None
         if isinstance(small, SmallPicture):
             high, wide = small.grey.shape
             grey = QImage(small.grey.data, wide, high, wide, QImage.Format.Format_Grayscale8)
@@ -83,18 +84,21 @@ class ThumbnailItem(QGraphicsItem):
             zero = inner.bottom() + small.low / span * inner.height()
             painter.setPen(QPen(QColor(self.style.theme.line), 1.0))
             painter.drawLine(QPointF(inner.left(), zero), QPointF(inner.right(), zero))
-        points = QPolygonF(
-            [
-                QPointF(
-                    inner.left() + place * inner.width(),
-                    inner.bottom() - (value - small.low) / span * inner.height(),
-                )
-                for place, value in zip(small.places.tolist(), small.values.tolist(), strict=True)
-            ]
-        )
+        if self._points is None:
+            self._points = QPolygonF(
+                [
+                    QPointF(
+                        inner.left() + place * inner.width(),
+                        inner.bottom() - (value - small.low) / span * inner.height(),
+                    )
+                    for place, value in zip(
+                        small.places.tolist(), small.values.tolist(), strict=True
+                    )
+                ]
+            )
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(QPen(QColor(self.style.theme.curves[0]), 2.0))
-        painter.drawPolyline(points)
+        painter.drawPolyline(self._points)
 
 
 def box_of(small: Small, width: float) -> QRectF:

@@ -95,15 +95,16 @@ class Minimap(QWidget):
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             painter.setPen(Qt.PenStyle.NoPen)
+            scale = self._scale(whole)
             for backdrop in self._content.backdrops:
                 painter.setBrush(QColor(self._theme.canvas))
-                painter.drawRect(self._mapped(backdrop.frame(), whole))
+                painter.drawRect(_mapped(backdrop.frame(), whole, scale))
             for node in self._content.nodes.values():
                 painter.setBrush(style.accent if node.selected else head_colour(node))
-                painter.drawRect(self._mapped(node.frame(), whole))
+                painter.drawRect(_mapped(node.frame(), whole, scale))
             painter.setPen(QPen(style.accent, 1.5))
             painter.setBrush(Qt.BrushStyle.NoBrush)
-            seen = self._mapped(self._view.visible_rect(), whole)
+            seen = _mapped(self._view.visible_rect(), whole, scale)
             painter.drawRect(seen.intersected(QRectF(self.rect()).adjusted(1, 1, -2, -2)))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -153,7 +154,7 @@ class Minimap(QWidget):
         down = (self.height() - 2 * _PADDING) / max(whole.height(), 1.0)
         return max(min(across, down), 1e-9)
 
-    def _mapped(self, rect: QRectF, whole: QRectF) -> QRectF:
-        scale = self._scale(whole)
-        corner = (rect.topLeft() - whole.topLeft()) * scale + QPointF(_PADDING, _PADDING)
-        return QRectF(corner, (rect.size() * scale).expandedTo(_LEAST))
+
+def _mapped(rect: QRectF, whole: QRectF, scale: float) -> QRectF:
+    corner = (rect.topLeft() - whole.topLeft()) * scale + QPointF(_PADDING, _PADDING)
+    return QRectF(corner, (rect.size() * scale).expandedTo(_LEAST))
