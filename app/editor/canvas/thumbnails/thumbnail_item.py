@@ -12,6 +12,7 @@ from app.editor.canvas.thumbnails.node_thumbnail_query import Small, SmallPictur
 HIGHEST, CURVE_HEIGHT = 104.0, 44.0
 GAP = 4.0  # below the node
 Z_THUMBNAIL = -1.5  # above backdrops, below wires and nodes
+_LEAST_PX = 4.0  # on the screen; a lower one shows nothing but its ground
 _LEAST_SHARE = 0.35  # of the node's width, of a picture that is very high
 
 
@@ -66,6 +67,8 @@ class ThumbnailItem(QGraphicsItem):
         """Draw it with a border."""
         style, box = self.style, self._box
         painter.fillRect(box, QColor(style.theme.base))
+        if box.height() * painter.worldTransform().m11() < _LEAST_PX:
+            return
         if self._image is not None:
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
             painter.drawImage(box, self._image)
