@@ -29,6 +29,7 @@ from app.editor.canvas.items.nodegraphqt import NodeViewer
 from app.editor.widgets.copied_drop import accept_copy
 
 SMALLEST_ZOOM, LARGEST_ZOOM = 0.02, 4.0  # of the natural zoom; 200 nodes in a row are framed
+_SMALLEST_FRAMED = 0.001  # of the natural zoom: a square of 60,000 nodes is 150 pixels wide
 _GRID = 24.0
 _GRID_LEAST_PX = 14.0
 _MARGIN = 24  # pixels around what is framed
@@ -174,7 +175,8 @@ class GraphView(NodeViewer):
         self._framed = None
         natural = self.style_of_canvas.natural_zoom
         zoom = self._zoom * factor
-        zoom = min(max(zoom, SMALLEST_ZOOM * natural), LARGEST_ZOOM * natural)
+        least = min(SMALLEST_ZOOM * natural, self._zoom)  # smaller where that frames the network
+        zoom = min(max(zoom, least), LARGEST_ZOOM * natural)
         where = pos if pos is not None else QRectF(self.viewport().rect()).center()
         fixed = self.visible_rect().topLeft() + where / self._zoom
         self._zoom = zoom
@@ -196,7 +198,7 @@ class GraphView(NodeViewer):
             room = self.viewport().size()
             wide = max(room.width() - 2 * _MARGIN, 20) / rect.width()
             high = max(room.height() - 2 * _MARGIN, 20) / rect.height()
-            self._zoom = min(max(min(wide, high), SMALLEST_ZOOM * natural), natural)
+            self._zoom = min(max(min(wide, high), _SMALLEST_FRAMED * natural), natural)
             self._centre = rect.center()
         self._show()
 

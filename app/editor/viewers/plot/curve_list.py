@@ -55,16 +55,16 @@ class CurveList(QListWidget):
     ) -> None:
         """Show these entries, products first, ticked where they are among `shown`.
 
-        A note stands above them.
+        A note stands above them, a row for each of its lines.
         """
         ticked = set(shown)
         icons: dict[tuple[object, ...], QIcon] = {}
         self.blockSignals(True)
         row = self.currentRow()
         self.clear()
-        if note:
-            heading = QListWidgetItem(note)
-            heading.setToolTip(tip(note))
+        for line in note.splitlines():
+            heading = QListWidgetItem(line)
+            heading.setToolTip(tip(line))
             heading.setFlags(Qt.ItemFlag.ItemIsEnabled)
             self.addItem(heading)
         for entry in sorted(entries, key=lambda entry: not entry.total):

@@ -84,7 +84,7 @@ class Drawing:
     """All that is plotted; with `bars`, their names, each line is a height for each of them.
 
     With `log_x` abscissae are drawn by their logarithm. `note` stands in the legend: what is
-    missing there, and why.
+    missing there, and why, a line each.
     """
 
     x_label: str
@@ -148,9 +148,9 @@ def transfer_drawing(curves: TransferCurves, parts: Parts, *, log: bool = False)
     notes = [f"no Total: {curves.missing}"] if curves.missing and entries else []
     if len(drawn) < len(curves.curves):
         stages = sum(curve.kind != "total" for curve in curves.curves)
-        notes.append(f"{_FEW} of {stages:,} stages: those that do most. Save as CSV for all.")
+        notes += [f"Strongest {_FEW} of {stages:,} stages", "All: save the plot as CSV"]
     return Drawing(
-        f"{label} (cyc/mrad)", entries, tuple(panels), curves.marks, note="; ".join(notes)
+        f"{label} (cyc/mrad)", entries, tuple(panels), curves.marks, note="\n".join(notes)
     )
 
 
