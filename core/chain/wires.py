@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
 from core.chain.camera_sheet import CameraSheet
-from core.errors import DataError
+from core.errors import DataError, NetworkError
 from core.evaluation.content_key import content_key
 from core.evaluation.recipes import Recipe
 from core.physics.atmosphere.air_path import AirPath
@@ -132,6 +132,15 @@ class Image:
         return Grid(self.rows, self.columns, self.interval_x_mrad, self.interval_y_mrad)
 
 
+MOST_STAGES = 5000  # in one chain: every wire has the list of all factors before it
+
+
+def _chained(key: str, factors: tuple[Factor, ...]) -> str:
+    for factor in factors:
+        key = content_key(key, factor.key)
+    return key
+
+
 @dataclass(frozen=True)
 class SpectrumWire:
     """Common part of `Magnitude` and `Phase`: an image's spectrum and the factors so far.
@@ -148,8 +157,21 @@ class SpectrumWire:
     def key(self) -> str:
         """Content key."""
         source = self.image.key if self.image is not None else None
-        keys = tuple(factor.key for factor in self.factors)
-        return content_key(type(self).__name__, source, self.grid, self.edges, keys)
+        return content_key(type(self).__name__, source, self.grid, self.edges, self._chained)
+
+    @cached_property
+    def _chained(self) -> str:
+        """Key of the factors, made one by one so that a longer chain goes on from it."""
+        return _chained("", self.factors)
+
+    def _further(self, factors: tuple[Factor, ...]) -> Self:
+        """With further factors, whose keys alone are hashed."""
+        count = len(self.factors) + len(factors)
+        if count > MOST_STAGES:
+            raise NetworkError(f"{count:,} stages in one chain: at most {MOST_STAGES:,} are taken")
+        longer = replace(self, factors=self.factors + factors)
+        vars(longer)["_chained"] = _chained(self._chained, factors)
+        return longer
 
     @property
     def pixel_mrad(self) -> tuple[float | None, float | None]:
@@ -177,7 +199,7 @@ class Magnitude(SpectrumWire):
 
     def times(self, *factors: Factor) -> Magnitude:
         """With further MTF factors."""
-        return replace(self, factors=self.factors + factors) if factors else self
+        return self._further(factors) if factors else self
 
     def only(self, *factors: Factor) -> Magnitude:
         """The transfer function alone, without the image."""
@@ -192,7 +214,7 @@ class Phase(SpectrumWire):
 
     def plus(self, *factors: Factor) -> Phase:
         """With further PTF factors."""
-        return replace(self, factors=self.factors + factors) if factors else self
+        return self._further(factors) if factors else self
 
     def only(self, *factors: Factor) -> Phase:
         """The transfer function alone, without the image."""
