@@ -2,11 +2,15 @@
 
 import gc
 import weakref
+from dataclasses import replace
+from types import SimpleNamespace
 
+import pytest
 from PySide6.QtCore import QEvent, QPoint
 from PySide6.QtWidgets import QApplication
 
 from app.editor.canvas.canvas import Canvas
+from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.node_item import NodeItem
 from app.editor.evaluation.queries import Badge
 from app.editor.session import Session
@@ -98,3 +102,43 @@ def test_a_hundred_nodes_are_drawn_and_dragged(session, canvas, hand, library):
     assert session.document.history.position == 1
     assert session.network.layout["jitter_40"] != long_chain().layout["jitter_40"]
     assert canvas.content.nodes == items
+
+
+def counted_metrics(metrics, counted):
+    """What measures texts, and counts how often."""
+
+    def advance(text):
+        counted.append(text)
+        return metrics.horizontalAdvance(text)
+
+    return SimpleNamespace(height=metrics.height, horizontalAdvance=advance)
+
+
+@pytest.mark.parametrize("zoom", [0.5, 0.2])
+def test_titles_are_measured_once_for_a_zoom(session, canvas, library, monkeypatch, zoom):
+    measured, metrics = [], CanvasStyle.metrics
+    monkeypatch.setattr(
+        CanvasStyle, "metrics", lambda style, size: counted_metrics(metrics(style, size), measured)
+    )
+    session.open(Document(long_chain(), library=library))
+    canvas.frame_all()
+    canvas.zoom_by(zoom * canvas.view.style_of_canvas.natural_zoom / canvas.view.zoom)
+    canvas.view.grab()
+    assert len(measured) <= 30 * 100
+    assert measured or zoom == 0.2  # there none is drawn
+    measured.clear()
+    canvas.view.grab()
+    assert not measured
+
+
+def test_a_row_of_nodes_is_framed_whole_however_long(session, canvas, library):
+    row = replace(long_chain(400), layout={})
+    row = replace(row, layout={name: (240.0 * n, 0.0) for n, name in enumerate(row.nodes)})
+    session.open(Document(row, library=library))
+    canvas.frame_all()
+    assert canvas.view.visible_rect().contains(canvas.content.bounds())
+    zoom = canvas.view.zoom
+    canvas.zoom_by(0.5)
+    assert canvas.view.zoom == zoom
+    canvas.zoom_by(1.5)
+    assert canvas.view.zoom > zoom

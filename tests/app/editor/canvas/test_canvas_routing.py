@@ -1,10 +1,18 @@
 """Wires go past the nodes in their way."""
 
+import random
+
 import pytest
 from PySide6.QtCore import QPointF
 
+from app.editor.canvas.canvas import Canvas
+from app.editor.canvas.items import wire_item
 from app.editor.canvas.items.hits import distance
-from app.editor.canvas.items.routing import Ground, course_of, wire_path
+from app.editor.canvas.items.routing import Ground, course_of, overlap, wire_path
+from app.editor.theme import DARK
+from canvas_networks import long_chain
+from core.editing.document import Document
+from core.editing.nodes import Move, Remove
 
 BESIDE = 10.0
 
@@ -59,3 +67,50 @@ def test_distance_to_a_broken_line():
     assert distance(line, QPointF(5, 3)) == pytest.approx(3.0)
     assert distance(line, QPointF(13, 14)) == pytest.approx(5.0)
     assert distance(line, QPointF(10, 5)) == 0.0
+
+
+def courses(canvas):
+    canvas.show()
+    return {link: wire.path() for link, wire in canvas.content.wires.items()}
+
+
+def test_only_nodes_within_a_wires_reach_change_its_course():
+    lot = random.Random(5)
+    boxes = [(x, y, x + 170.0, y + 90.0) for x in range(0, 2400, 260) for y in range(0, 1600, 200)]
+    lanes = 0
+    for _ in range(300):
+        some = lot.sample(boxes, 50)
+        start, end = ((lot.uniform(0, 2400), lot.uniform(0, 1600)) for _ in range(2))
+        course = course_of(start, end, Ground(some), BESIDE)
+        lanes += course.lane is not None
+        x, y = lot.uniform(-200, 2600), lot.uniform(-200, 1800)
+        new = (x, y, x + 170.0, y + 90.0)
+        if not overlap(new, course.reach):
+            assert course_of(start, end, Ground([*some, new]), BESIDE).lane == course.lane
+    assert lanes > 50
+
+
+def test_wires_run_after_edits_as_in_a_canvas_opened_anew(session, canvas, library, qtbot):
+    session.open(Document(long_chain(60), library=library))
+    lot = random.Random(3)
+    for name in lot.sample(list(session.network.nodes), 25):
+        session.do(Move({name: (lot.randrange(0, 2400), lot.randrange(0, 960))}))
+    session.do(Remove(("jitter_20", "jitter_33")))
+    session.undo()
+    anew = Canvas(session, DARK)
+    qtbot.addWidget(anew)
+    assert courses(canvas) == courses(anew)
+
+
+def test_a_move_leads_few_wires(session, canvas, library, monkeypatch):
+    session.open(Document(long_chain(400), library=library))
+    led = []
+
+    def count(*given):
+        led.append(given)
+        return course_of(*given)
+
+    monkeypatch.setattr(wire_item, "course_of", count)
+    x, y = session.network.layout["jitter_397"]
+    session.do(Move({"jitter_397": (x, y + 50)}))
+    assert 0 < len(led) <= 40  # of 797

@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 
 from app.editor.evaluation.queries import Passing
-from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery
+from app.editor.viewers.plot.curves_query import (
+    CurvesQuery,
+    PortDataQuery,
+    TransferCurve,
+    TransferCurves,
+)
 from app.editor.viewers.plot.plot_export import csv_text
 from app.editor.viewers.plot.plotted_lines import transfer_drawing
 from app.run.responses import responses, responses_along
@@ -156,3 +161,23 @@ def test_curves_of_different_lengths_leave_cells_empty():
     assert heads == ["a: x", "a: y", 'b, "c": x', 'b, "c": y']
     assert first == ["1.0", "1.0", "0.1", "0.1"]
     assert second == ["", "", "0.2", "0.2"]
+
+
+def many_stages(count):
+    """Stages that lower the MTF the more, the later they come, and their product."""
+    mtf = [np.array([1.0, 1.0 - 0.5 * n / count]) for n in range(count)]
+    stages = [TransferCurve(f"n{n}", f"n{n}", "stage", y, np.zeros(2)) for n, y in enumerate(mtf)]
+    total = TransferCurve("total", "Total", "total", np.array([1.0, 0.0]), np.zeros(2))
+    return TransferCurves(0.0, np.array([0.0, 5.0]), (*stages, total), ())
+
+
+def test_of_very_many_stages_the_strongest_are_drawn():
+    all_of_them = transfer_drawing(many_stages(200), "mtf")
+    assert len(all_of_them.entries) == len(all_of_them.panels[0].lines) == 201
+    assert not all_of_them.note
+    few = transfer_drawing(many_stages(5000), "both")
+    names = [f"n{n}" for n in range(4976, 5000)] + ["total"]
+    assert [entry.name for entry in few.entries] == names
+    assert [line.name for line in few.panels[0].lines] == names
+    assert few.note.splitlines() == ["Strongest 24 of 5,000 stages", "All: save the plot as CSV"]
+    assert csv_text(many_stages(5000)).partition("\n")[0].count(".mtf") == 5001
