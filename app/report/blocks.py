@@ -10,6 +10,9 @@ from dataclasses import dataclass, field
 
 from app.report.drawing.picture_drawing import DPI, MOST_DRAWN
 
+MOST_ROWS = 500  # of a table, and nodes with read-outs: a page of more is no page
+IN_FILES = "readouts.json and mtf.csv"
+
 
 @dataclass(frozen=True)
 class Heading:
@@ -86,4 +89,5 @@ def of_many(count: int, what: str = "stages") -> str:
     """What a caption adds where not all is drawn; empty else."""
     if count <= MOST_DRAWN:
         return ""
-    return f" Drawn are the {MOST_DRAWN} of {count} {what} that do most; the table has all of them."
+    where = "the table has" if count <= MOST_ROWS else f"{IN_FILES} have"
+    return f" Drawn are the {MOST_DRAWN} of {count:,} {what} that do most; {where} all of them."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.report.blocks import Block, Grid, Heading
+from app.report.blocks import MOST_ROWS, Block, Grid, Heading
 from app.report.drawing.printed_numbers import number
 
 Fact = dict[str, Any]
@@ -36,7 +36,8 @@ def economy(facts: dict[str, Any]) -> list[Block]:
             if fact["kind"] == kind and fact["share"] != 1  # a region may take the whole picture
         ]
         if where:
-            rows.append((what, why.format(budget=budget), ", ".join(where)))
+            more = f" and {len(where) - MOST_ROWS:,} more" if len(where) > MOST_ROWS else ""
+            rows.append((what, why.format(budget=budget), ", ".join(where[:MOST_ROWS]) + more))
     if not rows:
         return []
     heads = ("not computed", "because", "where")

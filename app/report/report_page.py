@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
-from app.report.blocks import Beside, Block, Drawn, Grid, Heading, Items, Text, Warnings
+from app.report.blocks import (
+    IN_FILES,
+    MOST_ROWS,
+    Beside,
+    Block,
+    Drawn,
+    Grid,
+    Heading,
+    Items,
+    Text,
+    Warnings,
+)
 from app.report.budget_section import budget
 from app.report.data_sheet_section import data_sheet
 from app.report.drawing.node_curves import MOST, curves_png, node_curves
@@ -53,7 +65,22 @@ def page(evaluation: Evaluation, facts: dict[str, Any]) -> str:
         *economy(facts),
         *_nodes(facts),
     ]
-    return html_page(title, blocks)
+    return html_page(title, list(_cut(blocks)))
+
+
+def _cut(blocks: Iterable[Block]) -> Iterator[Block]:
+    """The blocks with the first rows of very long tables alone, which then say so."""
+    for block in blocks:
+        rows = list(block.rows) if isinstance(block, Grid) else []
+        if isinstance(block, Grid) and len(rows) > MOST_ROWS:
+            yield replace(block, rows=rows[:MOST_ROWS])
+            yield Text(_first_of(len(rows), "rows"))
+        else:
+            yield block
+
+
+def _first_of(count: int, what: str) -> str:
+    return f"The first {MOST_ROWS} of {count:,} {what}; {IN_FILES} have all of them."
 
 
 def _run_line(facts: dict[str, Any]) -> Block:
@@ -256,6 +283,7 @@ def _noise(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
 
 def _readouts(facts: dict[str, Any]) -> list[Block]:
     blocks: list[Block] = []
+    nodes = 0
     for name, node in facts["nodes"].items():
         rows = [
             (readout, number(one["value"], one["unit"]), one["unit"], one["meaning"])
@@ -269,10 +297,13 @@ def _readouts(facts: dict[str, Any]) -> list[Block]:
             for row in table
             if row["name"] not in node["readouts"] and row["value"] is not None
         ]
-        if rows:
+        nodes += bool(rows)
+        if rows and nodes <= MOST_ROWS:
             heads = ("read-out", "value", "unit", "meaning")
             blocks.append(Heading(3, node["title"], aside=name))
             blocks.append(Grid(heads, rows, numbers=(1,), kind="readouts"))
+    if nodes > MOST_ROWS:
+        blocks.append(Text(_first_of(nodes, "nodes with read-outs")))
     return [Heading(2, "Read-outs"), *blocks] if blocks else []
 
 

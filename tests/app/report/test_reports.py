@@ -10,6 +10,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from app.report import report_page
+from app.report.blocks import MOST_ROWS, of_many
 from app.report.drawing import picture_drawing
 from app.report.drawing.curves import panel
 from app.report.drawing.picture_drawing import figure, histogram, pictures_png
@@ -90,6 +92,19 @@ def test_html_needs_no_other_file(imagechain, write, published, tmp_path):
         "a different blur",
     ):
         assert words in page
+
+
+def test_tables_too_long_for_a_page_are_cut_and_say_so(
+    imagechain, write, small, monkeypatch, tmp_path
+):
+    monkeypatch.setattr(report_page, "MOST_ROWS", 2)
+    done = imagechain("run", write(small), "--report", "r.html")
+    assert (done.returncode, done.stderr) == (0, "")
+    page = (tmp_path / "r.html").read_text()
+    count = len(small["nodes"])
+    assert f"The first 2 of {count} rows; readouts.json and mtf.csv have all of them." in page
+    assert re.search(r"The first 2 of \d+ nodes with read-outs; readouts.json and mtf.csv", page)
+    assert max(len(re.findall("<tr", table)) for table in page.split("<table")[1:]) <= 14  # figures
 
 
 def test_pictures_that_end_unlinked_without_a_chain(imagechain, write, tmp_path):
@@ -277,3 +292,10 @@ def test_a_total_over_its_only_stage_lets_it_through():
         lines = {line.get_label(): line for line in axis.get_lines()}
         assert lines["Total"].get_linestyle() != "-"
         assert lines["Total"].get_zorder() > lines["Blur (blur)"].get_zorder()
+
+
+def test_a_caption_says_where_all_stages_are():
+    assert of_many(MOST_ROWS).endswith("that do most; the table has all of them.")
+    assert of_many(5000).endswith(
+        "24 of 5,000 stages that do most; readouts.json and mtf.csv have all of them."
+    )
