@@ -28,12 +28,14 @@ def test_it_is_hidden_until_it_is_asked_for(opened_window, idle):
     view, action = window.viewers.tradeoff, window.actions_by_name["trade_off"]
     assert not view.isVisible()
     assert not action.isChecked()
+    assert view.list.count() == 0  # nothing is listed that nobody sees
     give_focus(window.canvas.view)
     QTest.keyClick(window.canvas.view, KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
     idle(window)
     assert view.isVisible()
     assert action.isChecked()
     assert view.bar.parameter.hasFocus()
+    assert view.list.count() == len(view.figures) > 5
     QTest.keyClick(view.bar.parameter, KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
     assert not view.isVisible()
     assert not action.isChecked()
