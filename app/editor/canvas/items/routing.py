@@ -113,6 +113,32 @@ class Ground:
             near = (box for cell in cells if cell for box in cell.values())
         return {box for box in near if overlap(box, area)}
 
+    def span(self, area: Box) -> tuple[float, float]:
+        """The least top and the greatest bottom of the nodes that overlap an area; some do."""
+        columns, rows = _cell_ranges(area)
+        if len(columns) * len(rows) > len(self.boxes):
+            every = self.within(area)
+            return min(box[1] for box in every), max(box[3] for box in every)
+
+        def first(order: Iterable[int]) -> list[Box]:
+            """The nodes in the first row of cells that has one: none beyond reaches further."""
+            for y in order:
+                cells = (self._cells.get((x, y), {}) for x in columns)
+                if row := [b for cell in cells for b in cell.values() if overlap(b, area)]:
+                    return row
+            raise AssertionError
+
+        upper, lower = first(rows), first(reversed(rows))
+        return min(box[1] for box in upper), max(box[3] for box in lower)
+
+    def meets(self, points: Iterable[Spot], area: Box) -> bool:
+        """Whether one of the points lies in a node that overlaps an area."""
+        return any(
+            box[0] < x < box[2] and box[1] < y < box[3] and overlap(box, area)
+            for x, y in points
+            for box in self._cells.get((math.floor(x / _CELL), math.floor(y / _CELL)), {}).values()
+        )
+
     def _change(self, box: Box) -> None:
         self.changed = hull_of([self.changed or box, box])
 
@@ -160,11 +186,12 @@ def course_of(start: Spot, end: Spot, ground: Ground, beside: float) -> Course:
         return _course_back(start, end, ground, beside)
     top, bottom = min(start[1], end[1]), max(start[1], end[1])
     # A cubic with level ends stays near its ends' heights: that of the end met first.
-    in_way = ground.within((left, top - 4, right, bottom + 4))
-    if not _cross(in_way, start, end):
-        return Course(None, (left, top - 4, right, bottom + 4))
-    above, highest = _free(min(box[1] for box in in_way) - beside, left, right, ground, -beside)
-    below, lowest = _free(max(box[3] for box in in_way) + beside, left, right, ground, beside)
+    in_way = left, top - 4, right, bottom + 4
+    if not ground.meets(_points(start, end), in_way):
+        return Course(None, in_way)
+    upper, lower = ground.span(in_way)
+    above, highest = _free(upper - beside, left, right, ground, -beside)
+    below, lowest = _free(lower + beside, left, right, ground, beside)
     reach = left, min(top, highest) - 4, right, max(bottom, lowest) + 4
     lanes = [
         (lane, favour) for lane, favour in ((above, _FAVOUR), (below, 0.0)) if lane is not None
@@ -184,9 +211,9 @@ def _course_back(start: Spot, end: Spot, ground: Ground, beside: float) -> Cours
     low, high = min(start[1], end[1]) + _LEAVE, max(start[1], end[1])
     highest = min(start[1], end[1]) - _BELOW - beside
     reach = end[0] - _TURN, highest, start[0] + _TURN, max(low, high) + 4
-    between = ground.within(reach)
-    if not _cross(between, start, end):
+    if not ground.meets(_points(start, end), reach):
         return Course(None, reach)
+    between = ground.within(reach)
     lanes = {box[3] + _BELOW + beside for box in between}
     spans = sorted({(box[1], box[3]) for box in between}, reverse=True)
     reached = -math.inf  # the lower end of all spans that begin above the lane
@@ -216,13 +243,12 @@ def _free(
     return None, last
 
 
-def _cross(boxes: Iterable[Box], start: Spot, end: Spot) -> bool:
-    """Whether the plain curve meets one of the boxes."""
+def _points(start: Spot, end: Spot) -> list[Spot]:
+    """Points of the plain curve."""
     reach = _reach(end[0] - start[0], abs(end[1] - start[1]))
     xs = start[0], start[0] + reach, end[0] - reach, end[0]
     ys = start[1], start[1], end[1], end[1]
-    points = [(_cubic(xs, n / 20), _cubic(ys, n / 20)) for n in range(1, 20)]
-    return any(box[0] < x < box[2] and box[1] < y < box[3] for box in boxes for x, y in points)
+    return [(_cubic(xs, n / 20), _cubic(ys, n / 20)) for n in range(1, 20)]
 
 
 def _cubic(p: tuple[float, float, float, float], t: float) -> float:
