@@ -111,7 +111,7 @@ class StudyRows:
         return [row for row in self.rows if row.error]
 
     def columns(self) -> list[Column]:
-        """The rows as a table."""
+        """The rows as a table, without the default figures that have no value at any point."""
         study = self.study
         columns = [Column("point", "", [row.place + 1 for row in self.rows])]
         for number, axis in enumerate(study.axes):
@@ -119,7 +119,8 @@ class StudyRows:
             columns.append(Column(axis.label, axis.unit, values))
         for number, figure in enumerate(study.figures):
             values = [row.figures[number] for row in self.rows]
-            columns.append(Column(figure.text, figure.unit, values))
+            if not figure.by_default or any(value is not None for value in values):
+                columns.append(Column(figure.text, figure.unit, values))
         columns.append(Column("key", "", [row.key for row in self.rows]))
         columns.append(Column("seconds", "s", [row.seconds for row in self.rows]))
         columns.append(Column("error", "", [row.error for row in self.rows]))

@@ -155,6 +155,7 @@ class RowMaker:
                 result.reasons[figure.text]
                 for figure in self.setting.figures
                 if figure.text in result.reasons
+                and not (figure.by_default and figure.text in result.absent)
             ]
             self._check_sources(plan, work)
             figures = tuple(result.values.get(figure.text) for figure in self.setting.figures)

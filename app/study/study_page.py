@@ -71,6 +71,8 @@ def _figures(result: StudyRows) -> Block:
         known = [(row.figures[place], row.place + 1) for row in result.rows]
         values = sorted((value, point) for value, point in known if value is not None)
         head = f"{figure.text} ({figure.unit})" if figure.unit else figure.text
+        if not values and figure.by_default:
+            continue
         if not values:
             rows.append((head, "0", "", "", "", "", "", figure.meaning))
             continue

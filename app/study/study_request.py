@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -106,7 +106,7 @@ class Study:
             NetworkKeys(setting, self.library).of(self.network),
             tuple(axis.label for axis in self.axes),
             self.points,
-            tuple((figure.text, figure.unit) for figure in self.figures),
+            tuple((figure.text, figure.unit, figure.by_default) for figure in self.figures),
             tuple((save.port, save.bounds) for save in setting.saves),
             tuple(self.files),
             tuple(file_stamp(file) for file in self.inputs),
@@ -238,7 +238,7 @@ def _with_unit(figure: Figure, plan: Plan) -> Figure:
         return figure
     readouts = {readout.name: readout for readout in planned.declaration.readouts}
     unit = planned.unit(readouts[figure.name])
-    return Figure(figure.node, figure.name, unit, figure.meaning)
+    return replace(figure, unit=unit)
 
 
 def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: Library) -> None:

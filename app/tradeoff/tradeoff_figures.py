@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -48,12 +48,16 @@ _TOTALS: Mapping[str, str] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of merit: a node's read-out, or an MTF of the chain (`node` is then a total)."""
+    """A figure of merit: a node's read-out, or an MTF of the chain (`node` is then a total).
+
+    Where one that is there `by_default` has no number, a study leaves it out: no error.
+    """
 
     node: str
     name: str
     unit: str = ""
     meaning: str = ""
+    by_default: bool = False
 
     @property
     def text(self) -> str:
@@ -121,7 +125,7 @@ def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
     ]
     if not usual:
         usual = [f for f in known.values() if groups[f.node].group == "Analysis"]
-    return tuple(usual or known.values())
+    return tuple(replace(figure, by_default=True) for figure in usual or known.values())
 
 
 def chosen_figures(texts: Sequence[str], network: Network, library: Library) -> tuple[Figure, ...]:
@@ -146,11 +150,15 @@ def chosen_figures(texts: Sequence[str], network: Network, library: Library) -> 
 
 @dataclass(frozen=True)
 class FigureValues:
-    """Numbers by figure, for the others why there is none, and what the nodes warn of."""
+    """Numbers by figure, for the others why there is none, and what the nodes warn of.
+
+    The `absent` ones were computed, and are a text or have no value.
+    """
 
     values: Mapping[str, float]
     reasons: Mapping[str, str]
     warnings: tuple[str, ...] = ()
+    absent: frozenset[str] = frozenset()
 
 
 def computed(
@@ -166,6 +174,7 @@ def computed(
     figures = tuple(figures)
     values: dict[str, float] = {}
     reasons: dict[str, str] = {}
+    absent: set[str] = set()
     for node in dict.fromkeys(figure.node for figure in figures):
         totals = [f for f in figures if f.node == node and f.is_total]
         readouts = [f for f in figures if f.node == node and not f.is_total]
@@ -194,9 +203,10 @@ def computed(
                     if not figure.is_total:
                         why = engine.why_none(plan, node, work, figure.name)
                     reasons[figure.text] = _no_number(figure, results, why)
+                    absent.add(figure.text)
                 else:
                     values[figure.text] = number
-    return FigureValues(values, reasons)
+    return FigureValues(values, reasons, absent=frozenset(absent))
 
 
 def _total(

@@ -9,10 +9,14 @@ import shutil
 import numpy as np
 import pytest
 
+from app.run.shipped import find_network, shipped_networks
 from app.study.run_study import run_study
 from core.errors import UsageError
+from core.network.file import load_network
+from nodes.library import standard_library
 from tradeoff_network import DOCUMENT, mtf
 
+LIBRARY = standard_library()
 SIGMA = "--vary=blur.sigma_x_mrad=0:1:3"
 D_STAR = "--vary=electronics.d_star=1e10,1e11"
 MTF, NER = "--figure=total.mtf_nyquist_x", "--figure=electronics.ner"
@@ -211,3 +215,28 @@ def test_usage(words, why, sensor, fails):
 def test_the_network_stays_where_it_is(sensor, fails, tmp_path):
     shutil.copy(tmp_path / sensor, tmp_path / "net.csv")
     assert "input of this run" in fails("study", "net.csv", SIGMA, NER, "--output=net.csv")
+
+
+@pytest.mark.parametrize("name", shipped_networks())
+def test_the_default_figures_of_a_shipped_network_are_numbers(name):
+    """A text, such as what photons are counted by, and the NETD of a sunlit scene are left out."""
+    place = find_network(name)
+    network = load_network(place.path, library=LIBRARY)
+    for node in network.nodes.values():
+        if node.module == "test_scene":
+            network = network.with_parameter(node.id, "width", 256)
+            network = network.with_parameter(node.id, "height", 256)
+        if node.module == "camera_geometry":  # which sees past so small a scene
+            network = network.with_parameter(node.id, "outside", "fill")
+    number, value = next(
+        (f"{node.id}.{name}", value)
+        for node in network.nodes.values()
+        for name, value in node.params.items()
+        if isinstance(value, float) and value > 0 and not name.startswith(("fov", "cut"))
+    )
+    result = run_study(network, vary={number: [value, 1.02 * value]}, folder=place.folder)
+    assert [row.error for row in result.rows] == ["", ""]
+    names = {figure.text for figure in result.study.figures}
+    figures = [column.values for column in result.columns() if column.name in names]
+    assert figures
+    assert all(isinstance(value, float) for values in figures for value in values)
