@@ -21,7 +21,7 @@ from core.errors import Cancelled, ImagechainError, Suspended, UsageError, how_t
 from core.evaluation.policy import Policy
 from core.names import shown
 
-ALONE_S = 1.0
+ALONE_S = 0.5
 """How long one process computes before it is known what the rest of the study takes."""
 _WORTH_S = 4.0  # of one process: less is done sooner than others have begun
 TLS = ("--tls-ca-file", "--tls-cert", "--tls-key")
@@ -219,11 +219,10 @@ class _Run:
             self._by_others(self._left(done), workers.jobs)
             return
         several = workers.jobs == 0 and _cores() > 1
-        begun, before = time.monotonic(), len(done)
-        self._here(self._left(done), begun + ALONE_S if several else None)
+        took = self._here(self._left(done), time.monotonic() + ALONE_S if several else None)
         left = self._left(done)
-        each = (time.monotonic() - begun) / max(1, len(done) - before)
-        if each * len(left) > _WORTH_S:
+        usual = took[1:] or took or [0.0]  # the first one makes what the others share
+        if sum(usual) / len(usual) * len(left) > _WORTH_S:
             self._by_others(left, _cores())
         else:
             self._here(left, None)
@@ -237,17 +236,22 @@ class _Run:
         order = [place for place in self._study.order if place not in done]
         return tasks_of(order, self._study.points, self._study.files)
 
-    def _here(self, tasks: Sequence[Task], until: float | None) -> None:
+    def _here(self, tasks: Sequence[Task], until: float | None) -> list[float]:
+        """Compute in this process; gives the seconds of each point."""
+        took: list[float] = []
         if not tasks:
-            return
+            return took
         if self._maker is None:
             self._maker = RowMaker(self._setting(self._study.policy), self._study.library)
         for task in tasks:
             if self._cancel is not None and self._cancel.is_set():
                 raise Cancelled("stopped on request")
-            self._take([self._maker.row(task, self._cancel)])
+            row = self._maker.row(task, self._cancel)
+            took.append(row.seconds)
+            self._take([row])
             if until is not None and time.monotonic() > until:
-                return
+                break
+        return took
 
     def _by_others(self, tasks: Sequence[Task], jobs: int) -> None:
         if not tasks:
@@ -266,7 +270,7 @@ class _Run:
             # The engine's threads beside those of the other processes would be in their way.
             threads = policy.threads or max(1, _cores() // jobs)
             setting = self._setting(replace(policy, threads=threads))
-            return process_rows(setting, tasks, jobs, self._cancel)
+            return process_rows(setting, self._study.library, tasks, jobs, self._cancel)
         from app.study.dask_study import cluster_rows
 
         setting = self._setting(replace(policy, threads=policy.threads or 1))

@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 
 from app.study.point_rows import Row, RowMaker, Setting, Task
 from core.errors import Cancelled, UsageError
-from nodes.library import standard_library
+from core.modules.library_type import Library
 
 Plain = tuple[Any, ...]
 _NAME = "imagechain_studies"
@@ -40,8 +40,10 @@ def main() -> None:
         first = received.get()
         if first is None:
             return
-        setting, share = first
-        maker = RowMaker(setting, standard_library(), share)
+        if isinstance(first, Exception):
+            raise first
+        setting, share, library = first
+        maker = RowMaker(setting, _all_modules() if library is None else library, share)
         answers.write(pickle.dumps(None))
         while (batch := received.get()) is not None:
             rows, sent = [], time.monotonic()
@@ -67,6 +69,8 @@ def _listen(requests: BinaryIO, received: queue.SimpleQueue[Any], cancel: thread
         received.put(None)
         time.sleep(_GRACE_S)
         os._exit(1)
+    except Exception as error:  # a module's class that cannot be imported here
+        received.put(error)
 
 
 def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> list[Plain]:
@@ -102,8 +106,14 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
                 f"a worker has imagechain {version()}, and this is {wanted.version}: all must have "
                 "one version"
             )
-        makers[thread] = RowMaker(wanted, standard_library(), share)
+        makers[thread] = RowMaker(wanted, _all_modules(), share)
     return [plain_row(makers[thread].row(task)) for task in tasks]
+
+
+def _all_modules() -> Library:
+    from nodes.library import standard_library  # which takes as long as all else at the start
+
+    return standard_library()
 
 
 def plain_row(row: Row) -> Plain:
