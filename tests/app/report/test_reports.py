@@ -171,7 +171,9 @@ def test_names_that_are_no_text(imagechain, write, small, tmp_path):
     done = imagechain("run", write(small), *words)
     assert (done.returncode, done.stderr) == (0, "")
     report = json.loads((tmp_path / "r.json").read_text())
-    assert report["nodes"]["scene"]["parameters"]["path"]["value"] == name
+    # Bytes, as pytest-xdist cannot send this name where the test fails.
+    found = report["nodes"]["scene"]["parameters"]["path"]["value"]
+    assert os.fsencode(found) == os.fsencode(tmp_path / name)
     assert "scene\\udcff.npy" in (tmp_path / "r.html").read_text()
 
 
