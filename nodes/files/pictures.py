@@ -268,7 +268,13 @@ def _is_misread(picture: Any, path: Path) -> bool:
     bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
     if spec.tile_width == 0:
         return bool(bits == 64 and spec.height == 1)
-    cmyk = spec.get_int_attribute("tiff:PhotometricInterpretation", 0) == 5
+    colour = spec.get_int_attribute("tiff:PhotometricInterpretation", 0)
+    if bits == 64 and colour not in (1, 2):
+        raise FileError(
+            f"{path}: tiles of 64-bit samples with photometric interpretation {colour} cannot be "
+            "read; allowed: 1 (black is 0) or 2 (RGB)"
+        )
+    cmyk = colour == 5
     if 16 < bits < 32 or cmyk:
         what = "CMYK" if cmyk else f"{bits}-bit"
         raise FileError(f"{path}: tiles of {what} samples cannot be read; store strips instead")

@@ -115,10 +115,10 @@ def quality_table(
     along = (
         grid.interval_y_mrad * view.range_m / 1000.0 / math.cos(math.radians(view.off_nadir_deg))
     )
-    gsd_m, rer = math.sqrt(across * along), math.sqrt(edge.rer[0] * edge.rer[1])
+    gsd_m, rer = math.sqrt(across * along), _mean("relative edge response", edge.rer)
     overshoot = view.overshoot
     if overshoot is None:
-        overshoot = math.sqrt(edge.overshoot[0] * edge.overshoot[1])
+        overshoot = _mean("height beside the edge", edge.overshoot)
     gsd_inch = gsd_m / INCH_M
     why = snr.reason if isinstance(snr, Unseen) else ""
     fifth = fourth = third = shown_snr = None
@@ -144,6 +144,16 @@ def quality_table(
         ("snr", shown_snr, "", "signal over temporal noise", why),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
+
+
+def _mean(what: str, values: tuple[float, float]) -> float:
+    if min(values) <= 0.0:
+        across, along = values
+        raise DataError(
+            f"the {what} is {across:.6g} across and {along:.6g} along: the image quality "
+            "equations need both above zero"
+        )
+    return math.sqrt(values[0] * values[1])
 
 
 @ends_lineage

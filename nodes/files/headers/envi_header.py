@@ -6,7 +6,7 @@ import math
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -119,11 +119,11 @@ def read_layout(path: str | os.PathLike[str]) -> EnviLayout:
         interleave=_interleave(fields, header),
         offset_bytes=_count(fields, "header offset", header, low=0, default="0"),
         missing=_missing(fields, header, dtype),
-        scaling=_scaling(fields, header, bands),
+        scaling=None,
         fields=fields,
     )
-    _check_size(layout)
-    return layout
+    _check_size(layout)  # before anything is made for each of the bands
+    return replace(layout, scaling=_scaling(fields, header, bands))
 
 
 def _pair(path: Path) -> tuple[Path, Path]:

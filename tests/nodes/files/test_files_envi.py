@@ -372,6 +372,12 @@ def test_gains_and_offsets_of_the_header_are_applied(tmp_path, code, interleave)
     np.testing.assert_allclose(read_pixels(one_for_all, 1), 3 * stored[:, :, 1], rtol=1e-6)
 
 
+def test_bands_that_cannot_be_there_take_no_memory(tmp_path):
+    data = write(tmp_path, bands=99999999999, extra="data gain values = 2")
+    with pytest.raises(FileError, match=r"bands 99999999999 × 8 bytes = .* missing"):
+        read_info(data)
+
+
 @pytest.mark.parametrize("text", ["{1, 2}", "{1, 2, x}", "{1, 2, nan}", "{1, 2, 1e999}"])
 def test_gains_that_are_no_numbers_are_refused(tmp_path, text):
     with pytest.raises(FileError, match=r"x.img.hdr: data gain values h(as 2|olds)"):

@@ -156,6 +156,17 @@ def test_a_single_row_of_doubles_packed_otherwise_is_refused(tmp_path):
         read_band(tmp_path / "a.tif")
 
 
+def test_tiles_of_doubles_that_are_no_grey_or_colour_are_refused(tmp_path):
+    """One bit of the directory makes 17 of 1: the library would give memory nobody wrote to."""
+    content = tiff_bytes(samples_of("f8", 20, 35), "f8", tile=16)
+    grey, damaged = struct.pack("<HHII", 262, 4, 1, 1), struct.pack("<HHII", 262, 4, 1, 17)
+    assert content.count(grey) == 1
+    path = tmp_path / "a.tif"
+    path.write_bytes(content.replace(grey, damaged))
+    with pytest.raises(FileError, match=r"with photometric interpretation 17 cannot be read"):
+        read_pixels(path)
+
+
 def test_damaged_tiles_of_doubles(tmp_path):
     path = tmp_path / "a.tif"
     whole = tiff_bytes(samples_of("f8", 20, 35), "f8", tile=16)

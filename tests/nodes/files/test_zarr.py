@@ -184,7 +184,7 @@ def test_pipes_devices_and_linked_folders_in_a_store_are_refused(tmp_path, name)
 def test_without_the_package(tmp_path, monkeypatch):
     path = stored(tmp_path / "a.zarr", np.zeros((2, 2)), chunks=(2, 2))
     monkeypatch.setattr(zarr_array.importlib.util, "find_spec", lambda _: None)
-    with pytest.raises(FileError, match=r"Zarr needs the package zarr: pip install 'imagechain\[z"):
+    with pytest.raises(FileError, match=r"Zarr needs the package zarr: pip install '\.\[zarr\]'"):
         read_info(path)
 
 

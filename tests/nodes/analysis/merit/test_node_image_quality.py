@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
+from core.errors import ImagechainError
 from node_bench import NodeBench
 from nodes.library import standard_library
 
@@ -26,12 +27,12 @@ INIT = {
 CAMERA = {"integration_time_s": 0.5, "read_noise_e": 20, "photon_weighting": "source"}
 
 
-def bench_of(folder, quality=None, *, scene=None, camera=None, init=None):
-    blur = {"sigma_x_mrad": SIGMA_X * SAMPLE_MRAD, "sigma_y_mrad": SIGMA_Y * SAMPLE_MRAD}
+def bench_of(folder, quality=None, *, scene=None, camera=None, init=None, blur=None):
+    gauss = {"sigma_x_mrad": SIGMA_X * SAMPLE_MRAD, "sigma_y_mrad": SIGMA_Y * SAMPLE_MRAD}
     nodes = {
         "scene": ("test_scene", {**SCENE, **(scene or {})}),
         "init": ("init_trans", {**INIT, **(init or {})}),
-        "blur": ("gaussian_mtf", blur),
+        "blur": blur or ("gaussian_mtf", gauss),
         "back": ("back_transform", {}),
         "fpa": ("focal_plane", {**CAMERA, **(camera or {})}),
         "merit": ("image_quality", quality or {}),
@@ -109,3 +110,10 @@ def test_a_warning_names_what_lies_beyond_the_limits(tmp_path):
 def test_without_a_range_it_says_so(tmp_path):
     bench = bench_of(tmp_path, init={"range_m": 0})
     assert str(bench.error("merit")).startswith("merit: range_m is empty")
+
+
+def test_an_edge_that_is_no_edge_any_more_is_refused(tmp_path):
+    smear = {"dwell_time_s": 1.39, "scan_velocity_mrad_per_s": 7.64e4 * SAMPLE_MRAD}
+    bench = bench_of(tmp_path, blur=("crosstrack_mtf", smear))
+    with pytest.raises(ImagechainError, match=r"edge response is -\d.* need both above zero"):
+        bench.value("merit.table")
