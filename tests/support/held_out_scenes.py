@@ -196,15 +196,14 @@ HELD_OUT = {
 
 def quadrants(rng, rows, columns, full):
     """Two edges that cross, as on a chart of four fields."""
-    ground, one, two, both = levels(rng, full, 4)
+    values = levels(rng, full, 4)
     first = rng.uniform(0, 360)
     middle = np.array([columns, rows]) * rng.uniform(0.4, 0.6, 2)
-    shapes = [
-        Shape(half(first, middle), one),
-        Shape(half(first + 90, middle), two),
-        Shape(turned(box(500, 500), first, middle + 500 / math.sqrt(2) * _at(first + 45)), both),
+    fields = [
+        Shape(turned(box(500, 500), first, middle + 500 / math.sqrt(2) * _at(first + away)), level)
+        for away, level in zip((225, 315, 135, 45), values, strict=True)
     ]
-    return Scene(background=ground, shapes=tuple(shapes))
+    return Scene(background=values[0], shapes=tuple(fields), disjoint=True)
 
 
 def _at(angle_deg):
