@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ _JUMP, _CHANGE = 0.03, 0.08  # of the contrast, from strip to strip and altogeth
 _SPREAD = 1.5  # times the noise, that samples of a strip scatter at most
 _FILLED = 0.7  # of a strip's samples, that lie in the frame
 _LEAST_NOISE = 2e-4  # of the contrast
+_ODD, _ROUNDS = 2.0, 6  # times the usual square of what is left of a side; fits that find it
 _MOST_EDGES = 24
 _MOST_CELLS = 400_000  # of the grid on which the tails are computed
 _BEYOND = 60.0  # samples beyond the frame, where the scene is taken to go on
@@ -205,6 +206,7 @@ def long_tails(
     diffracted = columns.pop()
     level = level - _DIFFRACTED[0] * diffracted
     others = np.stack([_DIFFRACTED[1] * diffracted, *plane])
+    sides = _in_accord(level, np.stack(columns), others, sides)
     which, ratio_of, weight = _possibilities(level, np.stack(columns), others, sides)
     tailed = ratio_of > 0.0
     likely = float(weight[tailed].sum())
@@ -235,25 +237,12 @@ def _possibilities(
     terms = []
     for slope in (False, True):
         others = beside if slope else beside[:1]
-        whitened = others / sides.variance
-        normal = np.eye(len(others)) + whitened @ others.T
-        inverse = np.linalg.inv(normal)
-        on_level, on_columns = whitened @ level, whitened @ columns.T
-        right = columns @ (level / sides.variance) - on_columns.T @ inverse @ on_level
-        square = np.sum(columns**2 / sides.variance, axis=1) - np.einsum(
-            "ak,ab,bk->k", on_columns, inverse, on_columns
-        )
-        gain = float(on_level @ inverse @ on_level) / 2.0
+        right, square, normal, on_level = _alone(level, columns, others, sides)
+        gain = float(on_level @ np.linalg.solve(normal, on_level)) / 2.0
         lost = float(np.linalg.slogdet(normal)[1]) / 2.0
-        terms.append((right, np.maximum(square, 1e-12), gain, lost))
+        terms.append((right, square, gain, lost))
     # Residuals about the best of all tails, and how far they hang together.
-    right, square, _, _ = terms[1]
-    ratio = np.clip(right / square, 0.0, _MOST)
-    best = int(np.argmax(ratio * right - ratio**2 * square / 2.0))
-    rest = level - ratio[best] * columns[best]
-    whitened = beside / sides.variance
-    parts = np.linalg.solve(np.eye(len(beside)) + whitened @ beside.T, whitened @ rest)
-    rest = rest - parts @ beside
+    best, rest = _best(level, columns, beside, sides)
     units = int(sides.unit.max()) + 1
     scores = np.bincount(sides.unit, rest * columns[best] / sides.variance, units)
     sizes = np.bincount(sides.unit, columns[best] ** 2 / sides.variance, units)
@@ -279,6 +268,50 @@ def _possibilities(
     log = np.concatenate(logs)
     weight = np.exp(log - log.max())
     return np.concatenate(which).astype(np.intp), np.concatenate(ratios), weight / weight.sum()
+
+
+def _alone(
+    level: Vector, columns: Matrix, beside: Matrix, sides: _Sides
+) -> tuple[Vector, Vector, Matrix, Vector]:
+    """Products of tails with the levels, and their squares, without what may lie beside them.
+
+    Then the normal matrix of that, and its products with the levels.
+    """
+    whitened = beside / sides.variance
+    normal = np.eye(len(beside)) + whitened @ beside.T
+    on_level, on_columns = whitened @ level, whitened @ columns.T
+    solved = np.linalg.solve(normal, on_columns)
+    right = columns @ (level / sides.variance) - solved.T @ on_level
+    square = np.sum(columns**2 / sides.variance, axis=1) - np.sum(on_columns * solved, axis=0)
+    return right, np.maximum(square, 1e-12), normal, on_level
+
+
+def _best(level: Vector, columns: Matrix, beside: Matrix, sides: _Sides) -> tuple[int, Vector]:
+    """The tail that explains most, and what it leaves of the levels."""
+    right, square, normal, _ = _alone(level, columns, beside, sides)
+    ratio = np.clip(right / square, 0.0, _MOST)
+    best = int(np.argmax(ratio * right - ratio**2 * square / 2.0))
+    rest = level - ratio[best] * columns[best]
+    parts = np.linalg.solve(normal, beside @ (rest / sides.variance))
+    return best, np.asarray(rest - parts @ beside, np.float64)
+
+
+def _in_accord(level: Vector, columns: Matrix, beside: Matrix, sides: _Sides) -> _Sides:
+    """The sides with a larger variance of those that do not change as the others do.
+
+    Notes
+    -----
+    A corner of something else in some strips of one side is no tail, and would make all others
+    look as if they showed none. Least squares with weights from the residuals, again and again.
+    """
+    count, given = np.bincount(sides.unit), sides.variance
+    for _ in range(_ROUNDS):
+        _, rest = _best(level, columns, beside, sides)
+        apart = np.bincount(sides.unit, rest**2 / given) / np.maximum(count - 1, 1)
+        usual = max(1.0, float(np.median(apart)))
+        larger = np.maximum(1.0, apart / (_ODD * usual))
+        sides = replace(sides, variance=given * larger[sides.unit])
+    return sides
 
 
 def _sides(picture: NDArray[np.floating], edges: Sequence[FoundEdge], factor: int) -> _Sides | None:

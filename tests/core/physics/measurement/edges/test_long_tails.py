@@ -9,7 +9,9 @@ from app.measure.edge_measuring import edges_of
 from app.measure.measurement_text import remarks
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile
+from camera_scenes import box, half, turned
 from oversampled_camera import Camera, half_plane, take, true_mtf
+from oversampled_scene import Scene, Shape
 
 CAMERA = {"cutoff": 1.2, "jitter": 0.3, "gain_e_per_dn": 2.0, "read_e": 10.0}
 
@@ -45,6 +47,23 @@ def test_light_in_long_tails_is_in_the_mtf(tail, too_large):
     assert np.median((core / truth)[near][5:]) - 1.0 > too_large  # what the near sides alone give
     assert np.max(np.abs(off)) < too_large / 2.0
     assert edge.curve.tail.share == pytest.approx(tail[1], abs=0.05)
+
+
+def test_a_block_whose_corner_lies_in_one_side_does_not_hide_the_tails_of_all():
+    """It counted as so much doubt of every side that no tail was likely, with a small error."""
+    camera = Camera(**CAMERA, tail=("halo", 0.12, 24.0))
+    wall, block = half(80.0, (124, 110)), turned(box(40, 30), 35.0, (120, 196))
+    shapes = Shape(wall, 20000), Shape(block, 18500)
+    scene = Scene(background=2000, shapes=shapes)
+    taken = take(scene, camera, rows=208, columns=248, seed=4, fine=4, margin=120)
+    edge = max((one for one in edges_of(picture=taken.picture, number=0) if one.used), key=length)
+    off = edge.curve.mtf - true_mtf(camera, edge.found.angle_deg, edge.curve.frequency)
+    assert edge.curve.tail.share == pytest.approx(0.12, abs=0.05)
+    assert np.all(np.abs(off[1:26]) < 3.0 * edge.curve.sigma[1:26])
+
+
+def length(edge):
+    return edge.found.length
 
 
 def test_a_camera_without_tails_has_none():
