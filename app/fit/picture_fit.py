@@ -27,7 +27,7 @@ from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError, UsageError
 from core.evaluation.work import Work
-from core.physics.measurement.edges.picture_suspicions import why_no_picture
+from core.physics.measurement.edges.picture_suspicions import missing_samples, why_no_picture
 from core.physics.measurement.noise.clipped_ends import clipped_ends
 from core.physics.measurement.noise.picture_noise import noise_of_picture
 from core.physics.measurement.noise.rounding_step import rounding_step
@@ -246,7 +246,8 @@ def _noise(
         measured: list[LevelVariance] = []
         reason = ""
         for picture in pictures.samples:
-            seen = noise_of_picture(picture=picture, check=work.check)
+            missing = missing_samples(picture=picture)
+            seen = noise_of_picture(picture=picture, avoid=missing, check=work.check)
             measured += seen.levels
             reason = reason or seen.sigma_reason
         if not measured:

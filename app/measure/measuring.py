@@ -28,7 +28,7 @@ from app.measure.picture_measurement import (
     Preview,
 )
 from core.errors import DataError, ParameterError
-from core.physics.measurement.edges.picture_suspicions import why_interpolated
+from core.physics.measurement.edges.picture_suspicions import missing_samples, why_interpolated
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import photon_transfer
 from core.physics.measurement.noise.frames_noise import FramesNoise, SceneFrames
@@ -196,7 +196,10 @@ def measure_pictures(
             no_noise.append(interpolated)
             continue
         try:
-            noises.append(noise_of_picture(picture=picture, offset=offset, check=check))
+            missing = missing_samples(picture=picture)
+            noises.append(
+                noise_of_picture(picture=picture, avoid=missing, offset=offset, check=check)
+            )
         except DataError as error:  # numbers too large or too small for it
             no_noise.append(error.message)
     noise, noise_reason = pooled_noise(noises, offset_dn=offset)

@@ -95,6 +95,18 @@ def test_one_edge_has_one_error():
     assert written["sigma"] == pytest.approx(result.x.mtf50_sigma, rel=1e-9)
 
 
+@pytest.mark.parametrize("number", [0.0, 2000.0])
+def test_samples_without_data_are_left_out_of_the_noise(taken, number):
+    """A border of one number moved the level at which the noise is given."""
+    picture = taken.copy()
+    for side in (picture[:13], picture[-13:], picture[:, :13], picture[:, -13:]):
+        side[:] = number
+    inner = taken[13:-13, 13:-13]
+    noise = measured(picture).noise
+    assert noise.mean_level == pytest.approx(inner.mean(), rel=1e-3)
+    assert noise.sigma == pytest.approx(np.sqrt(50 * inner.mean() + 30**2) / 50, rel=0.03)
+
+
 def test_two_amplifiers_in_turn_are_no_mosaic(taken):
     """Noise that differs from column to column is the camera's own."""
     random = np.random.default_rng(2)
