@@ -23,6 +23,7 @@ from nodes.files.read import check_finite, read_info, read_pixels
 
 Matrix = NDArray[np.float64]
 
+NO_DATA = "put one number in their place, such as 0: areas of one number are left out"
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 """Shares of red, green and blue in luminance (ITU-R BT.709)."""
 _COLOURS = ("R", "G", "B")
@@ -92,14 +93,14 @@ class PictureFile:
             yield self._luminance()
             return
         samples = read_pixels(self.path, self.band or 0)
-        check_finite(samples, str(self.path))
+        check_finite(samples, str(self.path), advice=NO_DATA)
         yield np.asarray(samples, np.float64)
 
     def _luminance(self) -> Matrix:
         picture = np.zeros((self.rows, self.columns))
         for band, share in enumerate(LUMINANCE):
             samples = read_pixels(self.path, band)
-            check_finite(samples, f"{self.path}, band {band}")
+            check_finite(samples, f"{self.path}, band {band}", advice=NO_DATA)
             picture += share * samples
         return picture
 

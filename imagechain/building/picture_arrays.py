@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.measure.picture_loading import limits_of
+from app.measure.picture_loading import NO_DATA, limits_of
 from core.errors import DataError
 
 _FRAMES = 3  # dimensions
@@ -38,6 +38,6 @@ def _frames(array: NDArray[Any], number: int) -> list[NDArray[np.float64]]:
             "real numbers, (rows, columns) or (frames, rows, columns)"
         )
     if not np.isfinite(array).all():
-        raise DataError(f"picture {number} has samples that are not finite")
+        raise DataError(f"picture {number} has samples that are not finite; {NO_DATA}")
     own = [*array] if array.ndim == _FRAMES else [array]
     return [np.asarray(frame, np.float64) for frame in own]

@@ -165,7 +165,8 @@ def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
          "colours.npy: 3 × 30 samples are too few to be measured; at least 16 × 16 are needed"
          "; of an array (rows, columns, colours) give one colour, (rows, columns)"),
         (("nan.npy",), "nan.npy: 1 sample is not finite (NaN or infinite), the first (nan)"
-         " at row 3, column 4"),
+         " at row 3, column 4; put one number in their place, such as 0: areas of one number are "
+         "left out"),
         (("far.npy",), "far.npy: samples from 0 to 1e+300 cannot be measured; allowed: up to "
          "1e+60, that differ by 1e-60 or more: scale them"),
         (("a.npy", "--json", "m.txt"), "--json 'm.txt': the file's name must end in .json"),
