@@ -21,6 +21,7 @@ from app.editor.canvas.hands.mouse import Mouse
 from app.editor.canvas.hands.surface import Hint, Surface
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.content import Content
+from app.editor.canvas.items.hits import node_at
 from app.editor.canvas.items.marks import Marks
 from app.editor.canvas.items.wire_item import LiveWire
 from app.editor.canvas.thumbnails.node_thumbnails import NodeThumbnails
@@ -153,6 +154,13 @@ class Canvas(QWidget):
     def sizes(self) -> dict[str, tuple[float, float]]:
         """Width and height of every node, in units of the layout."""
         return self.content.sizes()
+
+    def node_or_thumbnail_at(self, point: QPointF) -> str | None:
+        """The node at a point of the scene, or the one whose thumbnail is there."""
+        node = node_at(self.content, point)
+        if node is not None:
+            return node.id
+        return self.thumbnails.node_at(point) if self.thumbnails is not None else None
 
     def sizes_with_thumbnails(self) -> dict[str, tuple[float, float]]:
         """The sizes with the room of what stands below the nodes."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QObject, QRectF
+from PySide6.QtCore import QObject, QPointF, QRectF
 from PySide6.QtWidgets import QGraphicsScene
 
 from app.editor.canvas.items.canvas_style import CanvasStyle
@@ -105,6 +105,11 @@ class NodeThumbnails(QObject):
     def heights(self) -> dict[str, float]:
         """How much room each node's thumbnail takes below it."""
         return {name: item.boundingRect().bottom() for name, item in self.items.items()}
+
+    def node_at(self, point: QPointF) -> str | None:
+        """The node whose thumbnail is at a point of the scene."""
+        at = (name for name, item in self.items.items() if item.frame().contains(point))
+        return next(at, None)
 
     def bounds(self) -> QRectF:
         """What they take up; null where there are none."""

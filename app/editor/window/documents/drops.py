@@ -9,7 +9,6 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QWidget
 
 from app.editor.canvas.canvas import Canvas
-from app.editor.canvas.items.hits import node_at
 from app.editor.level import Level
 from app.editor.widgets.copied_drop import accept_copy
 from app.editor.window.documents.files import Files
@@ -60,8 +59,8 @@ class Drops(QObject):
         if networks:
             self._files.open(networks[0])
             return
-        under = node_at(self._canvas.content, QPointF(*point))
-        if len(paths) == 1 and under is not None and self._replaced(under.id, Path(paths[0])):
+        under = self._canvas.node_or_thumbnail_at(QPointF(*point))
+        if len(paths) == 1 and under is not None and self._replaced(under, Path(paths[0])):
             return
         steps: list[Operation] = []
         names = []

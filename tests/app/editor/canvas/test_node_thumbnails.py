@@ -30,6 +30,16 @@ def full(window, port):
     return np.asarray(runner._engine.value(plan, port, runner._engine.work(Policy())))
 
 
+def test_a_picture_dropped_on_the_scenes_thumbnail_replaces_the_scene(kodak, tmp_path):
+    np.save(tmp_path / "own.npy", np.arange(48.0).reshape(6, 8))
+    before = kodak.session.network
+    middle = thumbnails(kodak)["scene"].frame().center()
+    kodak.canvas.files_dropped.emit([str(tmp_path / "own.npy")], middle)
+    after = kodak.session.network
+    assert set(after.nodes) == set(before.nodes)
+    assert after.nodes["scene"].module == "read_image"
+
+
 def test_pictures_and_curves_stand_below_what_gives_them(kodak):
     items = thumbnails(kodak)
     pictures = {name for name, item in items.items() if isinstance(item.small, SmallPicture)}
