@@ -65,6 +65,8 @@ class OwnScene:
         What the samples are: a unit of radiance, a temperature, a reflectance, or `RELATIVE`.
     option : str
         What stands before the names of these in messages.
+    hints : bool
+        Whether the lines name what says otherwise; not where only the picture is given.
     """
 
     picture: Path | Array
@@ -74,6 +76,7 @@ class OwnScene:
     band_um: Pair | None = None
     unit: str = ""
     option: str = ""
+    hints: bool = True
 
     def check(self) -> None:
         """Refuse what no picture has.
@@ -330,7 +333,7 @@ class _Replacing:
         of_unit = f" in {unit}" if unit and unit != RELATIVE else ""
         self._lines.append(
             f"{what} {first:.5g}…{last:.5g}{of_unit} scaled to {low:.4g}…{high:.4g} {before.unit}, "
-            f"the range of the scene before ({self._option('unit')} says what they are)"
+            f"the range of the scene before{self._hint('unit', 'says what they are')}"
         )
         return {"scale": scale, "offset": offset, "unit": before.unit}
 
@@ -418,8 +421,7 @@ class _Replacing:
         angle = step * wide, step * high
         side = "across" if math.isclose(angle[0], before[0]) else "along"
         self._where.append(
-            f"field of view {_deg(angle)}, {side} as before ({self._option('fov_deg')} gives "
-            "another)"
+            f"field of view {_deg(angle)}, {side} as before{self._hint('fov_deg', 'gives another')}"
         )
         return angle
 
@@ -515,6 +517,9 @@ class _Replacing:
                     f"{name}.{parameter} = {value} from now on: it followed the scene"
                 )
         return network
+
+    def _hint(self, name: str, does: str) -> str:
+        return f" ({self._option(name)} {does})" if self._own.hints else ""
 
     def _option(self, name: str) -> str:
         return self._own._named(name)

@@ -85,7 +85,7 @@ class Drops(QObject):
         try:
             new = with_own_scene(
                 network,
-                OwnScene(path),
+                OwnScene(path, hints=False),
                 library=library,
                 plan=plan,
                 node=name,
