@@ -261,7 +261,8 @@ class _Replacing:
         kept = before is not None and before.bands is not None
         how = "each of its own" if kept else "summed"
         part = "" if (low, high) == wanted else f" of {_um(wanted)}"
-        self._lines.append(f"{info.bands} bands, {how}, {_um((low, high))}{part}")
+        outside = self._outside((low, high))
+        self._lines.append(f"{info.bands} bands, {how}, {_um((low, high))}{part}{outside}")
         self._converter = self._conversion(unit or info.unit or "")
         values: dict[str, Any] = {"cut_on_um": low, "cut_off_um": high}
         if kept or self._converter:
@@ -282,10 +283,7 @@ class _Replacing:
         if band is not None:
             values |= {"cut_on_um": band[0], "cut_off_um": band[1]}
             whose = "" if own.band_um else " of its header" if _header_band(info) else " as before"
-            scene_um = None if before is None else before.band_um
-            if scene_um and not (band[0] < scene_um[1] and scene_um[0] < band[1]):
-                whose += f", outside the {_um(scene_um)} of the scene before"
-            self._where.append(f"band {_um(band)}{whose}")
+            self._where.append(f"band {_um(band)}{whose}{self._outside(band)}")
         radiance = _radiance(unit)
         same = bool(unit) and before is not None and unit == before.unit
         if radiance is None and not same and not self._conversion(unit):
@@ -307,6 +305,12 @@ class _Replacing:
         else:
             self._lines.append(f"samples in {unit}{'' if stated else ', as the file says'}")
         return values | {"unit": unit}
+
+    def _outside(self, band: Pair) -> str:
+        scene_um = None if self._before is None else self._before.band_um
+        if scene_um is None or (band[0] < scene_um[1] and scene_um[0] < band[1]):
+            return ""
+        return f", outside the {_um(scene_um)} of the scene before"
 
     def _relative(self, unit: str) -> dict[str, Any]:
         """Scaled so that the range of the samples becomes that of the scene before."""
@@ -598,6 +602,8 @@ def _grey(array: Array) -> Array:
     """An array of two dimensions; of red, green and blue their luminance."""
     if array.ndim == 3 and array.shape[-1] in (3, 4):
         return np.asarray(array[..., :3] @ np.array(LUMINANCE))
+    if array.ndim == 0:
+        raise DataError(f"{array.item()!r:.80} is no picture: give a file, or (rows, columns)")
     if array.ndim != 2:
         shape = " × ".join(map(str, array.shape))
         raise DataError(f"an array of {shape}: give (rows, columns), or (rows, columns, 3)")

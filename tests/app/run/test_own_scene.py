@@ -211,6 +211,12 @@ def test_a_cube(scene_of, write, small, tmp_path, bands, said):
     assert f"4 bands, {said}, 9 to 12 µm of 9 to 13 µm" in text
 
 
+def test_a_cube_of_another_band_than_the_scene_before(scene_of, write, small, tmp_path):
+    small["nodes"]["scene"]["params"] |= {"cut_on_um": 3.0, "cut_off_um": 5.0}
+    _, text = scene_of(write(small), "--scene", cube(tmp_path), "--scene-band-um", 9, 12)
+    assert "4 bands, summed, 9 to 12 µm, outside the 3 to 5 µm of the scene before\n" in text
+
+
 def test_several_scenes_are_asked_about(fails, picture):
     file = picture(GREY)
     error = fails("run", "magnitude_of_one_phase_of_another", "--scene", file)
