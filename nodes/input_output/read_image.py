@@ -318,7 +318,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         if not count:
             return None
         return Caution(
-            f"{count} chunks of the store are not there: their samples count as missing",
+            f"the store lacks {count} of its chunks: their samples count as missing",
             "copy the store again, if it should be whole",
         )
 

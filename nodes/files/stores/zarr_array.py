@@ -48,6 +48,7 @@ _MISSING = ("_FillValue", "missing_value")
 _WHOLE = "every_chunk_written"  # an attribute of our own stores
 _SCALING = (("scale_factor", 1.0), ("add_offset", 0.0))
 _READ_SAMPLES = 1 << 22  # at a time, at least one chunk
+_OTHERS_S = 5.0  # for the chunks that are being read beside one that failed
 _CHUNK = 1024  # rows and columns of a chunk that is written
 
 
@@ -158,6 +159,7 @@ def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.
         try:
             part = opened.part(rows, columns, band)
         except Exception as error:  # each packing has errors of its own
+            _await_other_chunks()
             where = f"rows {rows.start} to {rows.stop}, columns {columns.start} to {columns.stop}"
             raise FileError(f"{path}: {where} cannot be read: {_line(error)}") from error
         samples[rows, columns] = part
@@ -174,20 +176,21 @@ def _absent(
     """Rows and columns of the chunks whose files are not there; refuses damage seen without them.
 
     Blosc takes the length of what it unpacks from the chunk, and reads on in memory beyond one that
-    was cut short.
+    was cut short. A shard of no bytes is taken for one that is not there.
     """
     packing = type(next(iter(opened.array.compressors[-1:]), None)).__name__
     is_blosc = opened.array.shards is None and packing.startswith("Blosc")
     for name, place in opened.files(rows, columns, band):
         file = opened.folder / name
-        if not file.exists():
+        if not file.is_file():
             if opened.attributes.get(_WHOLE) is True:
                 raise FileError(f"{opened.folder}: is damaged: its chunk {name} is missing")
             yield place
-        elif is_blosc:
-            length = int.from_bytes(first_bytes(file, 16)[12:], "little")
-            if length != file.stat().st_size:
-                raise FileError(f"{opened.folder}: is damaged: its chunk {name} is cut short")
+            continue
+        length = file.stat().st_size
+        whole = int.from_bytes(first_bytes(file, 16)[12:], "little") if is_blosc else length
+        if length != whole or not length:
+            raise FileError(f"{opened.folder}: is damaged: its chunk {name} is cut short")
 
 
 def write_store(
@@ -329,6 +332,19 @@ def _info(folder: Path, opened: _Opened) -> PictureInfo:
         ),
         absent_chunks=opened.absent,
     )
+
+
+def _await_other_chunks() -> None:
+    """Let the library end what it reads beside a chunk that failed, of which it would tell."""
+    import asyncio
+
+    from zarr.core.sync import sync
+
+    async def end() -> None:
+        if others := asyncio.all_tasks() - {asyncio.current_task()}:
+            await asyncio.wait(others, timeout=_OTHERS_S)
+
+    sync(end())
 
 
 def _missing_value(attributes: Mapping[str, Any]) -> float | None:

@@ -2,6 +2,9 @@
 
 import os
 import resource
+import subprocess
+import sys
+from pathlib import Path
 
 import numcodecs
 import numpy as np
@@ -14,6 +17,7 @@ from nodes.files.stores import zarr_array
 from nodes.files.stores.zarr_array import write_store
 
 RNG = np.random.default_rng(7)
+ROOT = Path(__file__).resolve().parents[3]
 
 
 def stored(path, samples, **how):
@@ -141,6 +145,16 @@ def test_a_chunk_that_is_not_there_is_missing_samples(tmp_path, monkeypatch, how
     np.testing.assert_array_equal(read_pixels(path, 1), truth)
 
 
+def test_a_folder_in_place_of_a_chunk_is_missing_samples(tmp_path):
+    truth = 1 + RNG.random((20, 20)).astype(np.float32)
+    path = stored(tmp_path / "a.zarr", truth, chunks=(10, 10))
+    (path / "c" / "1" / "0").unlink()
+    (path / "c" / "1" / "0").mkdir()
+    truth[10:, :10] = np.nan
+    assert read_info(path).absent_chunks == 1
+    np.testing.assert_array_equal(read_pixels(path), truth)
+
+
 @pytest.mark.parametrize("packing", ["gzip", "zlib", "blosc"])
 @pytest.mark.parametrize("content", [b"", b"\x1f\x8b\x08", bytes(range(256)) * 9])
 def test_damaged_chunks_of_every_packing_are_refused(tmp_path, packing, content):
@@ -163,6 +177,38 @@ def test_a_chunk_of_blosc_cut_short_is_refused(tmp_path, version):
     chunk.write_bytes(chunk.read_bytes()[:-9])
     with pytest.raises(FileError, match=r"a\.zarr: is damaged: its chunk .* is cut short"):
         read_pixels(path)
+
+
+def test_a_shard_of_no_bytes_is_damage(tmp_path):
+    """The library gives the fill value for all of it."""
+    path = stored(tmp_path / "a.zarr", RNG.random((20, 20)), chunks=(5, 5), shards=(10, 10))
+    (path / "c" / "1" / "0").write_bytes(b"")
+    with pytest.raises(FileError, match=r"a\.zarr: is damaged: its chunk c/1/0 is cut short"):
+        read_pixels(path)
+
+
+READ = """
+import sys
+from core.errors import FileError
+from nodes.files.read import read_pixels
+try:
+    read_pixels(sys.argv[1])
+except FileError as error:
+    sys.exit(f"one line: {error}")
+"""
+
+
+def test_a_damaged_chunk_among_many_is_one_line(tmp_path):
+    """The library reads them side by side, and tells of those that are left over at the end."""
+    path = stored(tmp_path / "a.zarr", RNG.random((200, 200)), chunks=(10, 10))
+    (path / "c" / "0" / "0").write_bytes(b"abc")
+    done = subprocess.run(
+        [sys.executable, "-c", READ, str(path)], cwd=ROOT, capture_output=True, text=True,
+        timeout=100, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"one line: {path}: rows 0 to 200, columns 0 to 200 cannot be read: ")
 
 
 @pytest.mark.parametrize("name", ["c/1/0", "scene.zarr/zarr.json", "new"])
