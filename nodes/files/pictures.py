@@ -101,10 +101,16 @@ def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.
         band = checked_band(band, info.bands, file)
         if empty is np.empty:
             refuse_oversized(info)
-        if info.kind == "tiff" and (_is_misread(picture, file) or is_deflated(file)):
+        misread = info.kind == "tiff" and _is_misread(picture, file)
+        if misread or (info.kind == "tiff" and is_deflated(file)):
             plain = read_plain_tiff(info, band, empty=empty)
             if plain is not None:
                 return plain
+            if misread:
+                raise FileError(
+                    f"{path}: 64-bit samples in tiles or a single row cannot be read from it; "
+                    "allowed: photometric interpretation 1 (black is 0) or 2 (RGB), bits in order"
+                )
             check_deflate(file)
         values = _values(file, picture, info)
         samples = empty((info.rows, info.columns), delivered_dtype(np.dtype(info.dtype)))

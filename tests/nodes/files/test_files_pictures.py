@@ -167,6 +167,17 @@ def test_tiles_of_doubles_that_are_no_grey_or_colour_are_refused(tmp_path):
         read_pixels(path)
 
 
+@pytest.mark.parametrize("damage", [(262, 4, 129, 1), (266, 3, 1, 2)])
+def test_doubles_that_neither_reader_can_read_are_refused(tmp_path, damage):
+    """A directory of which the library makes a grey picture, and gives memory nobody wrote to."""
+    content = tiff_bytes(samples_of("f8", 20, 35), "f8", tile=16)
+    grey = struct.pack("<HHII", 262, 4, 1, 1)
+    path = tmp_path / "a.tif"
+    path.write_bytes(content.replace(grey, struct.pack("<HHII", *damage)))
+    with pytest.raises(FileError, match=r"a\.tif: 64-bit samples in tiles or a single row cannot"):
+        read_pixels(path)
+
+
 def test_damaged_tiles_of_doubles(tmp_path):
     path = tmp_path / "a.tif"
     whole = tiff_bytes(samples_of("f8", 20, 35), "f8", tile=16)
