@@ -24,6 +24,7 @@ from core.network.network import Network
 from nodes.files.common.table_cells import plain_cell
 
 MOST_POINTS = 1_000_000
+_MOST_BYTES = 1 << 27  # of a list: a hundred for each point; its cells take ten times as much
 Point = tuple[Any, ...]
 """A value for each axis."""
 
@@ -81,6 +82,8 @@ def listed_points(
     if path.exists() and not path.is_file():  # a pipe would be waited for
         raise FileError(f"cannot read {name}: it is no regular file")
     try:
+        if (length := path.stat().st_size) > _MOST_BYTES:
+            raise FileError(f"{name}: a list of {length} bytes; allowed: {_MOST_BYTES}")
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise FileError(f"cannot read {name}: {error.strerror or error}") from error

@@ -187,3 +187,11 @@ def test_points_from_a_pipe_are_refused_and_not_waited_for(tmp_path, network):
     os.mkfifo(tmp_path / "points.csv")
     with pytest.raises(FileError, match=r"cannot read .*points\.csv: it is no regular file"):
         listed_points(tmp_path / "points.csv", network, library=LIBRARY)
+
+
+def test_a_list_that_is_too_long_is_refused_before_it_is_read(tmp_path, network):
+    path = tmp_path / "points.csv"
+    path.write_text(f"{SIGMA}\n1\n")
+    os.truncate(path, 1 << 40)
+    with pytest.raises(FileError, match=r"points\.csv: a list of 1099511627776 bytes; allowed: "):
+        listed_points(path, network, library=LIBRARY)
