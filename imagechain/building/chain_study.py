@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from numbers import Integral
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
 
@@ -93,8 +94,11 @@ def study(
     ImagechainError
         If it cannot be carried out. A point that fails is a row.
     """
-    _check_kinds(chain, vary, over, save, sample, scheduler)
-    pages = [summary] if isinstance(summary, str | PathLike) else summary
+    _check_kinds(chain, vary, over, save, sample, output, scheduler)
+    counts = {"jobs": jobs, "points": points, "memory_bytes": memory_bytes, "threads": threads}
+    for name, count in counts.items():
+        if not (count is None or (isinstance(count, Integral) and count >= 0)):
+            raise UsageError(f"{name} = {count!r:.80} is not taken; give a whole number, 0 or more")
     rows = run_study(
         chain.network if isinstance(chain, Chain) else fspath(chain),
         folder=chain.folder if isinstance(chain, Chain) else None,
@@ -102,10 +106,13 @@ def study(
         over=over,
         sample=fspath(sample),
         points=points,
-        figures=[figures] if isinstance(figures, str) else figures,
+        figures=_texts("figures", figures, str, "NODE.READOUT, or a list of these"),
         saves=save,
         output=None if output is None else fspath(output),
-        summaries=[fspath(path) for path in pages],
+        summaries=[
+            fspath(path)
+            for path in _texts("summary", summary, str | PathLike, "a file, or a list of files")
+        ],
         jobs=jobs,
         scheduler=scheduler,
         memory_bytes=memory_bytes,
@@ -116,7 +123,13 @@ def study(
 
 
 def _check_kinds(
-    chain: object, vary: object, over: object, save: object, sample: object, scheduler: object
+    chain: object,
+    vary: object,
+    over: object,
+    save: object,
+    sample: object,
+    output: object,
+    scheduler: object,
 ) -> None:
     """Refuse objects of other kinds than are taken, before anything fails on them."""
     if not (isinstance(chain, Chain) or _is_path(chain)):
@@ -127,6 +140,8 @@ def _check_kinds(
         texts = list(given.values()) if isinstance(given, Mapping) else [given]
         if given is not None and not all(isinstance(text, str) for text in texts):
             raise _refused(name, given, "a mapping of texts, {'NODE.NAME': pattern}")
+    if not (output is None or _is_path(output)):
+        raise _refused("output", output, "the name of a .csv, .parquet or .nc file")
     if not _is_path(sample):
         raise _refused("sample", sample, "'grid', 'latin', or a .csv file of points")
     distributed = sys.modules.get("distributed")
@@ -138,12 +153,23 @@ def _check_kinds(
         raise _refused("scheduler", scheduler, what + "cluster.get_client())")
 
 
+def _texts(name: str, given: Any, kind: Any, taken: str) -> list[Any]:
+    """One or several."""
+    if given is None or isinstance(given, kind):
+        return [] if given is None else [given]
+    texts = list(given) if isinstance(given, Iterable) else [given]
+    for text in texts:
+        if not isinstance(text, kind):
+            raise _refused(name, text, taken)
+    return texts
+
+
 def _values(label: str, values: Any) -> str | Sequence[Any]:
     """Values of a parameter, those of an array as Python has them."""
     if isinstance(values, str) or (isinstance(values, Sequence) and not isinstance(values, bytes)):
         return values
-    if hasattr(values, "tolist") and np.ndim(values) == 1:  # of numpy, pandas or xarray
-        return list(values.tolist())
+    if hasattr(values, "__array__") and np.ndim(values) == 1:  # of numpy, pandas or xarray
+        return list(np.asarray(values).tolist())
     raise _refused(f"vary {label}", values, _VALUES)
 
 

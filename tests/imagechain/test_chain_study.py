@@ -10,6 +10,7 @@ import distributed
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 from numpy.typing import NDArray
 
 import imagechain as ic
@@ -69,6 +70,13 @@ KINDS = {
     "over": ({"over": {"scene.path": ["a.img"]}}, "over: dict is not taken; give a mapping of"),
     "save": ({"save": ["back.image"]}, "save: list is not taken; give a mapping of texts"),
     "cluster": ({"scheduler": Cluster()}, "scheduler: Cluster is not taken; give the address of"),
+    "figures": ({"figures": np.sin}, "figures: ufunc is not taken; give NODE.READOUT, or a list"),
+    "figure": ({"figures": [len]}, "figures: builtin_function_or_method is not taken; give NODE"),
+    "output": ({"output": 3}, "output: int is not taken; give the name of a .csv, .parquet or"),
+    "summary": ({"summary": 3}, "summary: int is not taken; give a file, or a list of files"),
+    "jobs": ({"jobs": "2"}, "jobs = '2' is not taken; give a whole number, 0 or more"),
+    "fewer": ({"jobs": -2}, "jobs = -2 is not taken; give a whole number, 0 or more"),
+    "memory": ({"memory_bytes": "1GB"}, "memory_bytes = '1GB' is not taken; give a whole number"),
     "none": ({"scheduler": None}, "scheduler: NoneType is not taken; give the address of a Dask"),
 }
 
@@ -82,7 +90,11 @@ def test_other_kinds_are_refused_in_one_line(chain, words, why):
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("values", [np.array([0.0, 1.0]), (0.0, 1.0), range(2), pd.Series([0, 1])])
+@pytest.mark.parametrize(
+    "values",
+    [np.array([0.0, 1.0]), (0.0, 1.0), range(2), pd.Series([0, 1]), xr.DataArray([0.0, 1.0])],
+    ids=lambda values: type(values).__name__,
+)
 def test_values_in_other_sequences(chain, values):
     found = ic.study(chain, vary={"blur.sigma_x_mrad": values}, figures=["total.mtf_nyquist_x"])
     assert found["blur.sigma_x_mrad"] == [0.0, 1.0]
