@@ -291,8 +291,9 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         count = outputs.image.header.bad_bands
         if not count:
             return None
+        bands = "1 band is" if count == 1 else f"{count} bands are"
         return Caution(
-            f"{count} bands are left out, which the header marks as bad (bbl = 0)",
+            f"{bands} left out, which the header marks as bad (bbl = 0)",
             "remove bbl from the header, if their samples are sound",
         )
 

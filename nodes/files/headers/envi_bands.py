@@ -137,6 +137,11 @@ def band_ends_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.flo
             "so that its bands cannot be integrated"
         )
     centres = np.asarray(info.wavelengths_um)
+    if len(info.bad_bands) == len(centres):
+        raise FileError(
+            f"{info.path}: the header marks all its bands as bad (bbl = 0); remove bbl from the "
+            "header, if their samples are sound"
+        )
     if info.fwhm_um is not None:
         half = np.asarray(info.fwhm_um) / 2
         half[list(info.bad_bands)] = 0.0

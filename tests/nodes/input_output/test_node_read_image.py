@@ -140,10 +140,17 @@ def test_bands_that_the_header_marks_as_bad_are_left_out(tmp_path, fwhm, params)
     truth = np.tensordot(weights, cube[[0, 1, 3]], 1)
     np.testing.assert_allclose(bench.value("in.image"), truth, rtol=1e-14)
     said = said_by(bench)
-    assert any("1 bands are left out, which the header marks as bad (bbl = 0)" in it for it in said)
+    assert any("1 band is left out, which the header marks as bad (bbl = 0)" in it for it in said)
     assert any("the bands cover 75 % of the wavelengths, 7.5 to 11.5 µm" in it for it in said) == (
         fwhm is not None
     )
+
+
+@pytest.mark.parametrize("fwhm", [{}, {"fwhm": "{1, 1, 1, 1}"}])
+def test_a_cube_of_which_all_bands_are_bad_is_refused(tmp_path, fwhm):
+    envi(tmp_path, np.ones((4, 3, 5)), **BANDS, **fwhm, bbl="{0, 0, 0, 0}")
+    with pytest.raises(FileError, match="marks all its bands as bad"):
+        reading(tmp_path, path="x.img", bands="all").value("in.image")
 
 
 @pytest.mark.parametrize(
