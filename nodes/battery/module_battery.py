@@ -31,6 +31,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.evaluation.region import Region
 from core.modules.declaration import Declaration, Module, declaration
 from core.modules.parameters import Parameter, plain
+from core.noise.noise_power import NoisePower
 from core.transfer.product import Product
 from nodes.battery.small_network import IT, planned
 
@@ -97,7 +98,7 @@ def faults_of(
             trial = _Trial(module, dict(params), scene, folder or Path(empty))
             name = json.dumps(trial.params, ensure_ascii=False)
             checks = [_of_values, _of_precision, _of_regions, _of_keys, _of_steps, _of_gain]
-            checks.append(_of_readouts)
+            checks += [_of_noise, _of_readouts]
             for check in checks:
                 faults += _safely(name, partial(check, trial))
             faults += _safely(name, partial(_of_transfer, trial, passive))
@@ -330,6 +331,22 @@ def _of_gain(trial: _Trial) -> Iterator[str]:
                 f"output {name}: a brighter scene is {measured:.4g} times as much brighter, and "
                 f"the step says {gain:.4g}: give its linear change in picture_step"
             )
+
+
+def _of_noise(trial: _Trial) -> Iterator[str]:
+    """What a step makes of noise that was there."""
+    engine, plan = trial.planned()
+    work = engine.work(Policy(precision="double"))
+    for name, wire in plan.nodes[IT].outputs.items():
+        lineage = wire.recipe.lineage if isinstance(wire, Image) else None
+        if lineage is None or lineage.picture is None:
+            continue
+        rows, columns = lineage.linear.size_before(*wire.shape)
+        white = NoisePower.white(rows, columns, 1.0)
+        behind = lineage.linear.carried(work, white, temporal=True)
+        variance = 0.0 if behind is None else behind.moments().sample
+        if not (math.isfinite(variance) and variance >= 0):
+            yield f"output {name}: noise of variance 1 gets a variance of {variance}"
 
 
 def _of_readouts(trial: _Trial) -> Iterator[str]:

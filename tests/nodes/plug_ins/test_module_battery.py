@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from core.chain.wires import Context, Image, Magnitude
 from core.evaluation.recipes import Step, pointwise
+from core.lineage.linear_change import Linear
 from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
@@ -151,6 +153,40 @@ class Doubling(_Image, key="a.doubling", title="Doubling", group="A"):
     step = staticmethod(doubled)
 
 
+@dataclass(frozen=True)
+class Careless(Linear):
+    """What becomes of noise in a step that is careless about it."""
+
+    factor: float | None
+
+    def noise(self, work, power):  # noqa: ARG002  (as the engine calls it)
+        return power.scaled(1.0 * self.factor)
+
+
+@picture_step(linear=lambda image, *, factor: Careless(factor))  # noqa: ARG005
+@pointwise
+def passed_on(work, image, *, factor):
+    return image
+
+
+class NoNoise(_Image, key="a.no_noise", title="No Noise", group="A"):
+    """Fails where noise comes."""
+
+    step = staticmethod(passed_on)
+
+    def bound(self):
+        return {"factor": None}
+
+
+class BadNoise(_Image, key="a.bad_noise", title="Bad Noise", group="A"):
+    """Makes noise that is no number."""
+
+    step = staticmethod(passed_on)
+
+    def bound(self):
+        return {"factor": float("inf")}
+
+
 class Silent(_Image, key="a.silent", title="Silent", group="A"):
     step = staticmethod(forgetful)
     gain: Annotated[float, Param("A gain.", low=0)] = 1.0
@@ -193,6 +229,8 @@ class Untyped(Module, key="a.untyped", title="Untyped", group="A"):
         (Undeclared, ["undeclared does not say what becomes of a picture"]),
         (Forgetful, ["output image keeps its key when gain = 1.37 changes it"]),
         (Doubling, ["a brighter scene is 2 times as much brighter, and the step says 1"]),
+        (NoNoise, ["TypeError in place of an error in words: unsupported operand"]),
+        (BadNoise, ["output image: noise of variance 1 gets a variance of inf"]),
         (Infinite, ["does not run: it: the numbers leave the range"]),
         (Rough, ["output image in single precision is", "of the range off"]),
         (ByPart, ["a part of it is", "of the range off the whole"]),
