@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
+import json
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
-from app.bench.measuring.bench_settings import PARTS, Settings
-from app.bench.measuring.bench_tables import Table, terminal_text
-from app.bench.measuring.isolation import isolate
-from app.bench.measuring.machine import machine_facts
-from app.bench.pages.bench_files import Facts, Files
-from app.editor.qt_libraries import check_libraries
+from app.bench.tables import Table
+from app.bench.timing import SIZE, Settings, isolate, machine_facts, machine_words
 from app.options.command_options import Options
+from app.run.readout_tables import jsonable
+from app.run.staging import Staging
+from core.atomic import write_text
+from core.evaluation.policy import Policy
 
-_MEASURED_BY = {
-    "speed": "speed.network_speed",
-    "precision": "precision.precision_parts",
-    "peers": "peers.peers_compared",
-    "editor": "speed.editor_speed",
-    "scale": "scale.scale_parts",
-    "measure": "speed.measure_parts",
+PARTS = {
+    "speed": "Speed",
+    "precision": "Time against error",
+    "peers": "Beside other programs",
+    "studies": "Studies",
+    "measure": "Measuring pictures, and fitting to them",
 }
+TITLE = "Imagechain: run time against error"
+LEAD = (
+    "Time is given in T0, the bare round trip irfft2(rfft2(image)) of the same image, type and "
+    "threads, measured in turn with the subject: what any Fourier method has to pay. Medians of "
+    "the ratios of pairs."
+)
+Measures = Sequence[Callable[[Settings], list[Table]]]
+Measured = Mapping[str, Sequence[Table]]
 
 
 def bench(options: Options) -> None:
@@ -31,53 +40,86 @@ def bench(options: Options) -> None:
     Raises
     ------
     ImagechainError
-        If a file cannot be written, or the window is to be measured and Qt cannot be loaded.
+        If a file cannot be written, or a size cannot be taken.
     """
-    isolate(options)
-    settings = Settings.of(options)
-    if "editor" in settings.parts:
-        check_libraries(window=False)
+    isolate()
+    settings = Settings(SIZE if options.size is None else options.size, options.quick)
+    files = [path for path in (options.bench_json, options.bench_html) if path is not None]
+    with Staging(None) as staging:
+        for path in files:
+            staging.claim(path)
+        names = [name for name in PARTS if name in (options.parts or PARTS)]
+        wanted = {name: import_module(f"app.bench.{name}").MEASURES for name in names}
+        facts, parts = measured(wanted, PARTS, settings)
+        if options.bench_json is not None:
+            text = json.dumps(jsonable(facts), indent=1, ensure_ascii=False, allow_nan=False)
+            _stage(staging, options.bench_json, text + "\n")
+        if options.bench_html is not None:
+            _stage(staging, options.bench_html, _page(facts, parts))
+        staging.commit()
+    print(f"{facts['seconds']:.0f} s" + "".join(f"; wrote {path}" for path in files))
+
+
+def measured(
+    parts: Mapping[str, Measures], titles: Mapping[str, str], settings: Settings
+) -> tuple[dict[str, Any], Measured]:
+    """Facts of the JSON file, and the tables of each part; printed as soon as they are there."""
     start = time.perf_counter()
-    facts: Facts = {
+    machine = machine_facts()
+    facts: dict[str, Any] = {
         "format": "imagechain-bench",
         "version": 1,
         "date": time.strftime("%Y-%m-%d %H:%M %z"),
-        "machine": machine_facts(),
-        "settings": settings.facts(),
-    }
-    files = Files.of(options, settings)
-    with files.staging() as staging:
-        print(_heading(facts), flush=True)
-        parts = {name: _measured(name, settings) for name in settings.parts}
-        facts["seconds"] = time.perf_counter() - start
-        facts["parts"] = {name: [t.facts() for t in tables] for name, tables in parts.items()}
-        files.write(staging, facts, parts, settings)
-        staging.commit()
-    print(f"{facts['seconds']:.0f} s" + "".join(f"; wrote {path}" for path in files.named()))
-
-
-def _measured(name: str, settings: Settings) -> list[Table]:
-    print(f"\n== {PARTS[name]} ==", flush=True)
-    tables = []
-    for measure in _measures(name):
-        for table in measure(settings):
-            print("\n" + terminal_text(table), flush=True)
-            tables.append(table)
-    return tables
-
-
-def _measures(name: str) -> Sequence[Callable[[Settings], list[Table]]]:
-    module: Any = import_module(f"app.bench.{_MEASURED_BY[name]}")
-    measures: Sequence[Callable[[Settings], list[Table]]] = module.MEASURES
-    return measures
-
-
-def _heading(facts: Facts) -> str:
-    machine = facts["machine"]
+        "machine": machine,
+        "settings": {"parts": list(parts), "size": settings.size, "quick": settings.quick,
+                     "pairs": settings.pairs, "threads": Policy().workers},
+    }  # fmt: skip
     versions = ", ".join(f"{name} {release}" for name, release in machine["versions"].items())
-    return (
+    print(
         f"{machine['processor']}, {machine['usable_cores']} of {machine['cores']} cores, "
         f"load {machine['load']:.1f}; {versions}; periodic frames by {machine['fft']}\n"
         "T0 = scipy.fft.irfft2(scipy.fft.rfft2(image)), same image, type and threads, measured in "
-        "turn with the subject"
+        "turn with the subject",
+        flush=True,
     )
+    tables: dict[str, list[Table]] = {}
+    for name, measures in parts.items():
+        print(f"\n== {titles[name]} ==", flush=True)
+        tables[name] = []
+        for table in (table for measure in measures for table in measure(settings)):
+            print("\n" + table.terminal(), flush=True)
+            tables[name].append(table)
+    facts["seconds"] = time.perf_counter() - start
+    facts["parts"] = {name: [table.facts() for table in made] for name, made in tables.items()}
+    return facts, tables
+
+
+def _page(facts: Mapping[str, Any], parts: Measured) -> str:
+    """One HTML page that needs no other file."""
+    from app.bench.charts import chart_png
+    from app.report.blocks import Block, Drawn, Grid, Heading, Text
+    from app.report.html_page import html_page
+
+    settings = facts["settings"]
+    run = [*machine_words(facts["machine"]), f"{settings['threads']} threads"]
+    run += [*(["quick"] if settings["quick"] else []), facts["date"], f"{facts['seconds']:.0f} s"]
+    blocks: list[Block] = [Heading(1, TITLE), Text(LEAD, "lead"), Text(" · ".join(run), "run")]
+    for name, tables in parts.items():
+        blocks.append(Heading(2, PARTS[name]))
+        for table in tables:
+            blocks += [Heading(3, table.title), *([Text(table.text)] if table.text else [])]
+            drawn = chart_png(table, titled=False)
+            if drawn is not None and table.chart is not None:
+                blocks.append(Drawn(drawn, table.chart.title or table.title, table.title))
+            cells = table.cells()
+            told = {cell for row in cells for cell in row if cell.startswith(("met", "missed"))}
+            marks = {cell: "good" if cell.startswith("met") else "bad" for cell in told}
+            judged = {index: marks for index, head in enumerate(table.heads) if head == "verdict"}
+            if cells:
+                heads = list(table.heads.values())
+                blocks.append(Grid(heads, cells, numbers=table.numeric(), marks=judged))
+    return html_page(TITLE, blocks)
+
+
+def _stage(staging: Staging, target: Path, text: str) -> None:
+    staging.write(target, lambda path: write_text(path, text))

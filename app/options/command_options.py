@@ -125,8 +125,6 @@ class Options:
     only_path: bool = False
     bench_json: Path | None = None
     bench_html: Path | None = None
-    bench_markdown: Path | None = None
-    bench_pictures: Path | None = None
     quick: bool = False
     parts: tuple[str, ...] = ()
     size: int | None = None
@@ -181,8 +179,6 @@ def parse(argv: list[str]) -> Options:
             "bench",
             bench_json=file_path("--json", arguments.json),
             bench_html=file_path("--html", arguments.html),
-            bench_markdown=file_path("--markdown", arguments.markdown),
-            bench_pictures=file_path("--pictures", arguments.pictures),
             quick=arguments.quick,
             parts=tuple(arguments.only),
             size=whole_number("--size", arguments.size),

@@ -9,7 +9,7 @@ from app.options.option_values import OUTPUTS, REPORTS, STUDIES, SUMMARIES
 from nodes.files.common.file_format import suffixes
 from nodes.files.formats import SAVED
 
-BENCH_PARTS = ("speed", "precision", "peers", "editor", "scale", "measure")
+BENCH_PARTS = ("speed", "precision", "peers", "studies", "measure")
 SCREENSHOT_PARTS = ("window", "canvas", "panel", "curves", "picture")
 
 
@@ -428,13 +428,6 @@ def bench_words(parser: argparse.ArgumentParser) -> None:
     add: Any = parser.add_argument
     add("--json", metavar="FILE", help="write every figure, for programs")
     add("--html", metavar="FILE", help="write a page with tables and pictures")
-    add(
-        "--markdown",
-        metavar="FILE",
-        help="write the tables of speed and peers, in a file that is there between its lines "
-        "<!-- bench table --> and <!-- end of bench table -->",
-    )
-    add("--pictures", metavar="DIR", help="write each picture as bench_NAME.png")
     add("--quick", action="store_true", help="fewer repetitions and sizes")
     add(
         "--only",

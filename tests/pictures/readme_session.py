@@ -13,7 +13,6 @@ from pathlib import Path
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
 from PySide6.QtWidgets import QSlider
 
-from app.editor.measures.slider_drag import handle_of
 from app.editor.window.documents.opening import Opened, open_named
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.main_window import MainWindow
@@ -25,6 +24,7 @@ from core.editing.fields import set_parameter
 from core.network.network import Link
 from nodes.library import standard_library
 from screen_places import place_of_head, place_of_module, place_of_wire
+from slider_drag import handle_of
 
 NETWORK = "first_steps"
 FRAMES_PER_S = 10

@@ -5,15 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.bench.measuring.bench_settings import Settings
-from app.bench.measuring.bench_tables import Chart, Table, figure_text, verdict
-from app.bench.measuring.timing import paired
-from app.bench.pages import charts
-from app.bench.pages.chart_labels import Label, place_labels
-from app.bench.pages.chart_looks import drawing
-from app.bench.pages.charts import chart_png
-from app.bench.pages.markdown import END, START, fragment
-from app.bench.speed.growth import judge_steps
+from app.bench import charts
+from app.bench.charts import chart_png
+from app.bench.tables import Chart, Table, figure_text, verdict
+from app.bench.timing import paired
 
 
 @pytest.mark.parametrize(
@@ -44,49 +39,8 @@ def test_pairs_are_ratios_of_neighbours():
     units = iter([9.0, 1.0, 2.0, 4.0, 7.0, 5.0, 6.0])
     subjects = iter([9.0, 3.0, 4.0, 40.0])
     found = paired(lambda: next(subjects), lambda: next(units), pairs=3, warm_up=1)
-    assert found.ratio == 3.0  # 3, 2 and 10
-    assert (found.seconds, found.t0_seconds, found.alone_seconds) == (4.0, 2.0, 6.0)
-
-
-def grown(*ratios, spread=0.01, first=512):
-    return [
-        {"size": first * 2**step, "t0": t0, "low": t0 - spread, "high": t0 + spread, "pairs": 9}
-        for step, t0 in enumerate(ratios)
-    ]
-
-
-def test_growth_that_falls_in_every_step_is_met():
-    rows = grown(3.0, 2.5, 2.4, 2.2, 2.1)
-    assert judge_steps(rows) == (
-        "Met, aim too: every step falls. From 512² to 8192², all that was measured: 0.70 ×."
-    )
-    assert [row.get("step_verdict") for row in rows] == [None, *["met: falls"] * 4]
-
-
-def test_growth_that_rises_in_one_step_is_missed_though_the_ends_fall():
-    rows = grown(3.0, 2.0, 2.2, 1.8, 1.5)
-    told = judge_steps(rows)
-    assert told.startswith("Missed: rises 1024² → 2048² by 10% ± ")
-    assert "not increasing" not in told
-    assert rows[2]["step_verdict"] == "missed: rises by 10%"
-    assert rows[2]["step"] == pytest.approx(1.1)
-
-
-def test_growth_that_the_spread_can_explain_is_undecided():
-    """A rise of 2 %; quartiles 0.2 apart give each median an error of 0.06, 3 % of it."""
-    rows = grown(2.0, 2.04, spread=0.1)
-    assert judge_steps(rows).startswith("Undecided: rises 512² → 1024² by 2% ± 9%")
-    assert rows[1]["step_verdict"] == "rises, within ±"
-    assert rows[1]["margin"] == pytest.approx(
-        2 * 1.253 * 0.2 / 1.349 / 3 / 2 * np.sqrt(2), rel=0.02
-    )
-
-
-def test_growth_is_judged_from_512_on():
-    rows = grown(1.0, 5.0, 4.0, first=256)
-    assert judge_steps(rows).startswith("Met")
-    assert "step" not in rows[1]
-    assert judge_steps(grown(1.0, 5.0, first=128)).startswith("Not judged")
+    assert found["t0"] == 3.0  # 3, 2 and 10
+    assert (found["ms"], found["t0_ms"], found["alone_ms"]) == (4e3, 2e3, 6e3)
 
 
 ROWS = (
@@ -98,25 +52,7 @@ HEADS = {"choice": "choice", "t0": "T0", "error": "error", "kind": "kind"}
 
 
 def table(rows=ROWS, **chart):
-    drawn = Chart("t0", "error", "time (T0)", "error", "choice", **chart)
-    return Table("t", "Title", HEADS, rows, "Text.", drawn, ("choice", "t0"), ("kind", "one"))
-
-
-def test_fragment_holds_the_short_forms():
-    facts = {
-        "date": "2026-01-02 03:04 +0000",
-        "machine": {"processor": "P", "cores": 4, "usable_cores": 2, "memory_bytes": 2**33,
-                    "load": 0.25, "fft": "F", "versions": {"numpy": "2"}},
-    }  # fmt: skip
-    longer = Table("u", "Other", HEADS, ROWS)
-    text = fragment(facts, {"speed": [table(), longer]}, Settings(("speed",)))
-    lines = text.splitlines()
-    assert (lines[0], lines[-1]) == (START, END)
-    assert "on 2026-01-02: P, 2 of 4 cores, 8 GiB, load 0.2 at the start, numpy 2" in lines[2]
-    assert lines[4:11] == [
-        "**Title**", "", "| choice | T0 |", "| --- | ---: |", "| a\\|b | 1.5 |", "| c | 3 |", "",
-    ]  # fmt: skip
-    assert "Other" not in text
+    return Table("t", "Title", HEADS, rows, "Text.", Chart("error", "choice", **chart))
 
 
 @pytest.mark.parametrize("chart", [{}, {"group": "choice"}, {"lines": True, "floor": (1e-5, "f")}])
@@ -129,48 +65,32 @@ def test_picture_of_what_was_measured(chart):
     assert chart_png(table(**chart), titled=False) != drawn
 
 
-def test_a_name_has_the_colour_of_its_points(monkeypatch):
-    noted = []
-
-    def placed(axis, labels, *others):
-        noted.append((axis, labels))
-        place_labels(axis, labels, *others)
-
-    monkeypatch.setattr(charts, "place_labels", placed)
-    rows = [
-        {"choice": str(k), "t0": 1.0 + k, "error": 10.0**-k, "kind": "aabbc"[k]} for k in range(5)
-    ]
-    assert chart_png(table(rows, group="kind")) is not None
-    ((axis, labels),) = noted
-    colours = {tuple(line.get_xdata()): line.get_color() for line in axis.get_lines()}
-    names = {label.text: label.colour for label in labels if label.bold}
-    assert names == {
-        "a": colours[1.0, 2.0], "b": colours[3.0, 4.0], "c": colours[(5.0,)],
-    }  # fmt: skip
-    assert len(set(names.values())) == 3
-
-
 def test_no_picture_of_nothing():
     assert chart_png(table(ROWS[2:])) is None
     assert chart_png(Table("t", "Title", HEADS, ROWS)) is None
     assert chart_png(table(where=("kind", "three"))) is None
 
 
-def test_words_hide_neither_marks_nor_each_other():
+def test_words_hide_neither_marks_nor_each_other(monkeypatch):
     """Points in a cluster: their words find free places inside the axes."""
-    drawn_random = np.random.default_rng(4)
-    points = [(float(x), float(y)) for x, y in drawn_random.uniform(0.4, 0.6, (9, 2))]
-    points += [(0.0, 0.0), (1.0, 1.0)]
-    with drawing(4.9, "Title") as (drawn, _):
-        axis = drawn.subplots()
-        axis.set(xlim=(0, 1), ylim=(0, 1))
-        labels = [Label(f"word {number}", (place,), "k") for number, place in enumerate(points)]
-        place_labels(axis, labels, points, [], [], 9.5)
-        drawn.canvas.draw()
-        boxes = np.array([text.get_window_extent().extents for text in axis.texts])
-        marks = axis.transData.transform(points)
+    drawn, write = [], charts._write
+
+    def written(axis, words, points, curves, notes):
+        write(axis, words, points, curves, notes)
+        boxes = [text.get_window_extent().extents for text in axis.texts if text not in notes]
         frame = axis.get_window_extent().extents
-    assert len(boxes) == len(points)
+        drawn.append((np.array(boxes), axis.transData.transform(points), frame))
+
+    monkeypatch.setattr(charts, "_write", written)
+    random = np.random.default_rng(4)
+    rows = [
+        {"choice": f"word {number}", "t0": 10.0**x, "error": 10.0**y}
+        for number, (x, y) in enumerate(random.uniform(0.5, 1.5, (9, 2)))
+    ]
+    rows += [{"choice": f"end {x}", "t0": 10.0**x, "error": 10.0**x} for x in (-1.0, 3.0)]
+    assert chart_png(table(rows)) is not None
+    ((boxes, marks, frame),) = drawn
+    assert len(boxes) == len(marks) == len(rows)
     for number, box in enumerate(boxes):
         assert np.all(box[:2] >= frame[:2] - 1)
         assert np.all(box[2:] <= frame[2:] + 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.bench.measuring.isolation import STEADY
+from app.bench.timing import STEADY
 from app.editor import qt_libraries
 from app.editor.qt_libraries import DRAWING, WINDOW, check_libraries
 from child_process import ROOT
@@ -34,7 +34,6 @@ TOLD = (
     [
         ["edit", "first_steps"],
         ["edit", "first_steps", "--screenshot", "w.png"],
-        ["bench", "--quick", "--only", "editor"],
     ],
 )
 def test_all_that_is_missing_is_told_in_one_line(words, broken, imagechain_process, tmp_path):

@@ -281,6 +281,6 @@ def test_nothing_else_starts_a_python():
     # The benchmark runs what `own_process` gives; own_packages looks at its own process.
     assert places == {
         "app/run/own_process.py",
-        "app/bench/measuring/isolation.py",
+        "app/bench/timing.py",
         "imagechain/own_packages.py",
     }

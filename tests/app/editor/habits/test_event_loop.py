@@ -1,7 +1,7 @@
 """The window goes on whatever the worker computes, and shows pictures while it is edited.
 
 How long its event loop stands still, and how many pictures a second it shows, depends on the
-machine: ``imagechain bench --only editor`` measures that. Here events are counted.
+machine: ``tests/benchmarks/run.py --only editor`` measures that. Here events are counted.
 """
 
 import itertools
@@ -12,11 +12,11 @@ from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.measures.slider_drag import handle_of, measured, open_slider
-from app.editor.measures.trial_window import PaintedPictures
 from core.editing.fields import set_parameter
 from editor_queries import Asking, Gate, Readouts, Samples
 from scripted_drag import drag
+from slider_drag import handle_of, measured, open_slider
+from trial_window import PaintedPictures
 
 FINAL = Samples("frame_grabber.image")
 LEFT = Qt.MouseButton.LeftButton

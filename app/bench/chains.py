@@ -1,0 +1,208 @@
+"""Networks with their scene in memory, evaluated from nothing any number of times."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from app.run.shipped import find_network
+from core.chain.engine import Engine, Plan
+from core.evaluation.policy import Policy, Precision
+from core.evaluation.store import Store
+from core.network.file import load_network
+from core.network.network import Link, Network, Node
+from nodes.library import standard_library
+
+SCENE = "scene.image"
+KODAK = "kodak_kir310"
+PIXELS, FINAL = "pixels.image", "frame_grabber.image"
+SHIPPED_SIZE, GRABBER_LINES = 1024, 486
+OPTICS, CAMERA = "back.image", "camera.image"
+Nodes = Mapping[str, tuple[str, Mapping[str, Any]]]
+_FOCAL_PLANE = {
+    "integration_time_s": 0.004, "optics_transmission": 0.8, "optics_K": 293.0,
+    "dark_current_e_per_s": 1e5, "full_well_e": 7e6, "nonlinearity_percent": 1.0,
+    "read_noise_e": 400.0, "prnu_percent": 0.3, "dsnu_e": 200.0, "bad_pixel_percent": 0.3,
+    "bits": 14,
+}  # fmt: skip
+
+
+class SceneStore(Store):
+    """A store that keeps one value whatever happens: the picture a run starts with."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._held: dict[str, Any] = {}
+
+    def hold(self, key: str, value: Any) -> None:
+        """Keep a value for ever."""
+        self._held[key] = value
+
+    def peek(self, key: str, default: Any = None) -> Any:
+        """As the store's own, with what is held."""
+        held = self._held.get(key)
+        return super().peek(key, default) if held is None else held
+
+    def keys(self) -> set[str]:
+        """What is there now."""
+        with self._lock:
+            return set(self._values)
+
+    def forget_all_but(self, keys: set[str]) -> None:
+        """Drop what has come since."""
+        with self._lock:
+            for key in [key for key in self._values if key not in keys]:
+                self._bytes -= self._values.pop(key)[1]
+
+
+class Chain:
+    """An engine, a network and its scene; whatever is timed returns its own seconds.
+
+    Samples of a `scene` stand in place of the node's own, so that two policies start from the same.
+    """
+
+    def __init__(self, network: Network, policy: Policy, scene: Any = None) -> None:
+        self.network = network
+        self.policy = policy
+        self.store = SceneStore()
+        self.engine = Engine(standard_library(), self.store)
+        self.work = self.engine.work(policy)
+        self.scene = self.value(network, SCENE) if scene is None else scene.astype(policy.dtype)
+        key = self.engine.plan(network).output(SCENE).recipe.key
+        self.store.hold(f"{key}/{policy.key}", self.scene)
+        self.store.clear()
+        self._edits = 0
+
+    def value(self, network: Network, port: str) -> Any:
+        """What a port gives."""
+        return self.engine.value(self.engine.plan(network), port, self.work)
+
+    def left_by(self, port: str) -> set[str]:
+        """Keys of what a port's value leaves in an empty store."""
+        self.store.clear()
+        self.value(self.network, port)
+        return self.store.keys()
+
+    def cold(self, network: Network, port: str, readouts: tuple[str, ...] = ()) -> float:
+        """Seconds from an empty store to the value of a port, and the read-outs of nodes."""
+        self.store.clear()
+        start = time.perf_counter()
+        plan = self.engine.plan(network)
+        self.engine.value(plan, port, self.work)
+        for node in readouts:
+            self.engine.readouts(plan, node, self.work)
+        return time.perf_counter() - start
+
+    def edited(
+        self, port: str, known: set[str], edit: tuple[str, str, tuple[Any, ...]] | None = None
+    ) -> float:
+        """Seconds to a port's value with what is `known`, of `left_by`, and all else forgotten.
+
+        Perhaps after an edit of a node's parameter, which takes its values in turn.
+        """
+        self.store.forget_all_but(known)
+        network = self.network
+        if edit is not None:
+            node, parameter, values = edit
+            self._edits += 1
+            value = values[self._edits % len(values)]
+            network = network.with_parameter(node, parameter, value)
+        return self.looked_at_again(port, self.engine.plan(self.network), network)
+
+    def looked_at_again(self, port: str, before: Plan, network: Network) -> float:
+        """Seconds to plan a network from the plan before and look at a port."""
+        start = time.perf_counter()
+        plan = self.engine.plan(network, previous=before)
+        self.engine.value(plan, port, self.work)
+        return time.perf_counter() - start
+
+
+class Kodak(Chain):
+    """The Kodak KIR-310 network, its scene of `size`² samples."""
+
+    def __init__(
+        self, size: int, precision: Precision = "single", scene: Any = None, threads: int = 0
+    ) -> None:
+        super().__init__(kodak_network(size), Policy(precision, threads=threads), scene)
+
+    def without_photons(self) -> Network:
+        """The network without photon noise."""
+        return self.network.with_parameter("photons", "percent", 0.0)
+
+
+class Camera(Chain):
+    """A cooled camera of today on a scene of `size` by `rows`, with every noise of its plane."""
+
+    def __init__(self, size: int, threads: int = 0, rows: int | None = None) -> None:
+        rows = size if rows is None else rows
+        scene = {
+            "kind": "dormitory", "width": size, "height": rows, "fov_x_deg": 8.8,
+            "fov_y_deg": 8.8 * rows / size, "cut_on_um": 3.7, "cut_off_um": 4.8,
+        }  # fmt: skip
+        sensor = {
+            "detector_x_um": 15.0, "detector_y_um": 15.0, "focal_length_mm": 100.0,
+            "f_number": 4.0, "platform": "array",
+        }  # fmt: skip
+        stages: Nodes = {
+            "detector": ("detector_mtf", {}),
+            "jitter": ("jitter_mtf", {"sigma_mrad": 0.05}),
+        }
+        plane: Nodes = {"camera": ("focal_plane", _FOCAL_PLANE)}
+        network = sensor_network(("test_scene", scene), sensor, stages, plane)
+        super().__init__(network, Policy("single", threads=threads))
+
+
+def kodak_network(size: int) -> Network:
+    """The shipped network at another size of its scene, its frame grabber in proportion."""
+    network = load_network(find_network(KODAK).path, library=standard_library())
+    lines = max(1, round(size * GRABBER_LINES / SHIPPED_SIZE))
+    for node, width, height in (("scene", size, size), ("frame_grabber", size // 2, lines)):
+        network = network.with_parameter(node, "width", width)
+        network = network.with_parameter(node, "height", height)
+    return network
+
+
+def sensor_network(
+    scene: tuple[str, Mapping[str, Any]],
+    init: Mapping[str, Any],
+    stages: Nodes,
+    behind: Nodes = MappingProxyType({}),
+    disc: tuple[float, float] | None = None,
+) -> Network:
+    """Scene, MTFs in turn, picture, and what makes pictures of it.
+
+    Parameters
+    ----------
+    scene : (module, parameters)
+        The node `scene`.
+    init : mapping
+        Parameters of the sensor.
+    stages, behind : mapping of name to (module, parameters)
+        MTFs between `init` and `back`, and what takes the image behind that.
+    disc : (diameter, wavelength), optional
+        A clear aperture before all stages: of a pupil `pupil` the MTF `optics`; mm, µm.
+    """
+    nodes: dict[str, tuple[str, Mapping[str, Any]]] = {"scene": scene, "init": ("init_trans", init)}
+    links = [(SCENE, "init.image"), ("init.phase", "back.phase")]
+    if disc is not None:
+        side_cm, wavelength = 0.2 * disc[0], disc[1]
+        optics = {"cut_on_um": wavelength, "cut_off_um": wavelength}
+        optics |= {"size_x_cm": side_cm, "size_y_cm": side_cm}
+        nodes["pupil"] = ("exit_pupil", {"size_x": 512, "size_y": 512, "radius": 128.0})
+        stages = {"optics": ("exit_pupil_mtf", optics), **stages}
+        links += [("pupil.pupil", "optics.pupil"), ("init.phase", "optics.phase")]
+    before = "init"
+    for stage in stages:
+        links += [("init.context", f"{stage}.context")]
+        links += [(f"{before}.magnitude", f"{stage}.magnitude")]
+        before = stage
+    links.append((f"{before}.magnitude", "back.magnitude"))
+    nodes |= {**stages, "back": ("back_transform", {}), **behind}
+    for node in behind:
+        links += [("back.image", f"{node}.image"), ("init.context", f"{node}.context")]
+    return Network(
+        nodes={name: Node(name, key, dict(params)) for name, (key, params) in nodes.items()},
+        links=tuple(Link.between(*link) for link in links),
+    )

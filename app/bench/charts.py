@@ -1,0 +1,192 @@
+"""Pictures of tables: time against error, and bars with their targets."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+from itertools import pairwise, product
+from typing import Any
+
+import numpy as np
+
+from app.bench.tables import Chart, Row, Table, figure_text
+from app.report.drawing.picture_drawing import figure
+from app.report.drawing.plain_matplotlib import load_matplotlib
+
+WIDTH, HEIGHT = 8.2, 4.9  # inches
+# Distinct in every kind of colour vision (Okabe and Ito 2008), their light ones darkened for
+# letters on white.
+COLOURS = ("#0072B2", "#D55E00", "#00805C", "#A8508A", "#8A6D00", "#2B2B2B", "#3C9BD6")
+FAINT, DARK, OTHER = "#8a8a8a", "#333333", "#9a9a9a"
+MARKS = "osD^vPX"
+MARK_PX = 9.0  # half a mark's width, with some room
+LEAST = 1e-16  # no error at all has no place on a logarithmic axis: it is drawn at rounding
+STYLE: Any = {"font.size": 10.5, "axes.labelsize": 11.0, "axes.axisbelow": True}
+
+
+def chart_png(table: Table, *, titled: bool = True) -> bytes | None:
+    """The table's picture; None where it has none, or nothing was measured."""
+    chart = table.chart
+    rows = [row for row in table.rows if chart is not None and chart.draws(row)]
+    if chart is None or not rows:
+        return None
+    height = HEIGHT if chart.error else 1.5 + 0.42 * len(rows)
+    with figure(WIDTH, height) as (drawn, out), load_matplotlib().rc_context(STYLE):
+        drawn.get_layout_engine().set(w_pad=0.1, h_pad=0.08)
+        if titled:
+            title = textwrap.fill(chart.title or table.title, 84)
+            drawn.suptitle(title, x=0.012, ha="left", fontsize=12.0, fontweight="bold")
+        axis = drawn.subplots()
+        if chart.error:
+            _draw_errors(axis, chart, rows)
+        else:
+            _draw_bars(axis, rows)
+    return bytes(out.getvalue())
+
+
+def _draw_errors(axis: Any, chart: Chart, rows: Sequence[Row]) -> None:
+    groups: dict[Any, list[Row]] = {}
+    for row in rows:
+        groups.setdefault(row[chart.group] if chart.group else "", []).append(row)
+    named = bool(chart.group) and not chart.by_colour
+    words, points, curves = [], [], []
+    for number, (group, members) in enumerate(groups.items()):
+        colour = COLOURS[number % len(COLOURS)]
+        places = [(float(row["t0"]), max(float(row["error"]), LEAST)) for row in members]
+        points += places
+        curves += [places] if chart.lines and chart.group else []
+        axis.plot(
+            *zip(*places, strict=True), marker=MARKS[number % len(MARKS)], color=colour,
+            ms=7, mec="white", mew=0.8, ls="-" if places in curves else "none", lw=1.4,
+            label=figure_text(group), zorder=3,
+        )  # fmt: skip
+        texts = [row.get(chart.label) for row in members]
+        shown = colour if chart.by_colour else DARK
+        words += [
+            (figure_text(text), place, shown)
+            for text, place in zip(texts, places, strict=True)
+            if text is not None
+        ]
+    _scale(axis, points)
+    axis.set_xlabel("time in T0, the bare Fourier round trip of the picture")
+    axis.set_ylabel(chart.error)
+    if named:
+        axis.figure.legend(loc="outside lower center", ncols=min(len(groups), 4), frameon=False)
+    notes = [_note(axis, "↙ faster, nearer to the truth", (5, 4), (0.0, 0.0))]
+    low, high = axis.get_xlim()
+    if low < 1.0 < high:
+        axis.axvline(1.0, color=FAINT, lw=1.0, ls=(0, (4, 3)), zorder=1)
+    if chart.floor is not None:
+        axis.axhline(chart.floor[0], color=FAINT, lw=1.0, ls=(0, (1, 2)), zorder=1)
+        notes.append(_note(axis, chart.floor[1], (-5, -11), (high, chart.floor[0]), data=True))
+    _write(axis, words, points, curves, notes)
+
+
+def _scale(axis: Any, points: Sequence[tuple[float, float]]) -> None:
+    """Logarithmic, with room about the points for their names, and at least 1.6 decades high."""
+    x, y = np.log10(np.array(points)).T
+    reaches = max(np.ptp(x), 0.5), max(np.ptp(y), 1.6)
+    (low, high), (bottom, top) = (
+        10.0 ** (0.5 * (values.min() + values.max()) + reach * np.array([-0.66, 0.66]))
+        for values, reach in zip((x, y), reaches, strict=True)
+    )
+    axis.set(xscale="log", yscale="log", xlim=(low, high), ylim=(bottom, top))
+    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    for digits in ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)):
+        ticks = [digit * 10.0**power for power in decades for digit in digits]
+        ticks = [tick for tick in ticks if low <= tick <= high]
+        if len(ticks) >= 4:
+            break
+    axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axis.minorticks_off()
+
+
+def _note(
+    axis: Any, text: str, offset: tuple[int, int], place: tuple[float, float], *, data: bool = False
+) -> Any:
+    return axis.annotate(
+        text, place, xycoords="data" if data else "axes fraction", xytext=offset,
+        textcoords="offset points", ha="right" if data else "left", fontsize=8.5, color=FAINT,
+    )  # fmt: skip
+
+
+def _write(
+    axis: Any,
+    words: Sequence[tuple[str, tuple[float, float], str]],
+    points: Sequence[tuple[float, float]],
+    curves: Sequence[Sequence[tuple[float, float]]],
+    notes: Sequence[Any],
+) -> None:
+    """Each word beside its point, at the first place that hides least of marks, words, lines."""
+    axis.figure.draw_without_rendering()  # settles the layout, by which the words are placed
+    renderer = axis.figure.canvas.get_renderer()
+    taken = [
+        np.array([x - MARK_PX, y - MARK_PX, x + MARK_PX, y + MARK_PX])
+        for x, y in axis.transData.transform(points)
+    ]
+    taken += [np.array(note.get_window_extent(renderer).extents) for note in notes]
+    steps = np.linspace(0.0, 1.0, 120)[:, np.newaxis]
+    along = np.concatenate([
+        start + steps * (end - start)
+        for curve in curves
+        for start, end in pairwise(axis.transData.transform(curve))
+    ] or [np.empty((0, 2))])  # fmt: skip
+    frame = np.array(axis.get_window_extent(renderer).extents)
+    for text, place, colour in words:
+        best: tuple[float, Any, Any] | None = None
+        word = axis.annotate(
+            text, place, xytext=(0, 0), textcoords="offset points", color=colour, fontsize=9.5
+        )
+        word.set_in_layout(False)
+        for far, right, up in product((8, 16, 26, 38), (1, -1, 0), (0, 1, -1)):
+            if right or up:
+                word.set(ha=("center", "left", "right")[right], va=("center", "bottom", "top")[up])
+                word.set_position((far * right * (0.75 if up else 1), far * up))
+                box = np.array(word.get_window_extent(renderer).extents)
+                outside = 50.0 * (_size(box) - _overlap(box, frame))
+                hidden = sum(_overlap(box, other) for other in taken)
+                crossed = np.all((along >= box[:2] - 2) & (along <= box[2:] + 2), axis=1).any()
+                cost = (hidden + outside) / _size(box) + 0.15 * bool(crossed) + 0.002 * far
+                if best is None or cost < best[0] - 1e-9:
+                    best = cost, box, (word.get_ha(), word.get_va(), word.get_position())
+        assert best is not None
+        taken.append(best[1])
+        word.set(ha=best[2][0], va=best[2][1])
+        word.set_position(best[2][2])
+
+
+def _size(box: Any) -> float:
+    return float(np.prod(box[2:] - box[:2]))
+
+
+def _overlap(one: Any, other: Any) -> float:
+    low, high = np.maximum(one[:2], other[:2]), np.minimum(one[2:], other[2:])
+    return float(np.prod(np.maximum(high - low, 0.0)))
+
+
+def _draw_bars(axis: Any, rows: Sequence[Row]) -> None:
+    """A bar for each row, its targets as marks upon it."""
+    for place, row in enumerate(rows):
+        value, reach, aim = float(row["value"]), row.get("reach"), row.get("aim")
+        colour = OTHER if reach is None else COLOURS[value > reach]
+        axis.barh(place, value, height=0.62, color=colour, zorder=2)
+        for target, width, dashes in ((reach, 2, "-"), (aim, 1, ":")):
+            if target is not None:
+                ends = [place - 0.42, place + 0.42]
+                axis.plot([target, target], ends, color=DARK, lw=width, ls=dashes, zorder=3)
+        said = f"{figure_text(value)} T0, {figure_text(float(row['ms']))} ms"
+        axis.annotate(said, (max(value, reach or 0.0), place), xytext=(7, 0),
+                      textcoords="offset points", va="center", fontsize=10)  # fmt: skip
+    axis.set_yticks(range(len(rows)), [textwrap.fill(row["subject"], 30) for row in rows])
+    axis.set_ylim(len(rows) - 0.4, -0.6)
+    axis.set_xlim(0, 1.3 * max(max(row["value"], row.get("reach") or 0.0) for row in rows))
+    axis.grid(visible=False, axis="y")
+    axis.tick_params(axis="y", length=0)
+    axis.spines["left"].set_visible(False)
+    axis.axvline(1.0, color=FAINT, lw=1.0, ls=(0, (4, 3)), zorder=1)
+    axis.set_xlabel(
+        "time in T0, the bare Fourier round trip of the scene (dashed)\n"
+        "solid mark: target, dotted: aim; blue meets its target, orange misses it",
+        fontsize=10,
+    )

@@ -1,1 +1,0 @@
-"""How time and memory are measured, and what on."""

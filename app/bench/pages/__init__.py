@@ -1,1 +1,0 @@
-"""The files a benchmark writes: tables as pages and pictures."""

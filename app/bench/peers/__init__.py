@@ -1,1 +1,0 @@
-"""The same optical work done by other programs, where they are installed."""

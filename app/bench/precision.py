@@ -1,0 +1,425 @@
+"""Time in T0 against error, for every choice of a user that trades one for the other."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.bench import truth
+from app.bench.chains import PIXELS, Chain, Kodak, sensor_network
+from app.bench.tables import T0_HEADS, Chart, Table, figure_text
+from app.bench.timing import Settings, paired, round_trip, seconds
+from core.chain.back_transformed import Delivered
+from core.evaluation.policy import Policy, Precision
+from core.network.network import Network
+from core.noise.random_fields import Stream, normal_field, poisson_field
+from core.physics.detector.charge_transfer import MODELS, charge_transfer_mtf, charge_transfer_ptf
+from core.threads import ForEach
+from core.transfer.factors import Planar
+from core.transfer.grid import Grid
+from core.transfer.planar_blocks import Planes
+from core.transfer.product import Product
+
+Array = NDArray[Any]
+Row = dict[str, Any]
+PRECISIONS: tuple[Precision, ...] = ("single", "double")
+ARRAY_MM, RADIUS_MM, WAVELENGTH_UM = 128.0, 45.0, 4.0
+POINTS = 24  # of a pupil's OTF that are held against the truth
+ROWS_AT_ONCE = 64
+TRANSFERS = ((640, "0.99999"), (640, "0.999"), (2048, "0.995"))
+MEANS = (0.0034, 0.3, 3.0, 30.0, 300.0, 3000.0)  # the two first: the thesis' sensors
+CHANCE = 1.36  # 95 of 100 samples of n stay within 1.36/√n of their law (Kolmogorov)
+INTERVAL_MRAD = math.radians(25.0) * 1000.0 / 1024  # the shipped Kodak's, whatever the size
+# Two stages a decade: those up to a decade together stay within its tolerance.
+STRENGTHS = tuple(0.4 * 10.0**decade for decade in range(-9, -1) for _ in range(2))
+TOLERANCES = (0.0, None, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
+
+
+def precision(settings: Settings) -> list[Table]:
+    """Single against double precision."""
+    single = Kodak(settings.small)
+    scene = single.scene
+    expected = truth.mirrored_picture(scene, truth.Sensor(_grid(single).interval_x_mrad))
+    rows = []
+    for kind in PRECISIONS:
+        # The same samples for both, so that drawing in another precision is no error.
+        kodak = Kodak(settings.small, kind, scene)
+        quiet = kodak.without_photons()
+        mean = float(kodak.value(quiet, PIXELS).mean(dtype=np.float64))
+        wrong = abs(mean / float(expected.mean()) - 1)
+        row = _of_picture(kodak, quiet, expected, scene, settings)
+        rows.append({"choice": kind, **row, "mean_error": wrong})
+    heads = {"choice": "precision", **T0_HEADS, "error": "error / max"}
+    heads["mean_error"] = "error of the mean, relative"
+    text = (
+        "Default single: its error is far below the steps of any quantizer in use and the noise, "
+        "and its samples take half the room. T0 is that of single precision in both rows."
+    )
+    title = f"Precision: Kodak optics, {settings.small}², mirrored, against a direct sum"
+    return [Table("precision", title, heads, rows, text, Chart("largest error", "choice"))]
+
+
+def edges(settings: Settings) -> list[Table]:
+    """Mirrored against periodic edges, each against a direct sum of its own kind."""
+    kodak = Kodak(settings.small)
+    scene, sensor = kodak.scene, truth.Sensor(_grid(kodak).interval_x_mrad)
+    mirrored = truth.mirrored_picture(scene, sensor)
+    rows = []
+    for choice in ("reflect", "periodic"):
+        expected = mirrored if choice == "reflect" else truth.periodic_picture(scene, sensor)
+        network = kodak.without_photons().with_parameter("init", "edges", choice)
+        other = np.abs(expected - mirrored) / np.abs(mirrored).max()
+        border = min(8, len(other) // 4)
+        inside = float(other[border:-border, border:-border].max())
+        row = _of_picture(kodak, network, expected, scene, settings)
+        rows.append({"choice": choice, **row, "border": float(other.max()), "inside": inside})
+    heads = {"choice": "edges", **T0_HEADS, "error": "error / max"}
+    heads |= {"border": "difference from reflect", "inside": "the same, 8 samples inside"}
+    text = (
+        "Default reflect: no part of the picture comes from its far side, and no frame is padded "
+        "for that; the columns on the right show what repeating the frame would change."
+    )
+    title = f"Edges: Kodak optics, {settings.small}², single precision, against direct sums"
+    return [Table("edges", title, heads, rows, text, Chart("largest error", "choice"))]
+
+
+def _of_picture(
+    kodak: Kodak, network: Network, expected: Array, scene: Array, settings: Settings
+) -> Row:
+    t0 = round_trip(scene, kodak.policy.workers)
+    timing = paired(partial(kodak.cold, network, PIXELS), t0, pairs=settings.pairs)
+    wrong = np.abs(kodak.value(network, PIXELS) - expected).max() / np.abs(expected).max()
+    return {**timing, "error": float(wrong)}
+
+
+@dataclass(frozen=True)
+class Otf:
+    """The OTF that a network's pupil has, on the frequencies its picture needs."""
+
+    kodak: Kodak
+    network: Network
+
+    @cached_property
+    def factor(self) -> Planar:
+        """The transfer factor; no array is in it."""
+        factor = self.kodak.engine.plan(self.network).output("optics.mtf").factors[0]
+        assert isinstance(factor, Planar)
+        return factor
+
+    @cached_property
+    def grid(self) -> Grid:
+        """Sampling of the picture."""
+        return _grid(self.kodak, self.network)
+
+    def direct(self) -> float:
+        """Seconds of evaluating it at every frequency, with nothing computed before."""
+        xi, eta = self.grid.xi_mirrored()[np.newaxis, :], self.grid.eta_mirrored()[:, np.newaxis]
+        return self.of_blocks(lambda rows: self.factor.transfer(self.kodak.work, xi, eta[rows]))
+
+    def plane(self) -> float:
+        """Seconds of the plane as a picture's filter takes it."""
+        return self.of_blocks(self.planes().block)
+
+    def planes(self) -> Planes:
+        """The factor as a picture's filter takes it."""
+        return Planes(self.kodak.work, Product([self.factor]), self.grid, "mirrored")
+
+    def of_blocks(self, block: Callable[[slice], object], *, known: bool = False) -> float:
+        """Seconds of all blocks of rows, with an empty store unless it is `known`."""
+        if not known:
+            self.kodak.store.clear()
+        starts = range(0, self.grid.rows, ROWS_AT_ONCE)
+        start = time.perf_counter()
+        self.kodak.work.for_each(lambda top: _call(block, top), starts)
+        return time.perf_counter() - start
+
+    def lags_mm(self) -> tuple[Array, Array]:
+        """Lags across the pupil of the frequencies that are checked."""
+        rows, columns = places_of(self.grid.rows)
+        xi, eta = self.grid.xi_mirrored()[columns], self.grid.eta_mirrored()[rows]
+        return WAVELENGTH_UM * xi, WAVELENGTH_UM * eta
+
+    def error(self, shape: str) -> float:
+        """Largest error at the frequencies that are checked."""
+        x, y = self.lags_mm()
+        found = self.factor.transfer(self.kodak.work, x / WAVELENGTH_UM, y / WAVELENGTH_UM)
+        return float(np.abs(found - expected_at(shape, x, y)).max())
+
+
+def _call(block: Callable[[slice], object], top: int) -> None:
+    block(slice(top, top + ROWS_AT_ONCE))
+
+
+def places_of(size: int) -> tuple[Array, Array]:
+    """Rows and columns of the grid: along both axes, near the cusp at zero, and in between."""
+    rows, columns = np.random.default_rng(7).integers(0, size, (2, POINTS))
+    rows[: POINTS // 4] = 0
+    columns[POINTS // 4 : POINTS // 2] = 0
+    near = [math.floor(x) for x in np.geomspace(1, size - 1, POINTS // 4)]
+    columns[: POINTS // 4], rows[POINTS // 4 : POINTS // 2] = near, near
+    return rows, columns
+
+
+def expected_at(shape: str, x_mm: Array, y_mm: Array) -> Array:
+    """A pupil's OTF at lags across it."""
+    of_shape = partial(truth.pupil_otf, RADIUS_MM, half_moon=shape == "half_moon")
+    return np.array([of_shape(float(x), float(y)) for x, y in zip(x_mm, y_mm, strict=True)])
+
+
+def pupil_network(network: Network, shape: str, size: int, sampled: str = "") -> Network:
+    """The pupil of that shape at `size` samples; autocorrelated with an interpolation if given."""
+    radius = RADIUS_MM / ARRAY_MM * size
+    for name, value in {"shape": shape, "size_x": size, "size_y": size, "radius": radius}.items():
+        network = network.with_parameter("pupil", name, value)
+    if sampled:
+        network = network.with_parameter("optics", "method", "autocorrelation")
+        network = network.with_parameter("optics", "interpolation", sampled)
+    return network
+
+
+def pupil_sampling(settings: Settings) -> list[Table]:
+    """Closed form against autocorrelations of ever finer samples."""
+    kodak = Kodak(settings.small)
+    t0 = round_trip(kodak.scene, kodak.policy.workers)
+    rows = []
+    for shape in ("clear", "half_moon"):
+        for size in (0, *_sizes(settings)):
+            how = "bilinear" if size else ""
+            otf = Otf(kodak, pupil_network(kodak.network, shape, size or 512, how))
+            row = {"shape": shape, "choice": f"{size}²" if size else "exact"}
+            row["curve"] = f"{shape}, {'sampled' if size else 'exact'}"
+            timing = paired(otf.direct, t0, pairs=settings.slow_pairs, warm_up=1)
+            rows.append({**row, **timing, "error": otf.error(shape)})
+    heads = {"shape": "pupil", "choice": "OTF", **T0_HEADS, "error": "largest error"}
+    text = (
+        "Default exact: no sampled pupil comes near the closed form's error, at any price. Samples "
+        "are for pupils from files and with a wavefront error, where there is none; 512² of them "
+        "are the default array."
+    )
+    title = f"Pupil: closed form against autocorrelated samples, {settings.small}² frequencies"
+    chart = Chart("largest error", "choice", "curve")
+    return [Table("pupil_sampling", title, heads, rows, text, chart)]
+
+
+def interpolation(settings: Settings) -> list[Table]:
+    """What is between the lags of a sampled pupil's autocorrelation."""
+    kodak = Kodak(settings.small)
+    t0 = round_trip(kodak.scene, kodak.policy.workers)
+    rows = []
+    for how in ("linear", "bilinear"):
+        for size in _sizes(settings):
+            otf = Otf(kodak, pupil_network(kodak.network, "half_moon", size, how))
+            timing = paired(otf.direct, t0, pairs=settings.slow_pairs, warm_up=1)
+            error = otf.error("half_moon")
+            rows.append({"choice": how, "size": f"{size}²", **timing, "error": error})
+    heads = {"choice": "interpolation", "size": "samples", **T0_HEADS, "error": "largest error"}
+    text = (
+        "Default bilinear: it weighs its four lags alike in every direction. Linear over three has "
+        "the smaller error with coarse samples, since its facets follow the cusp at zero lag; with "
+        "fine ones both come down to the error of the samples. None is only to look at: it filters "
+        "nothing."
+    )
+    title = f"Interpolation of an autocorrelated half moon, {settings.small}² frequencies"
+    chart = Chart("largest error", "size", "choice")
+    return [Table("interpolation", title, heads, rows, text, chart)]
+
+
+def _sizes(settings: Settings) -> tuple[int, ...]:
+    return (64, 128, 256) if settings.quick else (64, 128, 256, 512, 1024)
+
+
+def wavelengths(settings: Settings) -> list[Table]:
+    """Number of wavelengths that stand for a band, for two apertures."""
+    mp = truth.mpmath()
+    title = f"Wavelengths for the band 3 to 5 µm, {settings.small}² frequencies"
+    heads = {"aperture": "aperture", "choice": "wavelengths", **T0_HEADS, "error": "largest error"}
+    if mp is None:
+        return [Table("wavelengths", title, heads, [], truth.NEEDS_MPMATH)]
+    kodak = Kodak(settings.small)
+    t0 = round_trip(kodak.scene, kodak.policy.workers)
+    nyquist = _grid(kodak).nyquist_x
+    xi = np.linspace(0.0, nyquist, 17)
+    sample_mm = ARRAY_MM / 512
+    # A radius in samples whose cutoff at the band's middle is half the Nyquist frequency.
+    small = max(0.5 * nyquist * WAVELENGTH_UM / (2 * sample_mm), 0.5)
+    rows = []
+    for aperture, radius in {
+        "Kodak's": RADIUS_MM / sample_mm,
+        "small, cutoff in the band": small,
+    }.items():
+        means = [truth.disc_band_mean(mp, float(f), 2 * radius * sample_mm, (3, 5)) for f in xi]
+        for count in (1, 3, 9, 33) if settings.quick else (1, 2, 3, 5, 9, 17, 33, 129):
+            network = kodak.network.with_parameter("pupil", "radius", radius)
+            otf = Otf(kodak, network.with_parameter("optics", "wavelengths", count))
+            computed = otf.factor.transfer(kodak.work, xi, np.zeros_like(xi))
+            timing = paired(otf.plane, t0, pairs=3, warm_up=1)
+            error = float(np.abs(computed - np.array(means)).max())
+            rows.append({"aperture": aperture, "choice": count, **timing, "error": error})
+    text = (
+        "Default 1, the band's mean wavelength: over the picture's frequencies the OTF of an "
+        "aperture such as Kodak's is almost a straight line in λ. Take more where the cutoff falls "
+        "among them, as for the small one; the truth is an adaptive integral over the band."
+    )
+    chart = Chart("largest error", "choice", "aperture")
+    return [Table("wavelengths", title, heads, rows, text, chart)]
+
+
+def charge_transfer(settings: Settings) -> list[Table]:
+    """Published, leading and exact transfer functions against the product of all transfers."""
+    title = "Charge transfer: H = MTF·exp(i·PTF) against the product of all transfers"
+    heads = {"choice": "model", "setting": "N(1 − ε)", "t0": "T0", "mtf": "error of MTF"}
+    heads |= {"ptf": "error of PTF, rad", "error": "error of H"}
+    mp = truth.mpmath()
+    if mp is None:
+        return [Table("charge_transfer", title, heads, [], truth.NEEDS_MPMATH)]
+    kodak = Kodak(settings.small)
+    t0 = round_trip(kodak.scene, kodak.policy.workers)
+    w, full = np.linspace(0.0, math.pi, 65), np.linspace(0.0, math.pi, settings.small)
+    rows = []
+    for transfers, efficiency in TRANSFERS:
+        every = [truth.charge_transfer(mp, x, transfers, efficiency) for x in w]
+        mtf, ptf = np.array(every).T
+        for model in MODELS:
+            how: Any = {"transfers": transfers, "efficiency": float(efficiency), "model": model}
+            found, turned = _charge_transfer(w, how)
+            subject = partial(seconds, partial(_charge_transfer, full, how))
+            timing = paired(subject, t0, pairs=settings.pairs)
+            wrong = np.abs(found * np.exp(1j * turned) - mtf * np.exp(1j * ptf))
+            setting = f"{transfers} × {figure_text(1 - float(efficiency))}"
+            row: Row = {"choice": model, "setting": setting}
+            errors = {"mtf": np.abs(found - mtf), "ptf": np.abs(turned - ptf), "error": wrong}
+            row |= {name: float(values.max()) for name, values in errors.items()}
+            rows.append(row | timing)
+    text = (
+        "Default exact: a vector along one axis costs nothing beside the picture, and the "
+        "published phase is another law, which starts with w³ instead of w."
+    )
+    name = "Charge transfer against the product of all transfers, by N × (1 − ε)"
+    chart = Chart("largest error of H", "setting", "choice", lines=False, title=name)
+    return [Table("charge_transfer", title, heads, rows, text, chart)]
+
+
+def _charge_transfer(w: Array, how: Any) -> tuple[Any, Any]:
+    mtf = charge_transfer_mtf(phase_per_transfer=w, **how)
+    return mtf, charge_transfer_ptf(phase_per_transfer=w, **how)
+
+
+def poisson(settings: Settings) -> list[Table]:
+    """Time, and how far the deviates' distribution is from Poisson's."""
+    kodak = Kodak(settings.size)
+    shape, workers, for_each = kodak.scene.shape, kodak.policy.workers, kodak.work.for_each
+    t0 = round_trip(kodak.scene, workers)
+    chance = CHANCE / math.sqrt(kodak.scene.size)
+    stream = Stream(seed=1996, node="photons", field="photons")
+    rows = []
+    for mean in MEANS:
+        means = np.full(shape, mean, kodak.policy.dtype)
+        subjects: dict[str, Callable[[], Any]] = {
+            "exact": partial(poisson_field, means, stream, for_each=for_each),
+            "exact, numpy": partial(np.random.default_rng(1996).poisson, means),
+            "rounded normal": partial(_rounded_normal, means, stream, for_each),
+        }
+        for choice, subject in subjects.items():
+            counts = np.asarray(subject())
+            timing = paired(partial(seconds, subject), t0, pairs=settings.slow_pairs, warm_up=1)
+            plain = choice == "exact, numpy"
+            row = {"choice": choice, "mean": mean, "mark": None if plain else f"{mean:g}"}
+            row |= {"threads": 1 if plain else workers, "chance": chance, **timing}
+            row |= {"error": truth.kolmogorov_distance(counts, mean)}
+            rows.append(row | {"variance": float(counts.var(dtype=np.float64)) / mean - 1.0})
+    heads = {"choice": "deviates", "mean": "mean", "threads": "threads", **T0_HEADS}
+    heads |= {"error": "Kolmogorov distance", "chance": "chance allows"}
+    heads["variance"] = "variance / mean − 1"
+    text = (
+        "Default exact, at every mean up to 1e12: normal deviates, rounded to counts, err most "
+        "where photons are few, and there the exact way is the faster, since it draws the events "
+        "alone. From a few photons a sample on normal ones are faster, and their distance falls as "
+        "1/√mean. The distance is the largest between the deviates' distribution and Poisson's; 95 "
+        f"of 100 exact fields of {settings.size}² stay below {chance:.1g}."
+    )
+    title = f"Poisson deviates, and normal ones in their place: {settings.size}² samples"
+    chart = Chart("Kolmogorov distance from Poisson", "mark", "choice",
+                  title=f"{title}, by their mean", floor=(chance, "below: chance"))  # fmt: skip
+    return [Table("poisson", title, heads, rows, text, chart)]
+
+
+def _rounded_normal(means: Array, stream: Stream, for_each: ForEach) -> Array:
+    """The approximation: a normal deviate of the same mean and variance, to the nearest count."""
+    counts = normal_field(stream, means.shape, dtype=means.dtype, for_each=for_each)
+    counts *= np.sqrt(means)
+    counts += means
+    np.rint(counts, out=counts)
+    return np.maximum(counts, 0, out=counts)
+
+
+def skipping(settings: Settings) -> list[Table]:
+    """Tolerances from nothing left out to a hundredth of the picture's range."""
+    network, sensor = weak_chain(settings.small)
+    first = Chain(network, Policy(tolerance=0.0))
+    expected = truth.mirrored_frame(first.scene, sensor)
+    t0 = round_trip(first.scene, first.policy.workers)
+    rows = []
+    for kind in PRECISIONS:
+        for tolerance in TOLERANCES:
+            chain = Chain(network, Policy(kind, tolerance), first.scene)
+            timing = paired(partial(chain.cold, network, "back.image"), t0, pairs=settings.pairs)
+            error, skipped = left_out(chain, expected)
+            shown = "default" if tolerance is None else figure_text(tolerance)
+            row = {"precision": kind, "tolerance": chain.policy.budget, "skipped": skipped}
+            rows.append({**row, "mark": f"{shown} ({skipped})", **timing, "error": error})
+    heads = {"precision": "precision", "tolerance": "tolerance", **T0_HEADS}
+    heads |= {"skipped": f"left out of {len(STRENGTHS)}", "error": "rms error / (max − min)"}
+    text = (
+        "Default an eighth of the samples' rounding: what it leaves out cannot be distinguished "
+        "from rounding; a greater tolerance is kept to as well, and saves time. T0 is that of "
+        "single precision in all rows."
+    )
+    title = f"Stages left out: {len(STRENGTHS)} weak stages, {settings.small}², mirrored"
+    name = f"{title}: tolerance (stages left out)"
+    chart = Chart("rms error / (max − min)", "mark", "precision", title=name)
+    return [Table("skipping", title, heads, rows, text, chart)]
+
+
+def left_out(chain: Chain, expected: Array) -> tuple[float, int]:
+    """Rms error over the range, and how many stages were left out."""
+    recipe = chain.engine.plan(chain.network).output("back.image").recipe
+    assert isinstance(recipe, Delivered)
+    wrong = np.asarray(chain.value(chain.network, "back.image"), np.float64) - expected
+    rms = float(np.sqrt(np.mean(wrong * wrong)) / (expected.max() - expected.min()))
+    return rms, len(recipe.spent(chain.work)[1])
+
+
+def weak_chain(size: int) -> tuple[Network, truth.Sensor]:
+    """Pupil, aberration and pixel with blurs ever weaker, and the same for the truth."""
+    corner = math.sqrt(0.5) / INTERVAL_MRAD
+    sigmas = tuple(math.sqrt(0.5 * strength) / (math.pi * corner) for strength in STRENGTHS)
+    sensor = truth.Sensor(INTERVAL_MRAD, pixel_mrad=0.125, transfers=0, blurs_mrad=sigmas)
+    field_deg = math.degrees(INTERVAL_MRAD * 1e-3 * size)
+    scene = {"kind": "dormitory", "width": size, "height": size}
+    scene |= {"fov_x_deg": field_deg, "fov_y_deg": field_deg}
+    init = {"focal_length_mm": 1e3, "detector_x_um": 125.0, "detector_y_um": 125.0}
+    stages: dict[str, tuple[str, dict[str, Any]]] = {"pixel": ("detector_mtf", {})}
+    for number, sigma in enumerate((sensor.aberration_mrad, *sigmas)):
+        blur = {"sigma_x_mrad": sigma, "sigma_y_mrad": sigma}
+        stages[f"blur_{number}"] = ("gaussian_mtf", blur)
+    disc = (sensor.aperture_mm, sensor.wavelength_um)
+    return sensor_network(("test_scene", scene), init, stages, disc=disc), sensor
+
+
+def _grid(kodak: Kodak, network: Network | None = None) -> Grid:
+    grid = kodak.engine.plan(network or kodak.network).output("init.context").grid
+    assert isinstance(grid, Grid)
+    return grid
+
+
+MEASURES = (
+    precision, edges, pupil_sampling, interpolation, wavelengths, charge_transfer, poisson,
+    skipping,
+)  # fmt: skip

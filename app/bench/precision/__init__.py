@@ -1,1 +1,0 @@
-"""Time against error for every choice that trades one for the other."""

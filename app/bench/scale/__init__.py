@@ -1,1 +1,0 @@
-"""How far it goes: frames beyond memory, and plans for clusters."""

@@ -1,0 +1,277 @@
+"""Speed of whole networks, of edits of them, and of a camera and its frames, in T0."""
+
+from __future__ import annotations
+
+import statistics
+import subprocess
+import tempfile
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.bench.chains import (
+    CAMERA,
+    FINAL,
+    KODAK,
+    OPTICS,
+    PIXELS,
+    SHIPPED_SIZE,
+    Camera,
+    Chain,
+    Kodak,
+)
+from app.bench.tables import Chart, Table, judged
+from app.bench.timing import Settings, environment, paired, repeated, round_trip, seconds
+from app.run.own_process import command
+from app.run.sequence import save_frames
+from nodes.files.frames.frame_writing import FRAME_FORMATS
+
+Array = NDArray[Any]
+Subject = tuple[str, Callable[[], float], float | None, float | None]
+TARGETS = {"reach": "reach", "aim": "aim", "verdict": ""}
+HEADS = {
+    "subject": "subject", "value": "median", "unit": "", "low": "25 %", "high": "75 %",
+    "ms": "ms", "t0_ms": "T0 ms", "alone_ms": "T0 ms, back to back", **TARGETS,
+}  # fmt: skip
+SIGMAS = tuple(0.1 + 1e-3 * step for step in range(1, 32))
+SNRS = tuple(100.0 + step for step in range(1, 32))
+TIMES = tuple(1e-3 + 1e-5 * step for step in range(1, 32))
+LOOKS = 20  # repetitions of what takes microseconds
+COLUMNS, ROWS = 640, 512  # of the usual cooled camera
+
+
+def networks(settings: Settings) -> list[Table]:
+    """Cold runs, edits, nothing changed and the plain way of 1996."""
+    kodak = Kodak(settings.size)
+    rows = [*_cold_and_edited(kodak, settings), _plain(kodak, settings)]
+    rows += [_unchanged(kodak, settings)]
+    title = f"Kodak KIR-310, {settings.size}² → {settings.size // 2}², single precision"
+    text = (
+        "Cold: nothing computed but the scene, which is in memory; imports done. Median and "
+        "quartiles of the ratios of pairs, the subject and T0 in turn."
+    )
+    name = f"Time of the whole chain and of edits: {title}"
+    chart = Chart(title=name, where=("unit", "T0"))
+    return [Table("networks", title, HEADS, rows, text, chart)]
+
+
+def one_thread(settings: Settings) -> list[Table]:
+    """The same without a second thread, T0 too."""
+    rows = _cold_and_edited(Kodak(settings.size, threads=1), settings)
+    title = f"The same on one thread, {settings.size}² → {settings.size // 2}²"
+    text = (
+        "T0 is that of one thread. What is planned, drawn up and summed between the large loops "
+        "runs on one thread in either table, and counts more where the loops run on several."
+    )
+    return [Table("one_thread", title, HEADS, rows, text)]
+
+
+def _cold_and_edited(kodak: Kodak, settings: Settings) -> list[Any]:
+    whole, quiet = kodak.network, kodak.without_photons()
+    sensor, every = ("electronics",), tuple(whole.nodes)
+    cold: list[Subject] = [
+        ("whole network", partial(kodak.cold, whole, FINAL, sensor), 5.0, 2.5),
+        ("whole, read-outs of every node", partial(kodak.cold, whole, FINAL, every), 5.0, 2.5),
+        ("without photon noise", partial(kodak.cold, quiet, FINAL, sensor), 4.0, 2.0),
+        ("optics alone, pixels combined", partial(kodak.cold, quiet, PIXELS), 2.2, 1.2),
+    ]
+    rows = _timed(kodak, cold, settings)
+    warm = kodak.left_by(FINAL)
+    mtf, snr = ("aberration", "sigma_x_mrad", SIGMAS), ("electronics", "amplifier_snr", SNRS)
+    bits = ("electronics", "bits", (4, 8, 12, 16, 24))
+    edits: list[Subject] = [
+        ("edit of an MTF (aberration)", partial(kodak.edited, FINAL, warm, mtf), 2.0, 1.0),
+        ("edit of the amplifier's SNR", partial(kodak.edited, FINAL, warm, snr), 0.5, 0.25),
+        ("edit of the bits", partial(kodak.edited, FINAL, warm, bits), 0.5, 0.25),
+    ]
+    return rows + _timed(kodak, edits, settings)
+
+
+def _timed(chain: Chain, subjects: list[Subject], settings: Settings) -> list[Any]:
+    t0 = round_trip(chain.scene, chain.policy.workers)
+    rows = []
+    for name, subject, reach, aim in subjects:
+        facts = paired(subject, t0, pairs=settings.pairs)
+        rows.append(_row(name, facts, reach, aim) | {"threads": chain.policy.workers})
+    return rows
+
+
+def _row(name: str, facts: dict[str, Any], reach: float | None, aim: float | None) -> Any:
+    value = facts.pop("t0")
+    return {"subject": name, "value": value, "unit": "T0", **facts, **judged(value, reach, aim)}
+
+
+def _plain(kodak: Kodak, settings: Settings) -> Any:
+    """In double precision, numpy's default."""
+    grabber = kodak.network.nodes["frame_grabber"].params
+    subject = partial(whole_chain, kodak.scene, grabber["height"], grabber["width"], 1996)
+    t0 = round_trip(kodak.scene, kodak.policy.workers)
+    timing = paired(partial(seconds, subject), t0, pairs=settings.slow_pairs, warm_up=1)
+    name = "stage by stage as in 1996, numpy, no photon noise"
+    return _row(name, timing, None, None)
+
+
+def _unchanged(kodak: Kodak, settings: Settings) -> Any:
+    kodak.value(kodak.network, FINAL)
+    before = kodak.engine.plan(kodak.network)
+    per_node = 1e6 / len(kodak.network.nodes)
+    times_us = [
+        kodak.looked_at_again(FINAL, before, kodak.network) * per_node
+        for _ in range(settings.pairs * LOOKS)
+    ]
+    low, middle, high = statistics.quantiles(times_us, n=4)
+    row = {"subject": "nothing changed", "value": middle, "unit": "µs a node"}
+    return {**row, "low": low, "high": high, **judged(middle, 50.0)}
+
+
+def cameras(settings: Settings) -> list[Table]:
+    """A focal plane with every noise on behind its optics; edits with unit deviates at hand."""
+    rows = []
+    for threads in (0, 1):
+        camera = Camera(settings.size, threads)
+        optics, whole = camera.left_by(OPTICS), camera.left_by(CAMERA)
+        edited = partial(_after, camera, CAMERA, whole)
+        noises = ("camera", "read_noise_e", SNRS)
+        times = ("camera", "integration_time_s", TIMES)
+        bits = ("camera", "bits", (10, 11, 12, 13))
+        cold = partial(camera.cold, camera.network, CAMERA)
+        subjects: list[Subject] = [
+            ("optics and camera", cold, None, None),
+            ("camera alone, every noise", partial(_after, camera, OPTICS, optics), 4.0, 2.0),
+            ("edit of the read noise", partial(edited, noises), 0.5, None),
+            ("edit of the integration time", partial(edited, times), None, None),
+            ("edit of the bits", partial(edited, bits), 0.5, 0.25),
+        ]
+        rows += [row | {"t0": row["value"]} for row in _timed(camera, subjects, settings)]
+    heads = {"subject": "subject", "threads": "threads", "t0": "T0", "low": "25 %"}
+    heads |= {"high": "75 %", "ms": "ms", "t0_ms": "T0 ms", **TARGETS}
+    title = f"A camera in electrons, {settings.size}², single precision"
+    text = (
+        "Shot and read noise, PRNU, DSNU, a bent response, bad pixels, 14 bits. Alone: the picture "
+        "behind the optics is known, and nothing of the camera. Four normal deviates a pixel are "
+        "half of it; unit deviates are values of their own, so that an edit draws none."
+    )
+    return [Table("cameras", title, heads, rows, text)]
+
+
+def _after(camera: Camera, port: str, known: set[str], edit: Any = None) -> float:
+    """Seconds to the picture behind what a port leaves, which is made again where it has gone."""
+    if not known <= camera.store.keys():
+        known.clear()
+        known.update(camera.left_by(port))
+    return camera.edited(CAMERA, known, edit)
+
+
+def frames(settings: Settings) -> list[Table]:
+    """Frames of a focal plane with every noise on, its picture before the noise known."""
+    columns, lines = min(COLUMNS, settings.size), min(ROWS, settings.size)
+    count = 10 if settings.quick else 100
+    rows = []
+    for threads in (0, 1):
+        camera = Camera(columns, threads, lines)
+        image = camera.engine.plan(camera.network).output(CAMERA)
+        for kind in FRAME_FORMATS:
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / f"frames{kind.suffixes[0]}"
+                camera.value(camera.network, CAMERA)
+                save = partial(save_frames, image, path, camera.work, port=CAMERA, frames=count)
+                took = repeated(save, settings.slow_pairs)
+                megabytes = 1e-6 * path.stat().st_size / count
+            middle = 1e3 * took["seconds"] / count
+            row = {"subject": kind.description, "threads": camera.policy.workers}
+            row |= {"rate": 1e3 / middle, "low": count / took["high"], "high": count / took["low"]}
+            row |= {"ms": middle, "megabytes": megabytes, **judged(middle, 1e3 / 60, 1e3 / 120)}
+            rows.append(row)
+    heads = {"subject": "written as", "threads": "threads", "rate": "frames a second"}
+    heads |= {"low": "least", "high": "most", "ms": "ms a frame", "megabytes": "MB a frame"}
+    heads |= {"reach": "ms, reach", "aim": "ms, aim", "verdict": ""}
+    title = f"Frames of a camera, {columns} × {lines}, single precision"
+    text = (
+        f"The camera above, {count} frames to a file of the temporary folder, flushed to its disk; "
+        "the picture that the noise is drawn on is known, and is made once for all frames. A frame "
+        "draws shot and read noise anew, and shares the fixed patterns and bad pixels. Reach is 60 "
+        "frames a second, aim 120."
+    )
+    return [Table("frames", title, heads, rows, text)]
+
+
+def fresh_process(settings: Settings) -> list[Table]:
+    """``imagechain run`` from the start of its process to the end."""
+    with tempfile.TemporaryDirectory() as folder:
+        words = command("app.command.cli", "run", KODAK, "--output-dir", f"{folder}/out")
+        if settings.size != SHIPPED_SIZE:
+            words += ["--set", f"scene.width={settings.size}"]
+            words += ["--set", f"scene.height={settings.size}"]
+        run = partial(subprocess.run, words, cwd=folder, env=environment(), capture_output=True)
+        starts = 1 if settings.quick else 5
+        took = repeated(lambda: run(check=True), starts)
+    row = {"subject": f"imagechain run {KODAK}", "value": took["seconds"], "unit": "s"}
+    row |= {"low": took["low"], "high": took["high"], **judged(took["seconds"], 1.2, 0.6)}
+    heads = {n: h for n, h in HEADS.items() if not n.endswith("ms")}
+    heads |= {"low": "least", "high": "most"}
+    title = f"Fresh process, {settings.size}², median of {starts}"
+    text = "With the start of Python, the drawing of the scene and the files written."
+    return [Table("fresh_process", title, heads, [row], text)]
+
+
+def whole_chain(scene: Array, lines: int, samples: int, seed: int) -> Array:
+    """The Kodak chain as a plain program of 1996 has it, without photon noise: the baseline.
+
+    Written for reading: complex transforms of the whole frame, magnitude and phase apart, each
+    stage on a full frequency plane of its own and multiplied on at once, the frame repeating
+    without end. It shares no code with the rest of the program.
+    """
+    picture = plain_optics(scene)
+    draw = np.random.default_rng(seed).standard_normal
+    mean = picture.mean()
+    picture = picture * (1.0 + 0.01 * draw(picture.shape))  # gain and bias of each detector
+    picture = picture + 0.01 * mean * draw(picture.shape)
+    picture = picture + 1e-4 * draw(picture.shape)  # the detector's noise, W m⁻² sr⁻¹
+    picture = picture + mean / 100.0 * draw(picture.shape)  # the amplifier's
+    low, high = picture.min(), picture.max()
+    step = (high - low) / (2**6 - 1)
+    return _grabbed(np.asarray(low + step * np.round((picture - low) / step)), lines, samples)
+
+
+def plain_optics(scene: Array) -> Array:
+    """Optics, detector and charge transfer, and 2 × 2 pixels combined."""
+    rows, columns = scene.shape
+    interval_x, interval_y = (np.radians(25.0) * 1000.0 / count for count in (columns, rows))
+    xi, eta = np.meshgrid(np.fft.fftfreq(columns, interval_x), np.fft.fftfreq(rows, interval_y))
+    spectrum = np.fft.fft2(scene)
+    magnitude, phase = np.abs(spectrum), np.angle(spectrum)
+
+    v = np.minimum(np.hypot(xi, eta) * 4.0 / 90.0, 1.0)  # µm over mm (Goodman 2005, eq. 6-32)
+    magnitude = magnitude * (2.0 / np.pi * (np.arccos(v) - v * np.sqrt(1.0 - v**2)))
+    magnitude = magnitude * np.exp(-2.0 * np.pi**2 * 0.1**2 * (xi**2 + eta**2))
+    pixel_mrad = 25.0 / 200.0 * 0.95  # pitch in µm over focal length in mm, times the fill factor
+    magnitude = magnitude * np.sinc(pixel_mrad * xi) * np.sinc(pixel_mrad * eta)
+    lost = 1.0 - 0.99999  # of a charge transfer
+    one = (1.0 - lost) / (1.0 - lost * np.exp(-2j * np.pi * interval_x * xi))
+    transfer = one**640
+    magnitude = magnitude * np.abs(transfer)
+    phase = phase + np.angle(transfer)
+
+    picture = np.real(np.fft.ifft2(magnitude * np.exp(1j * phase)))
+    blocks = picture.reshape(rows // 2, 2, columns // 2, 2)
+    return np.asarray(blocks.mean(axis=(1, 3)))
+
+
+def _grabbed(picture: Array, lines: int, samples: int) -> Array:
+    """Bilinear samples of another size over the same field."""
+    rows, columns = picture.shape
+    y = np.clip((np.arange(lines) + 0.5) * rows / lines - 0.5, 0, rows - 1)
+    x = np.clip((np.arange(samples) + 0.5) * columns / samples - 0.5, 0, columns - 1)
+    top, left = np.floor(y).astype(int), np.floor(x).astype(int)
+    below, right = np.minimum(top + 1, rows - 1), np.minimum(left + 1, columns - 1)
+    down, across = (y - top)[:, np.newaxis], x - left
+    upper = picture[top][:, left] * (1 - across) + picture[top][:, right] * across
+    lower = picture[below][:, left] * (1 - across) + picture[below][:, right] * across
+    return np.asarray(upper * (1 - down) + lower * down)
+
+
+MEASURES = (networks, one_thread, cameras, frames, fresh_process)

@@ -1,1 +1,0 @@
-"""Run time of whole networks, of edits, of growing pictures and of the window."""

@@ -1,1 +1,0 @@
-"""True values without the measured code, and the chain as a plain program has it."""
