@@ -2,7 +2,7 @@
 
     python tests/pictures/readme_pictures.py [--into FOLDER] [--only NAME …]
 
-Those of the benchmark belong to one machine and come from `imagechain bench --pictures`.
+Those of the benchmark belong to one machine and come from `tests/benchmarks/run.py --page`.
 """
 
 import argparse
@@ -39,7 +39,8 @@ def make_still(file, words):
 def make_clip(file, *rate):
     """The session on a display of its own."""
     script = Path(__file__).with_name("readme_session.py")
-    path = os.pathsep.join([str(ROOT), str(SUPPORT), str(script.parent)])
+    folders = (ROOT, SUPPORT, ROOT / "tests" / "benchmarks", script.parent)
+    path = os.pathsep.join(map(str, folders))
     with virtual_screen(*CLIP_SIZE) as environment:
         command = [sys.executable, str(script), str(file), *map(str, rate)]
         _succeed(finished(command, env={**environment, "PYTHONPATH": path}))
