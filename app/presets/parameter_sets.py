@@ -9,7 +9,7 @@ from typing import Any
 
 from core.atomic import write_text
 from core.editing.fields import set_parameter
-from core.editing.operation import ABSENT, Operation, check_plain, together
+from core.editing.operation import ABSENT, Operation, Together, check_plain
 from core.errors import FileError, NetworkError
 from core.modules.declaration import Declaration
 from core.names import shown, thaw
@@ -114,7 +114,7 @@ def given(
             continue
         if value is not ABSENT or key in node.params:
             steps.append(set_parameter(where, key, value))
-    return together(steps, f"Set {where} to {name}")
+    return Together(steps, f"Set {where} to {name}")
 
 
 def _is_set(value: Any) -> bool:

@@ -49,15 +49,19 @@ class Document:
         saved: bool = True,
         stored: str | None = None,
     ) -> None:
-        self.network = _tidied(network)
+        self.history = History(_tidied(network))
+        self.history.mark_saved(saved)
         self.library = library
         self.path = path
         self.stored = GONE
         if path is not None:
             self.stored = mark_of(path) if stored is None else stored
-        self.history = History()
-        self.history.mark_saved(saved)
         self._listeners: list[Listener] = []
+
+    @property
+    def network(self) -> Network:
+        """The network as it stands."""
+        return self.history.network
 
     @property
     def modified(self) -> bool:
@@ -92,15 +96,16 @@ class Document:
         NetworkError, ParameterError
             If it does not fit; the document is as before.
         """
-        after = operation.apply(self.network)
-        if self._same(self.network, after):
+        before = self.network
+        after = operation.apply(before)
+        if self._same(before, after):
             return False
-        check_new_wires(self.network, after, self.library)
-        after = self.history.do(self.network, operation, gesture)
+        check_new_wires(before, after, self.library)
+        self.history.add(after, operation, gesture)
         start = self.history.start
-        if start is not None and start is not self.network and self._same(start, after):
+        if start is not None and self._same(start, after):
             self.history.forget()  # the drag is back where it began
-        self._become(after)
+        self._tell(before)
         return True
 
     def end_gesture(self) -> None:
@@ -109,11 +114,11 @@ class Document:
 
     def undo(self) -> None:
         """Undo the last step, if there is one."""
-        self._become(self.history.undo(self.network))
+        self.go_to(max(self.history.position - 1, 0))
 
     def redo(self) -> None:
         """Do again the step undone last, if there is one."""
-        self._become(self.history.redo(self.network))
+        self.go_to(min(self.history.position + 1, self.history.last))
 
     def go_to(self, position: int) -> None:
         """Undo, or do again, until so many steps are done; the listeners are called once.
@@ -123,7 +128,9 @@ class Document:
         NetworkError
             If the history has not so many.
         """
-        self._become(self.history.go_to(self.network, position))
+        before = self.network
+        self.history.go_to(position)
+        self._tell(before)
 
     def disagreement(self) -> str:
         """What another program has done to its file since then; empty where it is unchanged."""
@@ -168,16 +175,16 @@ class Document:
 
     def _same(self, one: Network, other: Network) -> bool:
         # To Python 1 is true, and mappings in another order are equal; to a file they are not.
-        return one == other and self._text(one) == self._text(other)
+        return one is other or (one == other and self._text(one) == self._text(other))
 
     def _text(self, network: Network) -> str:
         return format_network(network, library=self.library)
 
-    def _become(self, network: Network) -> None:
-        before, self.network = self.network, network
-        if before is not network:
+    def _tell(self, before: Network) -> None:
+        """Call the listeners where another network stands than `before`."""
+        if (after := self.network) is not before:
             for listener in tuple(self._listeners):
-                listener(before, network)
+                listener(before, after)
 
 
 def _tidied(network: Network) -> Network:

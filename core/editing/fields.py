@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 from core.editing.operation import ABSENT, Operation, check_plain, with_field
 from core.errors import NetworkError
-from core.names import freeze, thaw
+from core.names import freeze
 from core.network.network import EXPRESSION, Network, Node
 
 _OF_NODE = ("auto", "disabled")
@@ -31,8 +31,6 @@ class SetField(Operation):
     label : str, optional
         Text in the undo menu.
     """
-
-    sets: ClassVar[bool] = True
 
     path: tuple[str, ...]
     value: Any
@@ -71,26 +69,6 @@ class SetField(Operation):
                 check_value(self.value, name)
                 return _with_network_field(network, name, self.value)
         raise NetworkError(f"{'.'.join(self.path)} is no field that can be set by itself")
-
-    def inverse(self, network: Network) -> Operation:
-        """Set it as it was."""
-        had: Any = ABSENT
-        match self.path:
-            case ("nodes", node, "params", name):
-                had = network.node(node).params.get(name, ABSENT)
-            case ("nodes", node, name):
-                fields = network.node(node)
-                had = getattr(fields, name) if name in _OF_NODE else fields.extra.get(name, ABSENT)
-            case (name,):
-                known = name in _OF_NETWORK
-                had = getattr(network, name) if known else network.extra.get(name, ABSENT)
-        return replace(self, value=thaw(had))
-
-    def joined(self, later: Operation) -> Operation | None:
-        """The later value, if it is of the same field."""
-        if not isinstance(later, SetField) or later.path != self.path:
-            return None
-        return replace(later, label=self.label)
 
 
 def set_parameter(node: str, name: str, value: Any, label: str = "") -> SetField:

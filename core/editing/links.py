@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, replace
 
-from core.editing.fields import set_network_field
-from core.editing.operation import Operation, Together
-from core.editing.references import WIRE_DOTS, without_dots
+from core.editing.operation import Operation
+from core.editing.references import without_dots
 from core.errors import NetworkError
 from core.modules.declaration import Declaration, Port
 from core.modules.library_type import Library
-from core.names import close, shown, thaw
+from core.names import close, shown
 from core.network.graph import cycles
 from core.network.macro import declared_node
 from core.network.network import Link, Network, cycle_error
@@ -165,27 +164,9 @@ class Rewire(Operation):
         missing = [link for link in self.remove if link not in network.links]
         if missing:
             raise NetworkError(f"there is no link {missing[0]}")
-        gone = {*self.remove, *displaced(network, self.add)}
-        unchanged = [link for link in network.links if link not in gone and link not in self.add]
-        extra = without_dots(network.extra, {link for link in gone if link not in self.add})
+        new, taken = set(self.add), {(link.target, link.input) for link in self.add}
+        gone = {link for link in network.links if (link.target, link.input) in taken}
+        gone = (gone | set(self.remove)) - new
+        unchanged = [link for link in network.links if link not in gone and link not in new]
+        extra = without_dots(network.extra, gone)
         return replace(network, links=(*unchanged, *self.add), extra=extra)
-
-    def inverse(self, network: Network) -> Operation:
-        """Wire as before."""
-        before = set(network.links)
-        pushed = [link for link in displaced(network, self.add) if link not in self.remove]
-        new = tuple(link for link in self.add if link not in before)
-        again = tuple(link for link in self.remove if link not in self.add)
-        back = Rewire(add=(*again, *pushed), remove=new, label=self.text)
-        dots = network.extra.get(WIRE_DOTS)
-        if dots is None or self.apply(network).extra.get(WIRE_DOTS) == dots:
-            return back
-        return Together((back, set_network_field(WIRE_DOTS, thaw(dots))), self.text)
-
-
-def displaced(network: Network, links: tuple[Link, ...]) -> tuple[Link, ...]:
-    """The links whose inputs these would take."""
-    taken = {(link.target, link.input) for link in links}
-    return tuple(
-        link for link in network.links if (link.target, link.input) in taken and link not in links
-    )

@@ -7,7 +7,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from core.editing.fields import set_parameter
-from core.editing.operation import Operation, together
+from core.editing.operation import Operation, Together
 from core.modules.declaration import declaration
 from core.modules.library_type import Library
 from core.network.network import Network
@@ -50,7 +50,7 @@ def rebased(
                 moved = _from(old / value, new)
                 if moved != value:
                     steps.append(set_parameter(node.id, parameter.name, moved))
-    return together(steps, "Keep file names") if steps else None
+    return Together(steps, "Keep file names") if steps else None
 
 
 def _relative(value: str) -> bool:

@@ -6,12 +6,12 @@ import itertools
 import math
 from collections.abc import Callable, Collection, Container, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import Any
 
-from core.editing.fields import set_network_field, set_parameter
+from core.editing.fields import set_parameter
 from core.editing.layout.boxes import Point
-from core.editing.links import Rewire, displaced
-from core.editing.operation import ABSENT, Operation, Together, named
+from core.editing.links import Rewire
+from core.editing.operation import Operation, Together, named
 from core.editing.references import dropped, of_nodes, renamed
 from core.errors import NetworkError
 from core.expressions.grammar import ExpressionError
@@ -66,20 +66,6 @@ class Add(Operation):
         )
         return Rewire(add=self.links).apply(grown)
 
-    def inverse(self, network: Network) -> Operation:
-        """Take them out again; what was linked before comes back."""
-        names = tuple(placed.node.id for placed in self.placed)
-        before = displaced(network, self.links)
-        # Taking nodes out takes what mentions them along, be it from before they came.
-        every = of_nodes(names, {placed.node.id: placed.node for placed in self.placed})
-        left = dropped(self.apply(network).extra, every)
-        steps = _back_to(network.extra, left)
-        others = [link for link in self.links if not {link.source, link.target} & set(names)]
-        own = [link for link in others if link not in network.links]
-        if own or before:
-            steps.append(Rewire(add=before, remove=tuple(own)))
-        return Together((Remove(names), *steps), self.text) if steps else Remove(names)
-
 
 @dataclass(frozen=True)
 class Remove(Operation):
@@ -106,20 +92,6 @@ class Remove(Operation):
             extra=dropped(network.extra, of_nodes(gone, network.nodes)),
         )
 
-    def inverse(self, network: Network) -> Operation:
-        """Put them back where they were."""
-        gone = set(self.names)
-        placed = tuple(
-            Placed(node, network.layout.get(name), index)
-            for index, (name, node) in enumerate(network.nodes.items())
-            if name in gone
-        )
-        links = tuple(link for link in network.links if {link.source, link.target} & gone)
-        every = of_nodes(gone, network.nodes)
-        fields, left = thaw(network.extra), thaw(dropped(network.extra, every))
-        extra = {name: value for name, value in fields.items() if left.get(name, ABSENT) != value}
-        return Add(placed, links, self.text, extra)
-
 
 @dataclass(frozen=True)
 class Move(Operation):
@@ -127,7 +99,6 @@ class Move(Operation):
 
     positions: Mapping[str, Point | None]
     label: str = ""
-    sets: ClassVar[bool] = True
 
     @property
     def text(self) -> str:
@@ -144,16 +115,6 @@ class Move(Operation):
             else:
                 layout[name] = _finite(name, at)
         return replace(network, layout=layout)
-
-    def inverse(self, network: Network) -> Operation:
-        """Put them where they were."""
-        return Move({name: network.layout.get(name) for name in self.positions}, self.text)
-
-    def joined(self, later: Operation) -> Operation | None:
-        """Both moves as one, to the later points."""
-        if not isinstance(later, Move):
-            return None
-        return Move({**self.positions, **later.positions}, self.label)
 
 
 @dataclass(frozen=True)
@@ -203,20 +164,6 @@ class Rename(Operation):
         names = of_nodes([self.old], network.nodes)
         return {name: self.new + name.removeprefix(self.old) for name in names}
 
-    def inverse(self, network: Network) -> Operation:
-        """Give it back its name."""
-        back = Rename(self.new, self.old)
-        after = self.apply(network)
-        undone = back.apply(after)
-        # What mentioned the new name before the node had it would be renamed as well.
-        steps = _back_to(network.extra, undone.extra)
-        for name, node in network.nodes.items():
-            for parameter in node.linked:
-                raw = node.params[parameter]
-                if undone.nodes[name].params[parameter] != raw:
-                    steps.append(set_parameter(name, parameter, thaw(raw)))
-        return Together((back, *steps), self.text) if steps else back
-
 
 def keeping_values(
     *,
@@ -256,16 +203,6 @@ def keeping_values(
             steps.append(set_parameter(node, parameter, value))
             kept.append(f"{shown(node)}.{parameter} = {value}")
     return Together((*steps, taking), taking.text), tuple(kept)
-
-
-def _back_to(wanted: Mapping[str, Any], present: Mapping[str, Any]) -> list[Operation]:
-    """Operations that set the network's other fields as they were."""
-    wanted, present = thaw(wanted), thaw(present)
-    return [
-        set_network_field(name, wanted.get(name, ABSENT))
-        for name in {**wanted, **present}
-        if wanted.get(name, ABSENT) != present.get(name, ABSENT)
-    ]
 
 
 def _finite(name: str, at: Point) -> Point:

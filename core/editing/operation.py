@@ -1,17 +1,17 @@
-"""Changes of a network as values, each with its inverse.
+"""Changes of a network as values: what gives the network after it from the one before.
 
 An operation applied to a network it does not fit raises an error of this program and changes
-nothing. The inverse is made from the network before the change: it undoes exactly that change.
+nothing.
 """
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, ClassVar
+from typing import Any
 
 from core.errors import NetworkError
 from core.names import shown
@@ -30,9 +30,6 @@ ABSENT = Absent.ABSENT
 class Operation(ABC):
     """A change of a network."""
 
-    sets: ClassVar[bool] = False
-    """Whether it only gives values to what is there: those of different things may change places"""
-
     @property
     @abstractmethod
     def text(self) -> str:
@@ -48,29 +45,16 @@ class Operation(ABC):
             If it does not fit the network.
         """
 
-    @abstractmethod
-    def inverse(self, network: Network) -> Operation:
-        """The operation that undoes it; `network` is the one before the change."""
-
     def moved(self, network: Network) -> dict[str, str]:  # noqa: ARG002
         """What nodes are called afterwards that had another name before; `network` is as before."""
         return {}
-
-    def joined(self, later: Operation) -> Operation | None:  # noqa: ARG002
-        """Both as one operation of this kind; None where that would differ."""
-        return None
-
-    def then(self, later: Operation) -> Operation:
-        """Both operations as one."""
-        one = self.joined(later)
-        return one if one is not None else together((self, later), self.text)
 
 
 @dataclass(frozen=True)
 class Together(Operation):
     """Several operations, one after the other, as one."""
 
-    operations: tuple[Operation, ...]
+    operations: Sequence[Operation]
     label: str = ""
 
     @property
@@ -87,14 +71,6 @@ class Together(Operation):
             network = operation.apply(network)
         return network
 
-    def inverse(self, network: Network) -> Operation:
-        """Undo all of them, the last one first."""
-        undoing = []
-        for operation in self.operations:
-            undoing.append(operation.inverse(network))
-            network = operation.apply(network)
-        return Together(tuple(reversed(undoing)), self.text)
-
     def moved(self, network: Network) -> dict[str, str]:
         """What nodes are called after all of them."""
         names: dict[str, str] = {}
@@ -106,38 +82,21 @@ class Together(Operation):
         return names
 
 
-def together(operations: Iterable[Operation], label: str = "") -> Operation:
-    """Operations as one, with no more parts than needed.
+@dataclass(frozen=True)
+class Restored(Operation):
+    """Put a whole network in the place of the present one."""
 
-    The values that a long drag sets again and again leave one part each: its undo is as quick as
-    its last step, and nothing is nested.
-    """
-    parts: list[Operation] = []
-    for operation in _flat(operations):
-        _append(parts, operation)
-    return Together(tuple(parts), label)
+    network: Network
+    label: str
 
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return self.label
 
-def _flat(operations: Iterable[Operation]) -> Iterator[Operation]:
-    """By a stack: the nesting of what is given does not matter."""
-    rest = list(operations)[::-1]
-    while rest:
-        operation = rest.pop()
-        if isinstance(operation, Together):
-            rest.extend(reversed(operation.operations))
-        else:
-            yield operation
-
-
-def _append(parts: list[Operation], later: Operation) -> None:
-    for place in reversed(range(len(parts))):
-        one = parts[place].joined(later)
-        if one is not None:
-            parts[place] = one
-            return
-        if not (parts[place].sets and later.sets):
-            break  # what comes later may need what this one does
-    parts.append(later)
+    def apply(self, network: Network) -> Network:  # noqa: ARG002 - whatever it has become
+        """That network."""
+        return self.network
 
 
 def with_field(fields: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:

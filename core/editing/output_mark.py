@@ -10,7 +10,7 @@ from core.editing.operation import ABSENT, Operation, with_field
 from core.errors import NetworkError
 from core.modules.declaration import Declaration
 from core.modules.library_type import Library
-from core.names import shown, thaw
+from core.names import shown
 from core.network.macro import SEPARATOR, declared_node, face_of_macro
 from core.network.network import Network, Node, with_marks
 
@@ -38,10 +38,6 @@ class SetOutput(Operation):
         check_value(self.port, "final")
         extra = with_field(network.extra, "final", self.port)
         return with_marks(network, self.nodes, extra)
-
-    def inverse(self, network: Network) -> Operation:
-        """Mark what was marked."""
-        return SetOutput(network.marked, thaw(network.extra.get("final", ABSENT)))
 
 
 def output_toggled(network: Network, library: Library, name: str) -> Operation:

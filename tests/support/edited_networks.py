@@ -15,7 +15,7 @@ from core.editing.layout.room import made_way
 from core.editing.links import Rewire
 from core.editing.moved_folder import rebased
 from core.editing.nodes import Add, Move, Placed, Remove, Rename, keeping_values
-from core.editing.operation import ABSENT, Operation, Together, together
+from core.editing.operation import ABSENT, Operation, Together
 from core.editing.output_mark import SetOutput
 from core.editing.wiring.continuing import continued
 from core.editing.wiring.fitting import fitting, inserted, new_node, refusal, wired_to
@@ -354,7 +354,7 @@ def _several(e: Editor) -> Operation | None:
             steps.append(step)
             e.network = step.apply(e.network)
     e.network = before
-    return together(steps, "Several") if steps else None
+    return Together(steps, "Several") if steps else None
 
 
 MAKERS: tuple[Maker, ...] = (

@@ -25,7 +25,7 @@ from app.editor.viewers.status_line import StatusLine
 from app.editor.widgets.buttons import toggle_button, tool_button
 from app.editor.widgets.flow_layout import FlowLayout
 from core.editing.fields import set_parameter
-from core.editing.operation import Operation, together
+from core.editing.operation import Operation, Together
 from core.errors import ParameterError
 from core.modules.parameters import plain
 from core.network.network import Network
@@ -162,7 +162,7 @@ class FitView(QWidget):
         self._session.end_gesture()
         before = list(self._fits)
         self._fits = []
-        self._session.do(together(steps, "Take fitted values"))
+        self._session.do(Together(steps, "Take fitted values"))
         self._fits = [*before, self._session.document.network]
         self._say_result()
 

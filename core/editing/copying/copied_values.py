@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from core.editing.fields import set_parameter
-from core.editing.operation import ABSENT, Operation, named, together
+from core.editing.operation import ABSENT, Operation, Together, named
 from core.errors import ImagechainError, NetworkError
 from core.modules.declaration import Declaration
 from core.modules.parameters import Parameter, plain
@@ -167,7 +167,7 @@ def pasted_values(
     number = len(copied.values)
     what = f"Paste {number} values" if number > 1 else f"Paste {next(iter(copied.values))}"
     taken = tuple(f"{name}.{key}" for name, key in steps)
-    return PastedValues(together(changes, f"{what} on {named(names)}"), taken, tuple(left_out))
+    return PastedValues(Together(changes, f"{what} on {named(names)}"), taken, tuple(left_out))
 
 
 def _fitting(parameter: Parameter, copied: CopiedValues) -> Any:
@@ -194,7 +194,7 @@ def _link_faults(steps: Mapping[Place, Any], faults_after: FaultsAfter) -> dict[
     faults: dict[Place, LinkError] = {}
     while True:
         rest = {place: value for place, value in steps.items() if place not in faults}
-        setting = together(set_parameter(*place, value) for place, value in rest.items())
+        setting = Together([set_parameter(*place, value) for place, value in rest.items()])
         fresh = faults_after(setting, rest)
         if not fresh:
             return faults

@@ -9,7 +9,7 @@ from core.editing.drawing.backdrops import HEAD, MARGIN, backdrops_of, change, n
 from core.editing.layout.arrange import placed
 from core.editing.layout.boxes import Box, Point, Sizes, boxes_of, size_of
 from core.editing.nodes import Move
-from core.editing.operation import Operation, together
+from core.editing.operation import Operation, Together
 from core.network.graph import cycles
 from core.network.network import Network
 
@@ -52,7 +52,7 @@ def laid_out(
         if ground != grounds[index]:
             steps.append(change(network, index, ground))
             network = steps[-1].apply(network)
-    return together(steps, "Lay out")
+    return Together(steps, "Lay out")
 
 
 def _places(

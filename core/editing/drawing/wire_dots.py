@@ -14,7 +14,7 @@ from core.editing.fields import set_network_field
 from core.editing.layout.boxes import Point
 from core.editing.layout.reach import is_in_reach
 from core.editing.nodes import Move
-from core.editing.operation import ABSENT, Operation, together
+from core.editing.operation import ABSENT, Operation, Together
 from core.editing.references import WIRE_DOTS, dots_entry_link
 from core.errors import NetworkError
 from core.names import thaw
@@ -113,7 +113,7 @@ def moved_with_dots(network: Network, moving: Move) -> Operation:
     dots = dots_along(network, places)
     if not dots:
         return moving
-    return together((moving, with_dots(network, dots, moving.text)), moving.text)
+    return Together((moving, with_dots(network, dots, moving.text)), moving.text)
 
 
 def shifted(points: Iterable[Point], by: Point) -> tuple[Point, ...]:

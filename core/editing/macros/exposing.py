@@ -10,7 +10,6 @@ from core.editing.fields import set_network_field, set_parameter
 from core.editing.macros.inside import addressed, at_level, parameters_of
 from core.editing.nodes import fresh_name
 from core.editing.operation import ABSENT, Operation, Together
-from core.editing.restoring import Restored
 from core.errors import NetworkError
 from core.expressions.grammar import ExpressionError, Reference, readable
 from core.names import close, shown, thaw
@@ -168,10 +167,6 @@ class RenameExposed(Operation):
             )
         except ExpressionError as error:
             raise NetworkError(error.message) from None
-
-    def inverse(self, network: Network) -> Operation:
-        """The network as it was."""
-        return Restored(network, self.text)
 
 
 def rename_exposed(network: Network, macro: str, old: str, new: str) -> Operation:

@@ -29,7 +29,6 @@ from core.editing.macros.macro_wires import (
 from core.editing.nodes import fresh_name
 from core.editing.operation import Operation, named
 from core.editing.references import of_nodes, renamed, without_dots
-from core.editing.restoring import Restored
 from core.errors import NetworkError
 from core.modules.library_type import Library
 from core.names import shown, thaw
@@ -134,10 +133,6 @@ class Group(Operation):
         names = of_nodes(self.members, network.nodes)
         return {name: f"{self.name}{SEPARATOR}{name}" for name in names}
 
-    def inverse(self, network: Network) -> Operation:
-        """The network as it was."""
-        return Restored(network, self.text)
-
 
 @dataclass(frozen=True)
 class Ungroup(Operation):
@@ -230,10 +225,6 @@ class Ungroup(Operation):
                 new = self.fresh.get(inner, inner) + name.removeprefix(inner)
                 names[f"{self.name}{SEPARATOR}{name}"] = new
         return names
-
-    def inverse(self, network: Network) -> Operation:
-        """The network as it was."""
-        return Restored(network, self.text)
 
 
 def group(

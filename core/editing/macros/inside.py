@@ -11,10 +11,9 @@ from core.editing.fields import SetField
 from core.editing.links import Rewire
 from core.editing.macros.border_links import with_moved_names
 from core.editing.nodes import Move, Remove, Rename
-from core.editing.operation import ABSENT, Operation, Together, together
+from core.editing.operation import ABSENT, Operation, Together
 from core.editing.output_mark import SetOutput
 from core.editing.references import dropped, renamed
-from core.editing.restoring import Restored
 from core.errors import NetworkError
 from core.names import shown, thaw
 from core.network.expansion import unfolded
@@ -71,17 +70,6 @@ class Inside(Operation):
         names = self.operation.moved(inside) if inside is not None else {}
         head = f"{self.macro}{SEPARATOR}"
         return {head + old: head + new for old, new in names.items()}
-
-    def inverse(self, network: Network) -> Operation:
-        """The network as it was."""
-        return Restored(network, self.text)
-
-    def joined(self, later: Operation) -> Operation | None:
-        """Both inside of the same macro."""
-        if not isinstance(later, Inside) or later.macro != self.macro:
-            return None
-        one = self.operation.joined(later.operation)
-        return None if one is None else Inside(self.macro, one)
 
 
 def with_body(
@@ -164,8 +152,8 @@ def addressed(network: Network, operation: Operation) -> Operation:
     """
     match operation:
         case Together():
-            steps = (addressed(network, step) for step in operation.operations)
-            return together(steps, operation.label)
+            steps = [addressed(network, step) for step in operation.operations]
+            return Together(steps, operation.label)
         case SetField(("nodes", node, *rest)) if _lies_inside(network, node):
             *macros, name = path_of(network, node)
             inner = replace(operation, path=("nodes", name, *rest), label=operation.text)
@@ -237,7 +225,7 @@ def _set_inside(
             taking = SetField(("nodes", macro, "params", name), ABSENT)
             steps.append(at_level(macros[: len(levels) - 1], taking))
         end = macro, name
-    return steps[0] if len(steps) == 1 else together(steps, step.text)
+    return steps[0] if len(steps) == 1 else Together(steps, step.text)
 
 
 def parameters_of(body: Network) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from core.editing.layout.boxes import Point
 from core.editing.links import declared
-from core.editing.operation import Operation, together
+from core.editing.operation import Operation, Together
 from core.editing.wiring.fitting import new_node, wired_along
 from core.editing.wiring.inserting import inserted
 from core.errors import NetworkError
@@ -44,7 +44,7 @@ def continued(
     """
     name, adding = new_node(network, library, module, at)
     wiring = wires_behind(adding.apply(network), library, node, name)
-    return None if wiring is None else (name, together((adding, wiring), adding.text))
+    return None if wiring is None else (name, Together((adding, wiring), adding.text))
 
 
 def wires_behind(network: Network, library: Library, node: str, new: str) -> Operation | None:

@@ -9,7 +9,7 @@ from typing import Literal
 from core.editing.layout.boxes import Point
 from core.editing.links import Rewire, check_new_wires, declared, misfit, reached_from, refusal
 from core.editing.nodes import Add, Placed, fresh_name
-from core.editing.operation import Operation, together
+from core.editing.operation import Operation, Together
 from core.editing.wiring.inserting import inserted
 from core.editing.wiring.partners import (
     MAGNITUDE,
@@ -127,8 +127,8 @@ def wired_to(
         old = next((wire for wire in network.links_into(node) if wire.input == port), None)
         between = inserted(grown, library, old, name) if old else None
         if between is not None and link in between.apply(grown).links:
-            return name, together((adding, between), adding.text)
-    return name, together((adding, wired_along(grown, library, link, name)), adding.text)
+            return name, Together((adding, between), adding.text)
+    return name, Together((adding, wired_along(grown, library, link, name)), adding.text)
 
 
 def wired_along(network: Network, library: Library, link: Link, node: str) -> Rewire:

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from core.editing.links import Rewire, declared, misfit
 from core.editing.nodes import Remove
-from core.editing.operation import Operation, named, together
+from core.editing.operation import Operation, Together, named
 from core.modules.library_type import Library
 from core.names import shown
 from core.network.network import Link, Network, passed_through
@@ -37,7 +37,7 @@ def deleted(
 def _led_past(names: Collection[str], new: tuple[Link, ...], verb: str) -> Operation:
     text = f"{verb} {named([shown(name) for name in names])}"
     removal = Remove(tuple(names), text)
-    return together((removal, Rewire(add=new)), text) if new else removal
+    return Together((removal, Rewire(add=new)), text) if new else removal
 
 
 def _ways(

@@ -4,7 +4,7 @@ from app.run.shipped import shipped_networks
 from core.editing.document import Document
 from core.editing.fields import set_parameter
 from core.editing.nodes import Remove
-from core.editing.restoring import Restored
+from core.editing.operation import Restored
 from core.network.file import load_network
 from nodes.library import standard_library
 

@@ -13,7 +13,6 @@ from core.errors import ImagechainError
 from core.network.file import format_network, parse_network
 from core.network.network import Network
 from edited_networks import DRAGS, MAKERS, Editor, drawn_network
-from thorough import examples
 
 LIMITS = settings(
     deadline=None,
@@ -107,24 +106,6 @@ def test_sessions_on_random_networks(seed, library):
 def test_sessions_on_shipped_networks(library, shipped):
     for seed, network in enumerate(shipped.values()):
         played(seed, network, library, OPERATIONS // 4)
-
-
-@settings(LIMITS, max_examples=examples(40))
-@given(seed=SEEDS)
-def test_each_operation_alone_is_undone_by_its_inverse(seed, library):
-    random = Random(seed)
-    network = drawn_network(random, library)
-    before = format_network(network, library=library)
-    for maker in MAKERS:
-        operation = maker(Editor(random, network, library))
-        if operation is None:
-            continue
-        after = operation.apply(network)
-        back = operation.inverse(network).apply(after)
-        assert format_network(back, library=library) == before, operation
-        again = operation.inverse(network).inverse(after).apply(back)
-        assert format_network(again, library=library) == format_network(after, library=library)
-        assert operation.text
 
 
 @settings(LIMITS, max_examples=10)

@@ -19,7 +19,7 @@ from app.editor.library.module_search import found_by
 from app.editor.theme import Theme
 from core.editing.layout.boxes import Point
 from core.editing.links import Rewire
-from core.editing.operation import Operation, together
+from core.editing.operation import Operation, Together
 from core.editing.wiring.fitting import Candidate, End, Side, fitting, wired_to
 from core.errors import ImagechainError
 from core.modules.declaration import declaration
@@ -187,7 +187,7 @@ class Adding(QObject):
         except ImagechainError as error:
             session.message.emit("error", str(error))
             return
-        if session.do(together((*steps, operation), operation.text)):
+        if session.do(Together((*steps, operation), operation.text)):
             session.select([name])
 
     def _at_port(self, candidate: Candidate, drawn_from: str, point: QPointF) -> Point:

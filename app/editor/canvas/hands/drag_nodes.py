@@ -16,7 +16,7 @@ from app.editor.canvas.items.wire_item import WireItem
 from core.editing.drawing.backdrops import Backdrop, change
 from core.editing.drawing.wire_dots import moved_with_dots
 from core.editing.nodes import Move
-from core.editing.operation import Operation, Together, together
+from core.editing.operation import Operation, Together
 from core.network.network import Network
 
 
@@ -139,7 +139,7 @@ def moved_together(
     moved = change(network, backdrop.index, backdrop_at(backdrop.shown, frame))
     whole = {name: _whole(at) for name, at in places.items()}
     moving = moved_with_dots(network, Move(whole))
-    return together((moved, moving), f"Move {backdrop.title or 'backdrop'}")
+    return Together((moved, moving), f"Move {backdrop.title or 'backdrop'}")
 
 
 def backdrop_at(backdrop: Backdrop, frame: QRectF) -> Backdrop:

@@ -8,7 +8,7 @@ from app.editor.canvas.hands.new_nodes import free_place, size_of, with_way_made
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.hits import wires_near
 from app.editor.canvas.items.wire_item import WireItem
-from core.editing.operation import Operation, together
+from core.editing.operation import Operation, Together
 from core.editing.wiring.fitting import inserted, new_node
 
 _REACH_PX = 12.0
@@ -41,7 +41,7 @@ def added_at(surface: Surface, module: str, point: QPointF) -> tuple[str, Operat
     if insertion is None:
         free = free_place(surface, module, at)
         return new_node(session.network, session.library, module, free)
-    inserting = together((adding, insertion[1]), adding.text)
+    inserting = Together((adding, insertion[1]), adding.text)
     return name, with_way_made(surface, inserting, name, size_of(surface, module))
 
 

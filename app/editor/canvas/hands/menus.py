@@ -20,7 +20,7 @@ from app.editor.widgets.triggered import without_argument
 from core.editing.drawing.backdrops import change
 from core.editing.fields import set_node_field
 from core.editing.links import Rewire
-from core.editing.operation import ABSENT, named, together
+from core.editing.operation import ABSENT, Together, named
 
 
 class Menus(QObject):
@@ -122,7 +122,7 @@ class Menus(QObject):
         if session.selection:
             value = name or ABSENT
             steps = [set_node_field(node, COLOUR, value) for node in session.selection]
-            session.do(together(steps, f"Colour {named(session.selection)}"))
+            session.do(Together(steps, f"Colour {named(session.selection)}"))
         elif backdrop is not None:
             changed = replace(backdrop.shown, colour=name)
             session.do(change(session.network, backdrop.index, changed))

@@ -10,7 +10,7 @@ from core.editing.layout.boxes import Point
 from core.editing.layout.room import GAP_X, free_places, made_way
 from core.editing.links import reached_from
 from core.editing.nodes import Move
-from core.editing.operation import Operation, together
+from core.editing.operation import Operation, Together
 from core.editing.wiring.continuing import continued
 from core.editing.wiring.fitting import new_node
 from core.modules.declaration import declaration
@@ -63,7 +63,7 @@ def with_way_made(
         return operation
     grounds = following(network, whole, sizes)  # else what is pushed leaves its backdrop
     parts = (operation, Move(dict(whole)), *(() if grounds is None else (grounds,)))
-    return together(parts, operation.text)
+    return Together(parts, operation.text)
 
 
 def _placed(
@@ -75,9 +75,9 @@ def _placed(
     if any(link.target == selected and link.source == name for link in grown.links):
         frame = surface.content.nodes[selected].frame()
         at = free_place(surface, module, (frame.left() - GAP_X - size[0], frame.top()))
-        return together((operation, Move({name: at})), operation.text)
+        return Together((operation, Move({name: at})), operation.text)
     if grown.followers[name]:
         return with_way_made(surface, operation, name, size)
     frame = surface.content.nodes[selected].frame()
     at = free_place(surface, module, (frame.right() + GAP_X, frame.top()))
-    return together((operation, Move({name: at})), operation.text)
+    return Together((operation, Move({name: at})), operation.text)

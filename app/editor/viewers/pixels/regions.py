@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from core.editing.fields import set_parameter
-from core.editing.operation import ABSENT, Operation, together
+from core.editing.operation import ABSENT, Operation, Together
 from core.errors import ParameterError
 from core.modules.declaration import Declaration
 from core.names import thaw
@@ -96,8 +96,8 @@ def whole(node: str) -> Operation:
 
 
 def _set(node: str, values: dict[str, Any]) -> Operation:
-    operations = (set_parameter(node, name, value) for name, value in values.items())
-    return together(operations, f"Set {node}'s region")
+    operations = [set_parameter(node, name, value) for name, value in values.items()]
+    return Together(operations, f"Set {node}'s region")
 
 
 def dragged(region: Region, grip: Grip, columns: int, rows: int, size: Size) -> Region:

@@ -21,7 +21,7 @@ from core.editing.layout.boxes import Point
 from core.editing.links import Rewire
 from core.editing.macros.grouping import group, ungroup
 from core.editing.nodes import Move, keeping_values
-from core.editing.operation import Operation, together
+from core.editing.operation import Operation, Together
 from core.editing.output_mark import output_toggled
 from core.editing.wiring.healing import deleted, dissolved
 from core.errors import ImagechainError
@@ -134,7 +134,7 @@ class EditCommands(QObject):
             set_node_field(node.id, "disabled", off) for node in nodes if node.disabled != off
         ]
         if steps:
-            self._session.do(steps[0] if len(steps) == 1 else together(steps))
+            self._session.do(steps[0] if len(steps) == 1 else Together(steps))
 
     def mark_output(self) -> None:
         """Mark the selected node as the network's output; marked: take the mark away."""
@@ -208,7 +208,7 @@ class EditCommands(QObject):
         """Wires at nodes that are laid out find their own way: dots are of another picture."""
         network = self._session.network
         bent = [link for link in dots_of(network) if {link.source, link.target} & set(names)]
-        return together((moving, straighten(network, bent)), moving.text) if bent else moving
+        return Together((moving, straighten(network, bent)), moving.text) if bent else moving
 
     def align(self, edge: Edge) -> None:
         """Bring the selected nodes to one line."""

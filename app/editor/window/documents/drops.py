@@ -16,8 +16,7 @@ from app.editor.window.documents.opening import is_network_file
 from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
 from core.chain.engine import Engine
 from core.editing.fields import set_parameter
-from core.editing.operation import Operation, together
-from core.editing.restoring import Restored
+from core.editing.operation import Operation, Restored, Together
 from core.editing.wiring.fitting import new_node
 from core.errors import ImagechainError
 from core.network.expansion import expanded
@@ -68,11 +67,11 @@ class Drops(QObject):
         for number, path in enumerate(paths):
             at = (point[0] + number * _STEP, point[1] + number * _STEP)
             name, adding = new_node(network, self._session.library, READ_IMAGE, at)
-            step = together((adding, set_parameter(name, "path", self._stored(Path(path)))))
+            step = Together((adding, set_parameter(name, "path", self._stored(Path(path)))))
             network = step.apply(network)
             steps.append(step)
             names.append(name)
-        if steps and self._session.do(together(steps, f"Read {_named(paths)}")):
+        if steps and self._session.do(Together(steps, f"Read {_named(paths)}")):
             self._session.select(names)
 
     def _replaced(self, name: str, path: Path) -> bool:

@@ -9,7 +9,7 @@ from typing import Literal
 from core.editing.fields import set_parameter
 from core.editing.links import Rewire
 from core.editing.nodes import Add, Placed, fresh_name
-from core.editing.operation import Operation, together
+from core.editing.operation import Operation, Together
 from core.network.network import Link, Network, Node
 
 Part = Literal["library", "canvas", "panels"]
@@ -96,7 +96,7 @@ class TourModel:
         """What is still to be done of a step, and of those before it; None where nothing is."""
         roles = dict.fromkeys(role for step in STEPS[: number + 1] for role in step.nodes)
         missing = self._missing(network, STEPS[number], tuple(roles))
-        return together(missing, f"Tour, step {number + 1}") if missing else None
+        return Together(missing, f"Tour, step {number + 1}") if missing else None
 
     def _missing(self, network: Network, step: TourStep, roles: Sequence[str]) -> list[Operation]:
         """What these nodes of the model, their links and the step's values still need."""

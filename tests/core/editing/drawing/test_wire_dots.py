@@ -116,8 +116,6 @@ def test_they_go_with_their_wire_and_come_back_with_it(bent, operation, left, li
     after = operation.apply(bent)
     assert sum(map(len, dots_of(after).values())) == left
     assert ("wire_dots" in after.extra) == bool(left)
-    before = operation.inverse(bent).apply(after)
-    assert format_network(before, library=library) == format_network(bent, library=library)
 
 
 def test_a_wire_that_is_drawn_again_is_straight(bent):
@@ -133,8 +131,6 @@ def test_copied_nodes_bring_the_dots_of_the_wires_among_them(bent, library):
     x, y = (after.layout[names[0]][axis] - bent.layout["init"][axis] for axis in (0, 1))
     assert dots_of(after)[new] == ((300.0 + x, 80.0 + y), (500.0 + x, 80.5 + y))
     assert dots_of(after)[SECOND] == dots_of(bent)[SECOND]
-    before = operation.inverse(bent).apply(after)
-    assert format_network(before, library=library) == format_network(bent, library=library)
     assert "wire_dots" not in copied(bent, ["scene", "init"], library)
 
 
@@ -163,9 +159,6 @@ def test_a_macro_takes_the_dots_inside_and_gives_them_back(bent, library):
     _, ungrouping = ungroup(grouped, library, name)
     after = ungrouping.apply(grouped)
     assert dots_of(after) == dots_of(bent)
-    assert format_network(grouping.inverse(other).apply(grouped), library=library) == (
-        format_network(other, library=library)
-    )
 
 
 @pytest.mark.parametrize(
@@ -185,7 +178,6 @@ def test_what_else_a_file_has_there_are_no_dots_and_stays(network, library, stra
     network = replace(network, extra={"wire_dots": strange})
     assert dots_of(network) == {}
     for operation in (Rename("scene", "s"), Remove(("scene",)), Rewire(remove=(FIRST,))):
-        after = operation.apply(network)
-        assert operation.inverse(network).apply(after) == network
+        assert operation.apply(network).extra == network.extra
     bent = add_dot(network, FIRST, 0, (1.0, 2.0)).apply(network)
     assert dots_of(bent) == {FIRST: ((1.0, 2.0),)}

@@ -12,7 +12,7 @@ from app.editor.viewers.bands.spectrum_plot import MEAN, NO_SAMPLE
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from core.editing.document import Document
 from core.editing.fields import set_parameter
-from core.editing.operation import together
+from core.editing.operation import Together
 from core.errors import UsageError
 from core.network.file import load_network
 from cube_files import write_cube
@@ -365,7 +365,7 @@ def test_a_narrower_filter_keeps_the_wavelength(viewer, bench, cube):
     viewer.bands.bar.slider.setValue(8)
     bench.settle()
     ends = (set_parameter("read", "cut_on_um", 4.0), set_parameter("read", "cut_off_um", 5.0))
-    bench.do(together(ends, "Narrow the band"))
+    bench.do(Together(ends, "Narrow the band"))
     assert viewer.bands.bar.slider.maximum() == BANDS // 2 - 1
     assert viewer.picture.facts.wavelengths_um == pytest.approx((wavelengths[8],))
 
