@@ -17,7 +17,7 @@ from app.run.staging import Staging
 from app.tradeoff.evaluated_points import with_value
 from core.atomic import write_text
 from core.chain.engine import Engine
-from core.editing.moved_folder import rebased
+from core.editing.document import rebased
 from core.network.file import format_network
 from nodes.library import standard_library
 

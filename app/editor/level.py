@@ -12,8 +12,8 @@ from typing import Any
 from PySide6.QtCore import QObject, Signal
 
 from app.editor.session import Session, renamed_node
-from core.editing.macros.inside import at_level
-from core.editing.operation import Operation
+from core.editing.macros import at_level
+from core.editing.operations import Operation
 from core.modules.declaration import Declaration
 from core.modules.library_type import Library
 from core.network.macro import SEPARATOR

@@ -14,9 +14,8 @@ from app.editor.chosen_outputs import ChosenOutputs
 from app.editor.error_text import error_text
 from app.editor.free_numbers import FreeNumbers
 from core.editing.document import Document
-from core.editing.fields import set_parameter
-from core.editing.macros.inside import addressed
-from core.editing.operation import Operation
+from core.editing.macros import addressed
+from core.editing.operations import Operation, set_parameter
 from core.errors import ImagechainError
 from core.modules.declaration import Declaration
 from core.modules.library_type import Library

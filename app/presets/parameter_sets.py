@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from core.atomic import write_text
-from core.editing.fields import set_parameter
-from core.editing.operation import ABSENT, Operation, Together, check_plain
+from core.editing.operations import ABSENT, Operation, Together, check_plain, set_parameter
 from core.errors import FileError, NetworkError
 from core.modules.declaration import Declaration
 from core.names import shown, thaw

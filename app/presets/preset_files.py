@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import networks
-from core.editing.copying.clipboard import as_new, pasted
-from core.editing.layout.boxes import Point
-from core.editing.operation import Operation
+from core.editing.clipboard import as_new, pasted
+from core.editing.layout import Point
+from core.editing.operations import Operation
 from core.errors import FileError, ImagechainError, NetworkError
 from core.modules.library_type import Library
 from core.names import shown

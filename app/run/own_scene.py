@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from app.run.output import ANALYSIS, ancestors
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
-from core.editing.nodes import fresh_name
+from core.editing.operations import fresh_name
 from core.errors import DataError, FileError, ImagechainError, UsageError
 from core.evaluation.policy import Policy
 from core.modules.declaration import declaration

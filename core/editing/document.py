@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+import hashlib
+import os
+import stat
+from collections.abc import Callable, Collection, Hashable
 from dataclasses import replace
 from os.path import realpath
 from pathlib import Path
 
 from core.editing.history import History
-from core.editing.layout.reach import is_in_reach
+from core.editing.layout import is_in_reach
 from core.editing.links import check_new_wires
-from core.editing.operation import Operation
-from core.editing.stored_file import GONE, mark, mark_of
+from core.editing.operations import Operation, Together, set_parameter
 from core.errors import ChangedFileError, NetworkError
+from core.modules.declaration import declaration
 from core.modules.library_type import Library
 from core.network.file import format_network, save_network
+from core.network.json_reading import LARGEST
 from core.network.network import Network
 
 Listener = Callable[[Network, Network], None]
@@ -36,7 +40,7 @@ class Document:
     saved : bool
         Whether that file holds it as it is; not so for recovered work and copies.
     stored : str, optional
-        The mark (`core.editing.stored_file`) of what the file held when this was read from it;
+        The mark (`core.editing.document`) of what the file held when this was read from it;
         default of what it holds now.
     """
 
@@ -206,3 +210,87 @@ def _tidied(network: Network) -> Network:
         }
         return replace(network, nodes=nodes, layout=layout)
     return network if len(layout) == len(network.layout) else replace(network, layout=layout)
+
+
+GONE = ""
+
+
+def mark(content: bytes) -> str:
+    """A digest that distinguishes this content from any other."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def mark_of(path: Path) -> str:
+    """The mark of what a file holds; `GONE` where there is none.
+
+    What cannot be read as a file has one that no content has.
+    """
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait
+            return "no regular file"
+        with path.open("rb") as file:
+            # More than the largest network: the mark then differs from every network's.
+            return mark(file.read(LARGEST + 1))
+    except FileNotFoundError:
+        return GONE
+    except (OSError, ValueError) as error:
+        return f"unreadable: {type(error).__name__}"
+
+
+def rebased(
+    network: Network,
+    library: Library,
+    old_folder: Path,
+    new_folder: Path,
+    *,
+    typed: Collection[tuple[str, str]] = (),
+) -> Operation | None:
+    """Make relative file names point at the same files from another folder; None if they do.
+
+    Only of modules in the library is it known which parameters are file names.
+
+    Parameters
+    ----------
+    network, library
+        What is saved.
+    old_folder, new_folder : Path
+        What its file names are relative to, and shall be. They need not exist.
+    typed : collection of (str, str)
+        Nodes and parameters whose full names become relative below the new folder.
+    """
+    old, new = (Path(os.path.realpath(folder)) for folder in (old_folder, new_folder))
+    if old == new and not typed:
+        return None
+    steps: list[Operation] = []
+    for node in network.nodes.values():
+        if node.module not in library:
+            continue
+        for parameter in declaration(library[node.module]).parameters:
+            value = node.params.get(parameter.name)
+            if parameter.kind != "path" or not isinstance(value, str):
+                continue
+            moves = _relative(value) and old != new
+            if moves or ((node.id, parameter.name) in typed and _is_below(value, new)):
+                moved = _from(old / value, new)
+                if moved != value:
+                    steps.append(set_parameter(node.id, parameter.name, moved))
+    return Together(steps, "Keep file names") if steps else None
+
+
+def _relative(value: str) -> bool:
+    return bool(value) and "\0" not in value and not Path(value).is_absolute()
+
+
+def _is_below(value: str, folder: Path) -> bool:
+    file = Path(value)
+    return file.is_absolute() and Path(os.path.realpath(file.parent)).is_relative_to(folder)
+
+
+def _from(file: Path, folder: Path) -> str:
+    """The file's name from a folder: relative, or in full where there is no way between them."""
+    # The last part is kept: a name that is a link to a file stays that name.
+    place = Path(os.path.realpath(file.parent), file.name) if file.name != ".." else file
+    try:
+        return Path(os.path.relpath(place, folder)).as_posix()
+    except ValueError:  # another drive
+        return place.as_posix()

@@ -6,8 +6,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from core.editing.fields import SetField
-from core.editing.operation import ABSENT, Operation
+from core.editing.operations import ABSENT, Operation, SetField
 from core.errors import NetworkError
 from core.names import in_line, thaw
 from core.network.network import EXPRESSION, Network

@@ -1,12 +1,9 @@
-"""Links: why one cannot be made, in one line, and the operation that makes and takes them."""
+"""Links: why one cannot be made, in one line, and which ways they lead."""
 
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, replace
 
-from core.editing.operation import Operation
-from core.editing.references import without_dots
 from core.errors import NetworkError
 from core.modules.declaration import Declaration, Port
 from core.modules.library_type import Library
@@ -138,35 +135,3 @@ def _no_port(node: str, side: str, port: str, ports: tuple[Port, ...]) -> str:
 
 def _kinds(port: Port) -> str:
     return " or ".join(port.types)
-
-
-@dataclass(frozen=True)
-class Rewire(Operation):
-    """Take links away and put links in; one into an input that has one takes its place."""
-
-    add: tuple[Link, ...] = ()
-    remove: tuple[Link, ...] = ()
-    label: str = ""
-
-    @property
-    def text(self) -> str:
-        """What it does."""
-        if self.label:
-            return self.label
-        first = next(iter((*self.add, *self.remove)), None)
-        return f"{'Connect' if self.add else 'Disconnect'} {first or ''}".strip()
-
-    def apply(self, network: Network) -> Network:
-        """The network wired so."""
-        for link in self.add:
-            network.node(link.source)
-            network.node(link.target)
-        missing = [link for link in self.remove if link not in network.links]
-        if missing:
-            raise NetworkError(f"there is no link {missing[0]}")
-        new, taken = set(self.add), {(link.target, link.input) for link in self.add}
-        gone = {link for link in network.links if (link.target, link.input) in taken}
-        gone = (gone | set(self.remove)) - new
-        unchanged = [link for link in network.links if link not in gone and link not in new]
-        extra = without_dots(network.extra, gone)
-        return replace(network, links=(*unchanged, *self.add), extra=extra)

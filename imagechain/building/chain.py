@@ -15,10 +15,8 @@ from app.run.output import find_output
 from app.run.own_scene import OwnScene, without_judges
 from app.run.shipped import find_network, shipped_networks
 from core.chain.engine import Engine, Plan
-from core.editing.fields import set_network_field
-from core.editing.links import Rewire, refusal
-from core.editing.operation import ABSENT
-from core.editing.output_mark import SetOutput
+from core.editing.links import refusal
+from core.editing.operations import ABSENT, Rewire, SetOutput, set_network_field
 from core.errors import ImagechainError, NetworkError, UsageError
 from core.evaluation.policy import Policy
 from core.modules.declaration import Declaration

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.atomic import atomic_file, write_text
-from core.editing.fields import set_parameter
-from core.editing.moved_folder import rebased
-from core.editing.operation import ABSENT
+from core.editing.document import rebased
+from core.editing.operations import ABSENT, set_parameter
 from core.errors import FileError
 from core.modules.library_type import Library
 from core.network.file import format_network, parse_network, save_network

@@ -14,10 +14,8 @@ import numpy as np
 from app.permission.shares import check_shares
 from app.run.own_scene import OwnScene, with_own_scene
 from core.chain.engine import Engine, Plan, PlannedNode
-from core.editing.fields import set_parameter
-from core.editing.macros.inside import Inside
-from core.editing.nodes import Remove, Rename
-from core.editing.operation import ABSENT, Operation
+from core.editing.macros import Inside
+from core.editing.operations import ABSENT, Operation, Remove, Rename, set_parameter
 from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
 from core.evaluation.recipes import Step
 from core.modules.declaration import Declaration

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from core.editing.links import declared, reached_from
-from core.editing.nodes import Add, Placed, fresh_name
-from core.editing.operation import Operation
-from core.editing.wiring.continuing import wires_behind, wires_from_open_end
-from core.editing.wiring.partners import outputs_of
+from core.editing.operations import Add, Operation, Placed, fresh_name
+from core.editing.wiring import outputs_of, wires_behind, wires_from_open_end
 from core.errors import NetworkError
 from core.modules.library_type import Library
 from core.names import shown

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.editor.window.documents.opening import Opened
 from core.editing.document import Document
-from core.editing.nodes import Move
+from core.editing.operations import Move
 from core.network.network import Link, Network, Node
 from trial_window import live, settle, trial_window
 

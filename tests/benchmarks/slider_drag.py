@@ -21,7 +21,7 @@ from PySide6.QtWidgets import QSlider, QStyle, QStyleOptionSlider
 from app.editor.window.documents.opening import Opened, open_named
 from app.editor.window.main_window import MainWindow
 from core.editing.document import Document
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from trial_window import PaintedPictures, live, settle, trial_window
 
 NODE, PARAMETER = "aberration", "sigma_x_mrad"

@@ -20,7 +20,7 @@ from app.editor.window.screenshot import settle
 from app.editor.window.start import application
 from clip_frames import Clip, gif
 from core.editing.document import Document
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.network.network import Link
 from nodes.library import standard_library
 from screen_places import place_of_head, place_of_module, place_of_wire

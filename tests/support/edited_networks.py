@@ -7,19 +7,37 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from core.editing.copying.clipboard import copied, duplicated, pasted
-from core.editing.drawing import backdrops, wire_dots
-from core.editing.fields import set_network_field, set_node_field, set_parameter
-from core.editing.layout.arrange import arranged
-from core.editing.layout.room import made_way
-from core.editing.links import Rewire
-from core.editing.moved_folder import rebased
-from core.editing.nodes import Add, Move, Placed, Remove, Rename, keeping_values
-from core.editing.operation import ABSENT, Operation, Together
-from core.editing.output_mark import SetOutput
-from core.editing.wiring.continuing import continued
-from core.editing.wiring.fitting import fitting, inserted, new_node, refusal, wired_to
-from core.editing.wiring.healing import deleted, dissolved
+from core.editing import backdrops, wire_dots
+from core.editing.clipboard import copied, duplicated, pasted
+from core.editing.document import rebased
+from core.editing.layout import arranged
+from core.editing.links import refusal
+from core.editing.operations import (
+    ABSENT,
+    Add,
+    Move,
+    Operation,
+    Placed,
+    Remove,
+    Rename,
+    Rewire,
+    SetOutput,
+    Together,
+    keeping_values,
+    set_network_field,
+    set_node_field,
+    set_parameter,
+)
+from core.editing.room import made_way
+from core.editing.wiring import (
+    continued,
+    deleted,
+    dissolved,
+    fitting,
+    inserted,
+    new_node,
+    wired_to,
+)
 from core.expressions.grammar import quoted
 from core.modules.declaration import declaration
 from core.modules.library_type import Library

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from core.editing.fields import set_parameter
-from core.editing.macros.exposing import expose, hide, rename_exposed
-from core.editing.macros.grouping import group, ungroup
-from core.editing.macros.inside import addressed, at_level
-from core.editing.operation import ABSENT, Operation
+from core.editing.grouping import group, ungroup
+from core.editing.macros import addressed, at_level, expose, hide, rename_exposed
+from core.editing.operations import ABSENT, Operation, set_parameter
 from core.errors import ImagechainError
 from core.modules.declaration import declaration
 from core.network.expansion import unfolded

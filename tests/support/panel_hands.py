@@ -8,8 +8,7 @@ from PySide6.QtWidgets import QApplication, QComboBox, QStyle, QStyleOptionSlide
 
 from app.editor.panels.panel_area import PanelArea
 from app.editor.theme import DARK
-from core.editing.fields import set_parameter
-from core.editing.nodes import Add, Placed
+from core.editing.operations import Add, Placed, set_parameter
 from core.errors import ParameterError
 from core.modules.declaration import declaration
 from core.modules.parameters import plain

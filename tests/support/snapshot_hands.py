@@ -4,7 +4,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from window_hands import CTRL, KEY, SHIFT, give_focus
 
 PORT = "back.image"

@@ -11,7 +11,7 @@ from app.editor.window.documents.opening import Opened, shipped_copy
 from canvas_hands import CanvasHands
 from child_process import PATIENCE_S
 from core.editing.document import Document
-from core.editing.wiring.fitting import new_node
+from core.editing.wiring import new_node
 from small_networks import SHIPPED, small_network
 
 KEY = Qt.Key

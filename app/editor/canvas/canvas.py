@@ -33,7 +33,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level
 from app.editor.session import Session
 from app.editor.theme import Theme
-from core.editing.drawing.backdrops import backdrops_of, change, remove
+from core.editing.backdrops import backdrops_of, change, remove
 from core.network.network import Link
 
 

@@ -24,8 +24,7 @@ from app.editor.theme import Theme
 from app.editor.viewers.status_line import StatusLine
 from app.editor.widgets.buttons import toggle_button, tool_button
 from app.editor.widgets.flow_layout import FlowLayout
-from core.editing.fields import set_parameter
-from core.editing.operation import Operation, Together
+from core.editing.operations import Operation, Together, set_parameter
 from core.errors import ParameterError
 from core.modules.parameters import plain
 from core.network.network import Network

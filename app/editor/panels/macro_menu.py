@@ -8,8 +8,8 @@ from functools import partial
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QMenu, QWidget, QWidgetAction
 
 from app.editor.session import Session
-from core.editing.macros.exposing import expose, exposed_as, hide, rename_exposed
-from core.editing.operation import Operation
+from core.editing.macros import expose, exposed_as, hide, rename_exposed
+from core.editing.operations import Operation
 from core.errors import ImagechainError
 from core.network.macro import SEPARATOR
 

@@ -15,8 +15,7 @@ from app.editor.panels.sections_view import SectionsView
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.widgets.colours import set_ink
-from core.editing.fields import set_parameter
-from core.editing.operation import ABSENT
+from core.editing.operations import ABSENT, set_parameter
 from core.modules.declaration import Declaration
 from core.names import thaw
 from core.network.linked_values import LinkError

@@ -12,7 +12,7 @@ from app.editor.panels.head import TitleBar
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.widgets.colours import set_ground, set_ink
-from core.editing.fields import set_network_field
+from core.editing.operations import set_network_field
 from core.errors import ParameterError
 from core.network.network import SEEDS, Network, check_seed
 

@@ -19,10 +19,14 @@ from app.editor.panels.unknown_body import UnknownBody
 from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
 from app.editor.theme import Theme
-from core.editing.fields import set_node_field
-from core.editing.nodes import Rename
-from core.editing.operation import ABSENT, Operation
-from core.editing.output_mark import has_picture, output_toggled
+from core.editing.operations import (
+    ABSENT,
+    Operation,
+    Rename,
+    has_picture,
+    output_toggled,
+    set_node_field,
+)
 from core.errors import ImagechainError
 from core.modules.library_type import where_absent
 from core.network.macro import SEPARATOR

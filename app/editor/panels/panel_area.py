@@ -18,8 +18,7 @@ from app.editor.session import Session, followed_name, renamed_node
 from app.editor.theme import Theme
 from app.editor.widgets.after_release import AfterRelease
 from app.editor.widgets.wheel_scroll import WheelScrollArea
-from core.editing.fields import set_node_field
-from core.editing.operation import ABSENT
+from core.editing.operations import ABSENT, set_node_field
 
 
 class PanelArea(WheelScrollArea):

@@ -15,7 +15,7 @@ from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.widgets.colours import set_ink
 from app.editor.widgets.page_tabs import PageTabs
-from core.editing.operation import ABSENT
+from core.editing.operations import ABSENT
 from core.modules.declaration import Declaration
 from core.modules.panel_sections import Section
 from core.network.linked_values import LinkError, expression_text

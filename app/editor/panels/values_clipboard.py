@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from PySide6.QtGui import QGuiApplication
 
 from app.editor.session import Session
-from core.editing.copying.copied_values import copied_values, pasted_values
-from core.editing.operation import named
+from core.editing.clipboard import copied_values, pasted_values
+from core.editing.operations import named
 from core.errors import ImagechainError
 
 _MOST_REASONS = 3

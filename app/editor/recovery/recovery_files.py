@@ -17,9 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from core.atomic import write_text
-from core.editing.document import Document
+from core.editing.document import Document, rebased
 from core.editing.links import check_new_wires
-from core.editing.moved_folder import rebased
 from core.errors import FileError, NetworkError
 from core.file_lock import FileLock, is_held, take
 from core.modules.library_type import Library

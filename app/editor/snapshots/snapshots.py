@@ -15,7 +15,7 @@ from app.editor.session import Session
 from app.editor.snapshots.keep_query import KeepQuery
 from app.editor.snapshots.kept_state import KeptResults, KeptState, Source, bounded
 from app.editor.viewers.picture.kept_side import Way
-from core.editing.operation import Restored
+from core.editing.operations import Restored
 from core.memory import store_bytes
 
 OWNER = "snapshots.kept"

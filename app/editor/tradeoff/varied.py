@@ -9,7 +9,7 @@ from app.editor.declared_text import label_of
 from app.editor.session import Session
 from app.editor.tradeoff.ranges import Span
 from app.run.output import ANALYSIS
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.errors import ParameterError
 from core.modules.parameters import Parameter, plain
 from core.names import thaw

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from app.run.shipped import find_network
-from core.editing.macros.exposing import expose
-from core.editing.macros.grouping import group
+from core.editing.grouping import group
+from core.editing.macros import expose
 from core.network.file import load_network, save_network
 from nodes.library import standard_library
 

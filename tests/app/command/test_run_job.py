@@ -13,7 +13,7 @@ import pytest
 from app.run.job import Job
 from app.run.job_messages import Step, read_message
 from child_process import PATIENCE_S
-from core.editing.macros.grouping import group
+from core.editing.grouping import group
 from core.network.file import format_network
 from core.network.parsing import parse_network
 from job_process import finished_job, started

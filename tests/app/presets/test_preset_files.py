@@ -18,8 +18,8 @@ from app.presets.preset_files import (
 from app.run.shipped import find_network
 from child_process import ROOT
 from core.chain.engine import Engine
-from core.editing.macros.grouping import group, ungroup
-from core.editing.nodes import Rename
+from core.editing.grouping import group, ungroup
+from core.editing.operations import Rename
 from core.errors import ImagechainError
 from core.evaluation.policy import Policy
 from core.network.expansion import expanded

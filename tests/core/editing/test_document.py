@@ -1,17 +1,30 @@
-"""The open document: its history, its modified mark, what it tells, what it refuses, saving."""
+"""The open document: what it tells, what it refuses, saving, its file and folder."""
 
 from __future__ import annotations
 
+import json
+import os
+
+import numpy as np
 import pytest
 
+from app.editor.recovery.recovery_files import Autosave, recoverable
 from child_process import run_program
-from core.editing.document import Document
-from core.editing.fields import set_node_field, set_parameter
-from core.editing.links import Rewire
-from core.editing.nodes import Add, Move, Placed, Remove
-from core.editing.operation import ABSENT, Together
-from core.errors import FileError, NetworkError
-from core.network.file import read_network
+from core.editing.document import GONE, Document, mark, mark_of, rebased
+from core.editing.operations import (
+    ABSENT,
+    Add,
+    Move,
+    Placed,
+    Remove,
+    Rewire,
+    Together,
+    set_network_field,
+    set_node_field,
+    set_parameter,
+)
+from core.errors import ChangedFileError, FileError, NetworkError
+from core.network.file import read_network, read_text
 from core.network.network import Link, Network, Node
 
 
@@ -206,7 +219,7 @@ FULL_DISK = """
 import resource, signal, sys
 from pathlib import Path
 from core.editing.document import Document
-from core.editing.fields import set_network_field
+from core.editing.operations import set_network_field
 from core.errors import FileError
 from core.network.network import Network
 document = Document(Network("a"), library={})
@@ -234,3 +247,287 @@ def test_points_of_nodes_that_are_not_there_are_dropped(library):
     document = Document(network, library=library)
     assert document.network.layout == {"a": (0, 0)}
     assert not document.modified
+
+
+@pytest.fixture
+def file(tmp_path, library):
+    """A saved network."""
+    path = tmp_path / "mine.json"
+    Document(Network("first"), library=library).save(path)
+    return path
+
+
+def opened(path, library):
+    text = read_text(path)
+    return Document(Network("first"), library=library, path=path, stored=mark(text.encode()))
+
+
+def named(path):
+    return json.loads(path.read_text())["name"]
+
+
+def test_the_second_to_save_is_refused_and_the_first_ones_work_stands(file, library):
+    one, two = opened(file, library), opened(file, library)
+    one.do(set_network_field("name", "one"))
+    two.do(set_network_field("name", "two"))
+    one.save()
+    with pytest.raises(ChangedFileError, match=r"mine.json has been changed since it was opened"):
+        two.save()
+    assert named(file) == "one"
+    assert two.modified
+    two.save(over=True)
+    assert named(file) == "two"
+    assert two.disagreement() == ""
+    assert one.disagreement() == "changed"
+
+
+def test_one_alone_saves_again_and_again(file, library):
+    document = opened(file, library)
+    for number in range(5):
+        document.do(set_network_field("name", f"version {number}"))
+        document.save()
+        assert named(file) == f"version {number}"
+
+
+def test_another_file_is_written_whatever_became_of_the_own_one(file, library, tmp_path):
+    one, two = opened(file, library), opened(file, library)
+    one.do(set_network_field("name", "one"))
+    one.save()
+    two.do(set_network_field("name", "two"))
+    two.save(tmp_path / "other.json")
+    assert named(file) == "one"
+    assert named(tmp_path / "other.json") == "two"
+
+
+def test_a_change_within_one_tick_of_the_clock_is_noticed(file, library):
+    """Of the same size, and at the same time to the nanosecond."""
+    document = opened(file, library)
+    before = file.stat()
+    file.write_text(file.read_text().replace('"first"', '"other"'))
+    os.utime(file, ns=(before.st_atime_ns, before.st_mtime_ns))
+    after = file.stat()
+    assert (after.st_size, after.st_mtime_ns) == (before.st_size, before.st_mtime_ns)
+    document.do(set_network_field("name", "mine"))
+    with pytest.raises(ChangedFileError):
+        document.save()
+
+
+def test_a_file_that_was_only_touched_is_no_other(file, library):
+    document = opened(file, library)
+    os.utime(file)
+    document.do(set_network_field("name", "mine"))
+    document.save()
+    assert named(file) == "mine"
+
+
+def test_a_file_changed_and_changed_back_is_no_other(file, library):
+    document, content = opened(file, library), file.read_bytes()
+    file.write_text("{}")
+    file.write_bytes(content)
+    document.do(set_network_field("name", "mine"))
+    document.save()
+
+
+def test_a_removed_file_is_noticed_and_can_be_made_anew(file, library):
+    document = opened(file, library)
+    file.unlink()
+    document.do(set_network_field("name", "mine"))
+    with pytest.raises(ChangedFileError, match="has been removed"):
+        document.save()
+    document.save(over=True)
+    assert named(file) == "mine"
+
+
+def test_another_name_of_its_own_file_is_its_own_file(file, library):
+    document = opened(file, library)
+    link = file.with_name("link.json")
+    link.symlink_to(file)
+    file.write_text("{}")
+    document.do(set_network_field("name", "mine"))
+    with pytest.raises(ChangedFileError):
+        document.save(link)
+
+
+def test_another_file_is_not_looked_at(file, library):
+    """Whoever chooses a name has confirmed it."""
+    document = opened(file, library)
+    file.write_text("{}")
+    other = file.with_name("other.json")
+    other.write_text("old")
+    document.do(set_network_field("name", "mine"))
+    document.save(other)
+    assert named(other) == "mine"
+    document.do(set_network_field("name", "mine again"))
+    document.save()
+    assert named(other) == "mine again"
+
+
+def test_a_save_that_is_refused_keeps_the_mark_and_the_path(file, library):
+    document = opened(file, library)
+    file.write_text("{}")
+    document.do(set_network_field("name", "mine"))
+    for _ in range(2):
+        with pytest.raises(ChangedFileError):
+            document.save()
+    assert document.path == file
+    assert document.modified
+
+
+def test_what_is_no_file_never_agrees(tmp_path, file, library):
+    document = opened(file, library)
+    file.unlink()
+    file.mkdir()
+    assert document.disagreement() == "changed"
+    assert mark_of(tmp_path / "nothing") == GONE
+    os.mkfifo(tmp_path / "pipe")
+    assert mark_of(tmp_path / "pipe") not in ("", GONE)
+
+
+def test_a_file_longer_than_any_network_is_another(file, library):
+    document, content = opened(file, library), file.read_bytes()
+    with file.open("ab") as stream:
+        stream.truncate(2**26)
+    assert document.disagreement() == "changed"
+    file.write_bytes(content)
+    assert document.disagreement() == ""
+
+
+CRASHED = """
+import sys
+from pathlib import Path
+from app.editor.recovery.recovery_files import Autosave
+from core.editing.document import Document
+from core.editing.operations import set_network_field
+from core.network.network import Network
+path, folder = map(Path, sys.argv[1:])
+document = Document(Network("first"), library={}, path=path)
+document.do(set_network_field("name", "lost"))
+Autosave(document, folder).write_if_changed()
+"""
+
+
+def test_recovered_work_does_not_overwrite_what_came_after_the_crash(file, tmp_path, library):
+    run_program(CRASHED, str(file), str(tmp_path / "recovery"))
+    file.write_text(file.read_text().replace("first", "later"))
+    (work,) = recoverable(tmp_path / "recovery")
+    document = work.document(library)
+    with pytest.raises(ChangedFileError):
+        document.save()
+    assert named(file) == "later"
+
+
+def test_recovered_work_is_saved_where_nothing_came_between(file, tmp_path, library):
+    run_program(CRASHED, str(file), str(tmp_path / "recovery"))
+    (work,) = recoverable(tmp_path / "recovery")
+    document = work.document(library)
+    document.save()
+    assert named(file) == "lost"
+
+
+def test_recovery_files_of_earlier_versions_still_open(file, tmp_path, library):
+    run_program(CRASHED, str(file), str(tmp_path / "recovery"))
+    (left,) = (tmp_path / "recovery").glob("*.recovery")
+    content = json.loads(left.read_text())
+    del content["stored"]
+    left.write_text(json.dumps(content))
+    (work,) = recoverable(tmp_path / "recovery")
+    work.document(library).save()
+    assert named(file) == "lost"
+
+
+def test_what_is_kept_says_what_the_file_held(file, tmp_path, library):
+    document = opened(file, library)
+    document.do(set_network_field("name", "mine"))
+    kept = Autosave(document, tmp_path / "recovery")
+    kept.write_if_changed()
+    assert json.loads(kept.path.read_text())["stored"] == mark(file.read_bytes())
+    kept.finish()
+
+
+def network_of(**paths):
+    nodes = {name: Node(name, "read_image", {"path": path}) for name, path in paths.items()}
+    return Network(nodes=nodes)
+
+
+def moved(network, library, old, new):
+    operation = rebased(network, library, old, new)
+    after = network if operation is None else operation.apply(network)
+    return {name: node.params.get("path") for name, node in after.nodes.items()}
+
+
+@pytest.mark.parametrize(
+    ("new", "expected"),
+    [
+        ("work/copy", "../scene.npy"),
+        ("work", "scene.npy"),
+        (".", "work/scene.npy"),
+        ("other/deep", "../../work/scene.npy"),
+    ],
+)
+def test_relative_names_follow(library, tmp_path, new, expected):
+    old = tmp_path / "work"
+    found = moved(network_of(a="scene.npy"), library, old, tmp_path / new)
+    assert found == {"a": expected}
+
+
+def test_the_same_file_is_read(library, tmp_path):
+    for folder in ("work/pictures", "other/place"):
+        (tmp_path / folder).mkdir(parents=True)
+    np.save(tmp_path / "work/pictures/scene.npy", np.arange(6.0).reshape(2, 3))
+    old, new = tmp_path / "work", tmp_path / "other/place"
+    found = moved(network_of(a="pictures/scene.npy"), library, old, new)
+    assert np.load(new / found["a"])[1, 2] == 5.0
+
+
+def test_through_a_folder_that_is_a_link(library, tmp_path):
+    """The system leaves a linked folder by its real parent."""
+    (tmp_path / "real/deep").mkdir(parents=True)
+    (tmp_path / "work").mkdir()
+    (tmp_path / "work/scene.npy").write_bytes(b"here")
+    (tmp_path / "link").symlink_to(tmp_path / "real/deep")
+    found = moved(network_of(a="scene.npy"), library, tmp_path / "work", tmp_path / "link")
+    assert (tmp_path / "link" / found["a"]).read_bytes() == b"here"
+
+
+def test_up_from_a_linked_folder(library, tmp_path):
+    (tmp_path / "real/deep").mkdir(parents=True)
+    (tmp_path / "work").mkdir()
+    (tmp_path / "real/scene.npy").write_bytes(b"here")
+    (tmp_path / "work/link").symlink_to(tmp_path / "real/deep")
+    found = moved(network_of(a="link/../scene.npy"), library, tmp_path / "work", tmp_path)
+    assert (tmp_path / found["a"]).read_bytes() == b"here"
+
+
+def test_what_needs_no_change_gets_none(library, tmp_path):
+    old, new = tmp_path / "a", tmp_path / "b"
+    assert rebased(network_of(a="/elsewhere/scene.npy"), library, old, new) is None
+    assert rebased(network_of(a="scene.npy"), library, old, old) is None
+    assert rebased(network_of(a="scene.npy"), library, old, tmp_path / "b/../a") is None
+    assert rebased(Network(), library, old, new) is None
+
+
+def test_what_is_no_file_name_stays(library, tmp_path):
+    nodes = {
+        "none": Node("none", "read_image", {"path": None}),
+        "empty": Node("empty", "read_image", {"path": ""}),
+        "strange": Node("strange", "read_image", {"path": 5}),
+        "null": Node("null", "read_image", {"path": "a\0b"}),
+        "scene": Node("scene", "test_scene", {"kind": "dormitory"}),
+        "old": Node("old", "gone", {"path": "scene.npy"}),
+    }
+    assert rebased(Network(nodes=nodes), library, tmp_path / "a", tmp_path / "b") is None
+
+
+def test_every_file_name_of_every_module(library, tmp_path):
+    """Those that write and the pupil's, too; one step, undone at once."""
+    keys = ("read_image", "write_image", "write_matrix", "exit_pupil", "noise_file")
+    nodes = {key: Node(key, key, {"path": "x.npy"}) for key in keys}
+    document = Document(Network(nodes=nodes), library=library)
+    before = document.text()
+    operation = rebased(document.network, library, tmp_path / "a", tmp_path)
+    assert operation is not None
+    document.do(operation)
+    assert {node.params["path"] for node in document.network.nodes.values()} == {"a/x.npy"}
+    assert document.history.undo_text == "Keep file names"
+    document.undo()
+    assert document.text() == before

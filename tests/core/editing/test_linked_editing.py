@@ -9,10 +9,9 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from core.editing.copying.clipboard import copied, duplicated, pasted
+from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
-from core.editing.fields import set_parameter
-from core.editing.nodes import Remove, Rename, keeping_values
+from core.editing.operations import Remove, Rename, keeping_values, set_parameter
 from core.errors import NetworkError
 from core.expressions.grammar import quoted
 from core.network.file import format_network, parse_network

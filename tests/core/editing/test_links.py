@@ -6,7 +6,7 @@ import itertools
 
 import pytest
 
-from core.editing.wiring.fitting import refusal
+from core.editing.links import refusal
 from core.network.network import Link, Network, Node
 
 

@@ -17,10 +17,9 @@ from app.editor.canvas.items.node_item import NodePort
 from app.editor.canvas.view.choice_popup import Choice, ChoicePopup
 from app.editor.library.module_search import found_by
 from app.editor.theme import Theme
-from core.editing.layout.boxes import Point
-from core.editing.links import Rewire
-from core.editing.operation import Operation, Together
-from core.editing.wiring.fitting import Candidate, End, Side, fitting, wired_to
+from core.editing.layout import Point
+from core.editing.operations import Operation, Rewire, Together
+from core.editing.wiring import Candidate, End, Side, fitting, wired_to
 from core.errors import ImagechainError
 from core.modules.declaration import declaration
 from core.modules.library_type import local_key

@@ -9,7 +9,7 @@ from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.hits import place_on_wire, wire_near
 from app.editor.canvas.items.marks import Marks
 from app.editor.canvas.items.wire_item import WireItem
-from core.editing.drawing.wire_dots import add_dot, move_dot, remove_dot, straighten
+from core.editing.wire_dots import add_dot, move_dot, remove_dot, straighten
 
 _REACH_PX = 12.0
 

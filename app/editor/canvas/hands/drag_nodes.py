@@ -13,10 +13,9 @@ from app.editor.canvas.hands.new_nodes import with_way_made
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.backdrop_item import SMALLEST, BackdropItem
 from app.editor.canvas.items.wire_item import WireItem
-from core.editing.drawing.backdrops import Backdrop, change
-from core.editing.drawing.wire_dots import moved_with_dots
-from core.editing.nodes import Move
-from core.editing.operation import Operation, Together
+from core.editing.backdrops import Backdrop, change
+from core.editing.operations import Move, Operation, Together
+from core.editing.wire_dots import moved_with_dots
 from core.network.network import Network
 
 

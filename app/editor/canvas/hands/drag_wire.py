@@ -11,8 +11,8 @@ from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.hits import node_at, port_near
 from app.editor.canvas.items.node_item import NodePort
 from app.editor.canvas.items.wire_item import WireItem
-from core.editing.links import Rewire
-from core.editing.wiring.fitting import refusal
+from core.editing.links import refusal
+from core.editing.operations import Rewire
 from core.network.network import Link, Network
 
 # What is done with a wire that ends on empty ground: its fixed end, the wire it was before, where.

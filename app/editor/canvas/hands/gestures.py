@@ -9,7 +9,7 @@ from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Qt
 
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.hits import wires_crossed
-from core.editing.links import Rewire
+from core.editing.operations import Rewire
 
 DRAG_PX = 4  # what is moved less is a click
 

@@ -8,8 +8,8 @@ from app.editor.canvas.hands.new_nodes import free_place, size_of, with_way_made
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.hits import wires_near
 from app.editor.canvas.items.wire_item import WireItem
-from core.editing.operation import Operation, Together
-from core.editing.wiring.fitting import inserted, new_node
+from core.editing.operations import Operation, Together
+from core.editing.wiring import inserted, new_node
 
 _REACH_PX = 12.0
 

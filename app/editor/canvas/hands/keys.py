@@ -12,9 +12,9 @@ from app.editor.canvas.hands.drag_nodes import backdrop_at, moved_together
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.backdrop_item import BackdropItem
 from app.editor.canvas.items.marks import Marks
-from core.editing.drawing.backdrops import change, nodes_on
-from core.editing.drawing.wire_dots import moved_with_dots
-from core.editing.nodes import Move
+from core.editing.backdrops import change, nodes_on
+from core.editing.operations import Move
+from core.editing.wire_dots import moved_with_dots
 
 _KEY = Qt.Key
 _ARROWS: Mapping[int, tuple[float, float]] = {

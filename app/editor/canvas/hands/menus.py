@@ -17,10 +17,8 @@ from app.editor.canvas.items.faces import COLOUR
 from app.editor.canvas.items.hits import Hit
 from app.editor.canvas.items.marks import Marks
 from app.editor.widgets.triggered import without_argument
-from core.editing.drawing.backdrops import change
-from core.editing.fields import set_node_field
-from core.editing.links import Rewire
-from core.editing.operation import ABSENT, Together, named
+from core.editing.backdrops import change
+from core.editing.operations import ABSENT, Rewire, Together, named, set_node_field
 
 
 class Menus(QObject):

@@ -12,7 +12,7 @@ from app.editor.canvas.hands.gestures import Cut, Gesture, Pan, RubberBand
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.hits import Hit
 from app.editor.canvas.items.marks import Marks
-from core.editing.drawing.backdrops import nodes_on
+from core.editing.backdrops import nodes_on
 
 _LEFT, _MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton
 _ALT, _SHIFT = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ShiftModifier

@@ -5,14 +5,12 @@ from __future__ import annotations
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.faces import face_of
 from app.editor.canvas.items.geometry import geometry_of
-from core.editing.drawing.backdrops import following
-from core.editing.layout.boxes import Point
-from core.editing.layout.room import GAP_X, free_places, made_way
+from core.editing.backdrops import following
+from core.editing.layout import Point
 from core.editing.links import reached_from
-from core.editing.nodes import Move
-from core.editing.operation import Operation, Together
-from core.editing.wiring.continuing import continued
-from core.editing.wiring.fitting import new_node
+from core.editing.operations import Move, Operation, Together
+from core.editing.room import GAP_X, free_places, made_way
+from core.editing.wiring import continued, new_node
 from core.modules.declaration import declaration
 from core.network.network import Network, Node
 

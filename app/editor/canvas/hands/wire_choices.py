@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
-from core.editing.wiring.fitting import refusal
+from core.editing.links import refusal
 from core.modules.declaration import Port, declaration
 from core.modules.library_type import Library
 from core.network.network import Link, Network

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.nodegraphqt import AbstractNodeItem
-from core.editing.drawing.backdrops import Backdrop
+from core.editing.backdrops import Backdrop
 
 HEAD = 26.0
 HANDLE = 16.0

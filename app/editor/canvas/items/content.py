@@ -16,9 +16,9 @@ from app.editor.canvas.items.points import points_of
 from app.editor.canvas.items.routing import Ground, hull_of, overlap
 from app.editor.canvas.items.wire_item import DOT_RADIUS, WireItem
 from app.editor.evaluation.queries import Badge
-from core.editing.drawing.backdrops import Backdrop, backdrops_of
-from core.editing.drawing.wire_dots import dots_of
-from core.editing.layout.boxes import Point
+from core.editing.backdrops import Backdrop, backdrops_of
+from core.editing.layout import Point
+from core.editing.wire_dots import dots_of
 from core.modules.library_type import Library
 from core.network.macro import SEPARATOR, declared_node
 from core.network.network import Link, Network, Node

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from core.editing.layout.boxes import Point
-from core.editing.layout.reach import is_in_reach
+from core.editing.layout import Point, is_in_reach
 from core.network.graph import topological
 from core.network.network import Network
 

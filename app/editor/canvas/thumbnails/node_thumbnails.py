@@ -15,7 +15,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer
 from app.editor.level import Level
 from app.editor.session import Session
-from core.editing.output_mark import picture_node
+from core.editing.operations import picture_node
 from core.errors import NetworkError
 
 _OWNER = "canvas.thumbnails"

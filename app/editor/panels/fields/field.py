@@ -18,7 +18,7 @@ from app.editor.theme import Theme
 from app.editor.widgets.after_release import AfterRelease
 from app.editor.widgets.colours import set_ink
 from app.editor.widgets.left_open import require_defined
-from core.editing.operation import ABSENT
+from core.editing.operations import ABSENT
 from core.errors import ParameterError
 from core.modules.parameters import Parameter, plain
 from core.names import thaw

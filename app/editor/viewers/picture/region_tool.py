@@ -20,7 +20,7 @@ from app.editor.viewers.pixels.regions import (
     whole,
 )
 from core.chain.wires import Image
-from core.editing.operation import Operation
+from core.editing.operations import Operation
 from core.errors import ImagechainError
 from core.network.network import Network
 

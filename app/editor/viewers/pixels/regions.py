@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from core.editing.fields import set_parameter
-from core.editing.operation import ABSENT, Operation, Together
+from core.editing.operations import ABSENT, Operation, Together, set_parameter
 from core.errors import ParameterError
 from core.modules.declaration import Declaration
 from core.names import thaw

@@ -26,7 +26,7 @@ from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.preset_shelf import PresetShelf
 from app.editor.window.tour.first_tour import FirstTour
-from core.editing.layout.align import EDGES, WAYS
+from core.editing.layout import EDGES, WAYS
 
 Target = Callable[[], object]
 

@@ -10,20 +10,21 @@ from PySide6.QtGui import QGuiApplication
 from app.editor.canvas.canvas import Canvas
 from app.editor.level import Level
 from app.editor.panels.values_clipboard import copy_values, paste_values
-from core.editing.copying.clipboard import copied, duplicated, pasted
-from core.editing.drawing.backdrops import Backdrop, add, around
-from core.editing.drawing.laying_out import laid_out
-from core.editing.drawing.wire_dots import dots_of, moved_with_dots, straighten
-from core.editing.fields import set_node_field
-from core.editing.layout.align import Edge, Way, aligned, distributed
-from core.editing.layout.arrange import arranged
-from core.editing.layout.boxes import Point
-from core.editing.links import Rewire
-from core.editing.macros.grouping import group, ungroup
-from core.editing.nodes import Move, keeping_values
-from core.editing.operation import Operation, Together
-from core.editing.output_mark import output_toggled
-from core.editing.wiring.healing import deleted, dissolved
+from core.editing.backdrops import Backdrop, add, around, laid_out
+from core.editing.clipboard import copied, duplicated, pasted
+from core.editing.grouping import group, ungroup
+from core.editing.layout import Edge, Point, Way, aligned, arranged, distributed
+from core.editing.operations import (
+    Move,
+    Operation,
+    Rewire,
+    Together,
+    keeping_values,
+    output_toggled,
+    set_node_field,
+)
+from core.editing.wire_dots import dots_of, moved_with_dots, straighten
+from core.editing.wiring import deleted, dissolved
 from core.errors import ImagechainError
 
 _NEW_BACKDROP = (360.0, 200.0)  # where no node is selected

@@ -15,9 +15,8 @@ from app.editor.window.documents.files import Files
 from app.editor.window.documents.opening import is_network_file
 from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
 from core.chain.engine import Engine
-from core.editing.fields import set_parameter
-from core.editing.operation import Operation, Restored, Together
-from core.editing.wiring.fitting import new_node
+from core.editing.operations import Operation, Restored, Together, set_parameter
+from core.editing.wiring import new_node
 from core.errors import ImagechainError
 from core.network.expansion import expanded
 

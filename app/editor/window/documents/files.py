@@ -13,8 +13,7 @@ from app.editor.window.documents.opening import NETWORK_SUFFIX, Opened, open_nam
 from app.editor.window.documents.questions import Question, changed_file, save_changes
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.documents.save_dialog import SaveDialog
-from core.editing.document import Document
-from core.editing.moved_folder import rebased
+from core.editing.document import Document, rebased
 from core.errors import ImagechainError
 from core.network.network import Network
 

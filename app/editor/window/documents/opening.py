@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.run.shipped import find_network, shipped_networks
-from core.editing.document import Document
-from core.editing.stored_file import mark
+from core.editing.document import Document, mark
 from core.errors import ParameterError
 from core.modules.declaration import declaration
 from core.modules.library_type import Library, where_absent

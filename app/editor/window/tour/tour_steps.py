@@ -6,10 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from core.editing.fields import set_parameter
-from core.editing.links import Rewire
-from core.editing.nodes import Add, Placed, fresh_name
-from core.editing.operation import Operation, Together
+from core.editing.operations import (
+    Add,
+    Operation,
+    Placed,
+    Rewire,
+    Together,
+    fresh_name,
+    set_parameter,
+)
 from core.network.network import Link, Network, Node
 
 Part = Literal["library", "canvas", "panels"]

@@ -9,8 +9,8 @@ from PySide6.QtGui import QImage, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
 from canvas_networks import chain_and_free_blur
+from core.editing.backdrops import around, backdrops_of
 from core.editing.document import Document
-from core.editing.drawing.backdrops import around, backdrops_of
 
 SHIFT = Qt.KeyboardModifier.ShiftModifier
 CTRL = Qt.KeyboardModifier.ControlModifier

@@ -5,9 +5,16 @@ import pytest
 from app.editor.evaluation.queries import Badge
 from app.editor.theme import LIGHT
 from core.editing.document import Document
-from core.editing.fields import set_node_field, set_parameter
-from core.editing.links import Rewire
-from core.editing.nodes import Add, Move, Placed, Remove, Rename
+from core.editing.operations import (
+    Add,
+    Move,
+    Placed,
+    Remove,
+    Rename,
+    Rewire,
+    set_node_field,
+    set_parameter,
+)
 from core.network.network import Link, Network, Node
 
 pytestmark = pytest.mark.usefixtures("qtbot")

@@ -18,7 +18,7 @@ from app.editor.theme import DARK
 from app.run.shipped import shipped_networks
 from canvas_networks import long_chain
 from core.editing.document import Document
-from core.editing.nodes import Remove
+from core.editing.operations import Remove
 from core.network.file import load_network
 
 

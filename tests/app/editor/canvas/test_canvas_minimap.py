@@ -6,7 +6,7 @@ from PySide6.QtTest import QTest
 
 from canvas_networks import long_chain
 from core.editing.document import Document
-from core.editing.nodes import Move
+from core.editing.operations import Move
 
 LEFT, PLAIN = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 

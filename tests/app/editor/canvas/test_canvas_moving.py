@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QApplication
 
 from canvas_networks import chain_and_free_blur
 from core.editing.document import Document
-from core.editing.nodes import Move
+from core.editing.operations import Move
 from core.network.network import Link
 
 SHIFT = Qt.KeyboardModifier.ShiftModifier

@@ -5,7 +5,7 @@ import itertools
 import pytest
 from PySide6.QtCore import QPoint, Qt
 
-from core.editing.copying.clipboard import duplicated
+from core.editing.clipboard import duplicated
 from core.network.network import Link
 
 

@@ -12,7 +12,7 @@ from app.editor.canvas.items.routing import Ground, course_of, overlap, wire_pat
 from app.editor.theme import DARK
 from canvas_networks import long_chain
 from core.editing.document import Document
-from core.editing.nodes import Move, Remove
+from core.editing.operations import Move, Remove
 
 BESIDE = 10.0
 

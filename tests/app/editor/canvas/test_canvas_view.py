@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.editor.canvas.view.canvas_view import LARGEST_ZOOM, SMALLEST_ZOOM
 from app.editor.theme import DARK, LIGHT
-from core.editing.drawing.backdrops import around
+from core.editing.backdrops import around
 from core.network.network import Link
 
 MIDDLE = Qt.MouseButton.MiddleButton

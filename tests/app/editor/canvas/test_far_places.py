@@ -6,8 +6,8 @@ import pytest
 
 from app.editor.canvas.items.points import points_of
 from app.editor.window.documents.opening import open_network_file
-from core.editing.drawing.backdrops import backdrops_of
-from core.editing.drawing.wire_dots import dots_of
+from core.editing.backdrops import backdrops_of
+from core.editing.wire_dots import dots_of
 from core.network.file import parse_network
 
 FAR = (1e308, -1e308, 1e18, -2e9)

@@ -6,8 +6,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from app.editor.canvas.thumbnails.node_thumbnail_query import SmallCurve, SmallPicture
-from core.editing.fields import set_node_field, set_parameter
-from core.editing.nodes import Move, Remove
+from core.editing.operations import Move, Remove, set_node_field, set_parameter
 from core.evaluation.policy import Policy
 
 

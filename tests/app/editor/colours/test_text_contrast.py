@@ -22,7 +22,7 @@ from app.editor.theme import DARK, LIGHT, THEMES
 from app.editor.widgets.elided_label import ElidedLabel
 from colour_sight import contrast, mixed
 from core.editing.document import Document
-from core.editing.fields import set_node_field
+from core.editing.operations import set_node_field
 from core.network.network import Network, Node
 from window_hands import show_small
 

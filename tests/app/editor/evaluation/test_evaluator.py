@@ -18,8 +18,7 @@ from app.editor.evaluation.queries import Answer
 from child_process import PATIENCE_S
 from core.chain.engine import Engine, PlannedNode
 from core.editing.document import Document
-from core.editing.fields import set_parameter
-from core.editing.nodes import Move
+from core.editing.operations import Move, set_parameter
 from core.evaluation.policy import Policy
 from core.network.network import Network
 from editor_queries import Asking, Gate, Readouts, Samples

@@ -8,7 +8,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
 from app.editor.session import Session
 from core.editing.document import Document
-from core.editing.fields import set_node_field, set_parameter
+from core.editing.operations import set_node_field, set_parameter
 from core.network.network import Link, Network, Node
 from editor_queries import Readouts, Samples, SlowCopy
 from nodes.library import standard_library

@@ -4,7 +4,7 @@ import pytest
 
 from app.editor.evaluation.evaluator import Evaluator
 from core.editing.document import Document
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from editor_queries import Readouts, Samples
 
 FINAL = [Samples("back.image")]

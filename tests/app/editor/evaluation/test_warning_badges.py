@@ -9,8 +9,7 @@ from app.editor.evaluation.queries import Badge
 from app.editor.panels.head import PanelHead
 from app.editor.theme import DARK, LIGHT
 from core.chain.engine import Engine
-from core.editing.fields import set_node_field, set_parameter
-from core.editing.nodes import Add, Placed
+from core.editing.operations import Add, Placed, set_node_field, set_parameter
 from core.errors import DataError
 from core.network.network import Node
 from editor_queries import Samples

@@ -13,8 +13,7 @@ from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.free_numbers import FreeNumber
 from app.editor.measure.viewer_pictures import picture_of
-from core.editing.fields import set_parameter
-from core.editing.nodes import Rename
+from core.editing.operations import Rename, set_parameter
 from edge_truth import blur_network, gaussian_edge
 from window_hands import WindowHands
 

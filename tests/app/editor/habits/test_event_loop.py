@@ -12,7 +12,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 
 from app.editor.evaluation.evaluator import Evaluator
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from editor_queries import Asking, Gate, Readouts, Samples
 from scripted_drag import drag
 from slider_drag import handle_of, measured, open_slider

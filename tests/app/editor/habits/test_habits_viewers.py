@@ -15,7 +15,7 @@ from app.editor.window.documents.opening import Opened, shipped_copy
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.editing.document import Document
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.evaluation.policy import Policy
 from editor_queries import Asking, Gate
 from small_networks import SHIPPED, small_network

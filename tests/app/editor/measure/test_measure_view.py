@@ -17,7 +17,7 @@ from app.editor.measure.measure_view import MeasureView
 from app.editor.theme import DARK, LIGHT
 from app.measure.edge_looks import REFUSED, REMOVED, USED
 from child_process import PATIENCE_S
-from core.editing.fields import set_network_field
+from core.editing.operations import set_network_field
 
 SIGMA = 0.8
 

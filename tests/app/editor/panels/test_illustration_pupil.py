@@ -9,7 +9,7 @@ from PySide6.QtGui import QBrush, QColor, QImage, QPainter
 
 from app.editor.evaluation.queries import Answer
 from app.editor.panels.illustrations.painting.pupil_drawing import draw_pupil
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.errors import DataError
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
 from illustration_hands import IllustrationBench, sensor, told

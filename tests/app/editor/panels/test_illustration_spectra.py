@@ -9,7 +9,7 @@ from PySide6.QtGui import QColor, QImage
 from app.editor.panels.illustrations.queries.path_query import PathQuery
 from app.editor.panels.illustrations.queries.response_query import ResponseQuery
 from app.editor.theme import DARK, LIGHT
-from core.editing.fields import set_node_field
+from core.editing.operations import set_node_field
 from core.network.file import load_network
 from core.network.network import Link, Node
 from cube_files import C1_UM, C2_UM

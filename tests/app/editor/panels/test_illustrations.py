@@ -22,8 +22,7 @@ from app.editor.theme import DARK, LIGHT
 from battery_settings import EXAMPLES
 from core.chain.wires import Transfer
 from core.editing.document import Document
-from core.editing.fields import set_node_field, set_parameter
-from core.editing.nodes import Remove
+from core.editing.operations import Remove, set_node_field, set_parameter
 from core.errors import DataError, ParameterError
 from core.modules.declaration import Module, declaration
 from core.network.network import Network, Node

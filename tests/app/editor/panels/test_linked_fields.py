@@ -9,8 +9,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.evaluation.queries import Badge
-from core.editing.fields import set_parameter
-from core.editing.nodes import Add, Placed, Rename
+from core.editing.operations import Add, Placed, Rename, set_parameter
 from core.network.network import Node
 from panel_hands import LEFT, field_of, panel_area, type_in
 

@@ -8,8 +8,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.editor.evaluation.queries import Badge
 from core.editing.document import Document
-from core.editing.fields import set_node_field, set_parameter
-from core.editing.nodes import Remove, Rename
+from core.editing.operations import Remove, Rename, set_node_field, set_parameter
 from core.network.network import Network, Node
 from panel_hands import LEFT, LIBRARY, drop, field_of, panel_area, type_in, undo_to
 

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from app.editor.panels.panel_area import PanelArea
 from app.editor.theme import DARK, LIGHT
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.modules.declaration import declaration
 from panel_hands import LIBRARY, change, drop, field_of, let_go, panel_area, type_in
 

@@ -4,9 +4,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.editing.fields import set_parameter
-from core.editing.nodes import Add, Placed
-from core.editing.operation import ABSENT
+from core.editing.operations import ABSENT, Add, Placed, set_parameter
 from core.network.network import LARGEST_INTEGER, SEEDS, Node
 from panel_hands import LEFT, drop, let_go, panel_area, type_in, undo_to
 

@@ -14,7 +14,7 @@ from app.editor.panels.panel_area import PanelArea
 from app.editor.session import Session
 from app.editor.theme import DARK
 from core.editing.document import Document
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.errors import ParameterError
 from core.modules.declaration import declaration
 from core.modules.parameters import Param, Parameter

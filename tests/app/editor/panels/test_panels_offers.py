@@ -4,7 +4,7 @@ from PySide6.QtCore import QPoint
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from panel_hands import LEFT, drop, panel_area
 
 

@@ -16,9 +16,7 @@ from app.editor.panels.readouts import ReadoutsQuery
 from app.permission.write_record import read_record
 from core.chain.engine import Engine
 from core.editing.document import Document
-from core.editing.fields import set_node_field, set_parameter
-from core.editing.links import Rewire
-from core.editing.operation import ABSENT
+from core.editing.operations import ABSENT, Rewire, set_node_field, set_parameter
 from core.evaluation.policy import Policy
 from core.modules.declaration import declaration
 from core.network.network import Link

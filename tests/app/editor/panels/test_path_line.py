@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
 from app.editor.evaluation.queries import Badge
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from panel_hands import drop, field_of, panel_area
 
 NAME = "runway_after_rain.exr"

@@ -12,8 +12,7 @@ import pytest
 from app.editor.recovery.recovery_files import Autosave, recoverable
 from child_process import PATIENCE_S, ROOT, finished, kill_program
 from core.editing.document import Document
-from core.editing.fields import set_network_field
-from core.editing.nodes import Remove
+from core.editing.operations import Remove, set_network_field
 from core.errors import FileError, NetworkError
 from core.network.file import read_network
 from core.network.network import Network, Node
@@ -26,7 +25,7 @@ from pathlib import Path
 from app.run.shipped import shipped_networks
 from app.editor.recovery.recovery_files import Autosave
 from core.editing.document import Document
-from core.editing.nodes import Remove
+from core.editing.operations import Remove
 from core.network.file import read_network
 from nodes.library import standard_library
 library = standard_library()
@@ -47,7 +46,7 @@ import sys
 from pathlib import Path
 from app.editor.recovery.recovery_files import Autosave
 from core.editing.document import Document
-from core.editing.fields import set_network_field
+from core.editing.operations import set_network_field
 from core.process_token import own_token
 from core.network.network import Network, Node
 document = Document(Network("busy"), library={})
@@ -64,7 +63,7 @@ import resource, signal, sys
 from pathlib import Path
 from app.editor.recovery.recovery_files import Autosave
 from core.editing.document import Document
-from core.editing.fields import set_network_field
+from core.editing.operations import set_network_field
 from core.errors import FileError
 from core.process_token import own_token
 from core.network.network import Network, Node

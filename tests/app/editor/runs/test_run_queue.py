@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject
 from app.editor.runs.network_job import job_of, proposed_folder
 from app.editor.runs.run_queue import RunQueue
 from core.editing.document import Document
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.errors import ImagechainError
 from core.network.network import Network
 

@@ -4,10 +4,15 @@ import pytest
 
 from app.editor.snapshots.changes import changes, in_short
 from app.run.shipped import shipped_networks
-from core.editing.fields import set_node_field, set_parameter
-from core.editing.links import Rewire
-from core.editing.nodes import Move, Remove, Rename
-from core.editing.operation import ABSENT
+from core.editing.operations import (
+    ABSENT,
+    Move,
+    Remove,
+    Rename,
+    Rewire,
+    set_node_field,
+    set_parameter,
+)
 from core.modules.declaration import declaration
 from core.network.file import load_network
 from nodes.library import standard_library

@@ -13,8 +13,7 @@ from app.editor.tradeoff.ranges import Span
 from app.editor.tradeoff.tradeoff_view import TradeOffView
 from child_process import PATIENCE_S
 from core.chain.engine import Engine
-from core.editing.fields import set_node_field, set_parameter
-from core.editing.nodes import Remove, Rename
+from core.editing.operations import Remove, Rename, set_node_field, set_parameter
 from core.evaluation.policy import Policy
 from core.network.linked_values import expression
 from tradeoff_network import mtf

@@ -10,7 +10,7 @@ from app.editor.evaluation import runner
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.tradeoff.side_work import SideStore, SideWork
 from child_process import PATIENCE_S
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.evaluation.store import Store

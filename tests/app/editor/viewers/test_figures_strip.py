@@ -11,8 +11,7 @@ from app.editor.viewers.figures.figures_query import FiguresQuery
 from app.editor.viewers.figures.figures_strip import FiguresStrip
 from app.editor.widgets.elided_label import ElidedLabel
 from app.run.figures import ELECTRONICS_FIGURES
-from core.editing.fields import set_node_field, set_parameter
-from core.editing.nodes import Add, Placed, Remove
+from core.editing.operations import Add, Placed, Remove, set_node_field, set_parameter
 from core.network.network import Link, Node
 from editor_queries import Asking, Gate
 from viewer_bench import ViewerBench, is_freed

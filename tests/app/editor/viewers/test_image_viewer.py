@@ -11,8 +11,7 @@ from PySide6.QtWidgets import QWidget
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.pixels.grey_levels import grey_levels
-from core.editing.fields import set_parameter
-from core.editing.nodes import Remove, Rename
+from core.editing.operations import Remove, Rename, set_parameter
 from core.errors import ImagechainError
 from viewer_bench import ViewerBench, is_freed
 

@@ -11,7 +11,7 @@ from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.pixels.colour_maps import NAMES, colour_table
 from app.editor.viewers.pixels.grey_levels import Spread, grey_levels
 from app.editor.viewers.pixels.picture_query import Picture
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.errors import ImagechainError
 from nodes.files.read import read_pixels
 from viewer_bench import ViewerBench

@@ -8,7 +8,7 @@ from PySide6.QtTest import QTest
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from core.chain.results import CurveData, TableData, TableRow
-from core.editing.nodes import Rename
+from core.editing.operations import Rename
 from viewer_bench import ViewerBench
 from window_hands import CTRL, KEY, give_focus
 

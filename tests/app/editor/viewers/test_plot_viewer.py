@@ -17,8 +17,7 @@ from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.plot.curves_query import CurvesQuery
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from core.chain.results import CurveData
-from core.editing.fields import set_parameter
-from core.editing.nodes import Add, Placed, Remove, Rename
+from core.editing.operations import Add, Placed, Remove, Rename, set_parameter
 from core.errors import ImagechainError
 from core.network.network import Link, Node
 from viewer_bench import ViewerBench, is_freed

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.recovery.recovery_files import recoverable
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from window_hands import CTRL, KEY, SHIFT, add, answer, give_focus
 
 _BUTTON = QMessageBox.StandardButton

@@ -4,7 +4,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QWidget
 
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.network.network import Link
 from region_hands import PictureHand
 from window_hands import CTRL, KEY, add, give_focus

@@ -16,7 +16,7 @@ from app.editor.theme import DARK, LIGHT
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.main_window import MainWindow
 from app.run.shipped import shipped_networks
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from window_hands import add, answer
 
 # --- beginning, opening ------------------------------------------------------------------------

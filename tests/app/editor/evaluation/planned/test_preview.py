@@ -11,7 +11,7 @@ from app.editor.session import Session
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.editing.document import Document
-from core.editing.fields import set_node_field, set_parameter
+from core.editing.operations import set_node_field, set_parameter
 from core.evaluation.policy import Policy
 from core.network.file import load_network
 from core.network.network import Link, Network, Node

@@ -11,8 +11,7 @@ from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.bands.spectrum_plot import MEAN, NO_SAMPLE
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from core.editing.document import Document
-from core.editing.fields import set_parameter
-from core.editing.operation import Together
+from core.editing.operations import Together, set_parameter
 from core.errors import UsageError
 from core.network.file import load_network
 from cube_files import write_cube

@@ -9,8 +9,7 @@ from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.theme import DARK
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from core.editing.fields import set_parameter
-from core.editing.nodes import Remove, Rename
+from core.editing.operations import Remove, Rename, set_parameter
 from core.network.linked_values import expression
 from region_hands import PictureHand, framed, stored, undo_steps
 

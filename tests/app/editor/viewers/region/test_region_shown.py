@@ -7,8 +7,7 @@ from PySide6.QtCore import QPoint, Qt
 
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.pixels.picture_facts import picture_facts
-from core.editing.fields import set_node_field, set_parameter
-from core.editing.nodes import Add, Placed, Remove
+from core.editing.operations import Add, Placed, Remove, set_node_field, set_parameter
 from core.network.network import Link, Node
 from region_hands import framed, stored
 

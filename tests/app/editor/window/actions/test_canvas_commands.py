@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from core.editing.drawing.backdrops import backdrops_of
+from core.editing.backdrops import backdrops_of
 
 ALT, CTRL, NONE = (
     Qt.KeyboardModifier.AltModifier,

@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QToolButton, QWidgetAction
 
 from app.editor.library.library_view import module_data
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.network.file import format_network
 from core.network.linked_values import resolved
 from panel_hands import type_in

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.editor.canvas.items.canvas_style import TINTS, CanvasStyle
 from app.editor.theme import DARK, LIGHT
-from core.editing.drawing.backdrops import backdrops_of, nodes_on
+from core.editing.backdrops import backdrops_of, nodes_on
 
 
 def press(key):

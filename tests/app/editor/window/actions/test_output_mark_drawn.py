@@ -8,8 +8,7 @@ from app.editor.viewers.figures.figures_strip import FiguresStrip
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
-from core.editing.nodes import Add, Placed
-from core.editing.output_mark import SetOutput
+from core.editing.operations import Add, Placed, SetOutput
 from core.network.file import load_network
 from core.network.network import Link, Node
 from panel_hands import panel_area

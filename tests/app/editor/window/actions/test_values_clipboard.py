@@ -8,8 +8,7 @@ from PySide6.QtGui import QContextMenuEvent, QGuiApplication
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
-from core.editing.fields import set_parameter
-from core.editing.nodes import Add, Placed
+from core.editing.operations import Add, Placed, set_parameter
 from core.network.linked_values import expression
 from core.network.network import Node
 from window_hands import CTRL, KEY, SHIFT

@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QMenu
 
 from canvas_networks import chain_and_free_blur
 from core.editing.document import Document
-from core.editing.drawing.wire_dots import add_dot, dots_of
+from core.editing.wire_dots import add_dot, dots_of
 from core.network.network import Link
 from window_hands import CTRL, KEY, SHIFT
 

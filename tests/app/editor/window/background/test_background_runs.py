@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox,
 from app.editor.runs.add_run import AddRun
 from command_line import run_here
 from core.editing.document import Document
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from core.network.network import Network
 from core.network.parsing import parse_network
 from window_hands import CTRL, KEY, SHIFT, answer, give_focus

@@ -4,7 +4,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from window_hands import CTRL, KEY, add
 
 LEFT = Qt.MouseButton.LeftButton

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QMessageBox
 
 from app.editor.window.docks import window_layout
 from app.editor.window.docks.full_screen import FullScreenPage
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 from window_hands import show_small
 
 SIZES = [(1366, 768), (1600, 900), (1920, 1080), (2560, 1440), (3840, 2160)]

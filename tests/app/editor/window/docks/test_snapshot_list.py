@@ -8,9 +8,7 @@ from PySide6.QtWidgets import QApplication, QLineEdit, QTabBar
 
 from app.editor.theme import THEMES
 from colour_sight import contrast
-from core.editing.fields import set_parameter
-from core.editing.links import Rewire
-from core.editing.nodes import Remove
+from core.editing.operations import Remove, Rewire, set_parameter
 from snapshot_hands import PORT
 from window_hands import CTRL, KEY, add, give_focus
 

@@ -11,8 +11,7 @@ from PySide6.QtWidgets import QApplication, QLineEdit
 from app.editor.snapshots.all_figures import AllFiguresQuery
 from app.editor.snapshots.keep_query import KeepQuery
 from app.editor.viewers.pixels.grey_levels import grey_levels
-from core.editing.fields import set_parameter
-from core.editing.nodes import Remove
+from core.editing.operations import Remove, set_parameter
 from region_hands import PictureHand
 from snapshot_hands import PORT
 from window_hands import CTRL, KEY, SHIFT, give_focus

@@ -11,7 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMessageBox
 
 from app.editor.allowed_shares import Shares
-from core.editing.fields import set_parameter
+from core.editing.operations import set_parameter
 
 YES, NO = QMessageBox.StandardButton.Yes, QMessageBox.StandardButton.No
 

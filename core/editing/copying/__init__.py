@@ -1,1 +1,0 @@
-"""Nodes and their values as text, to be copied and pasted."""

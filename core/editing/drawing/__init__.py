@@ -1,1 +1,0 @@
-"""How a network is drawn, as its file has it: backdrops, dots of wires, and laying both out."""

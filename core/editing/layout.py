@@ -1,0 +1,450 @@
+"""Where nodes stand: columns from left to right along the wires, rows, nodes in line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from core.network.graph import topological
+from core.network.network import Network
+
+Point = tuple[float, float]
+Size = tuple[float, float]
+Sizes = Mapping[str, Size]
+Box = tuple[float, float, float, float]  # left, top, right, bottom
+
+_NODE_SIZE = (180.0, 100.0)  # of a node whose size is not given
+
+
+def size_of(name: str, sizes: Sizes) -> Size:
+    """Width and height of a node, by its id."""
+    return sizes.get(name, _NODE_SIZE)
+
+
+def box_of(at: Point, size: Size) -> Box:
+    """What a node of that size takes up at a point."""
+    return at[0], at[1], at[0] + size[0], at[1] + size[1]
+
+
+def boxes_of(points: Mapping[str, Point], sizes: Sizes) -> dict[str, Box]:
+    """What every node with a point takes up."""
+    return {name: box_of(at, size_of(name, sizes)) for name, at in points.items()}
+
+
+FARTHEST = 1e7
+"""In units of the canvas; drawn at the largest zoom, it still counts in Qt's 32-bit pixels."""
+
+
+def is_in_reach(*numbers: float) -> bool:
+    """Whether places and sizes lie on the canvas; NaN and infinity do not."""
+    return all(-FARTHEST <= number <= FARTHEST for number in numbers)
+
+
+Followers = Mapping[str, Sequence[str]]
+
+SWEEPS = 6  # more hardly uncross anything
+
+
+def components(followers: Followers) -> list[list[str]]:
+    """The parts that no link joins, each in the order of the mapping."""
+    joined: dict[str, list[str]] = {name: [] for name in followers}
+    for name, targets in followers.items():
+        for target in targets:
+            joined[name].append(target)
+            joined[target].append(name)
+    part: dict[str, int] = {}
+    count = 0
+    for start in followers:
+        if start in part:
+            continue
+        part[start] = count
+        rest = [start]
+        while rest:
+            fresh = [name for name in joined[rest.pop()] if name not in part]
+            part.update(dict.fromkeys(fresh, count))
+            rest += fresh
+        count += 1
+    parts: list[list[str]] = [[] for _ in range(count)]
+    for name in followers:
+        parts[part[name]].append(name)
+    return parts
+
+
+def columns_of(followers: Followers) -> dict[str, int]:
+    """The column of each node: behind all that lead to it, sources right before what they feed.
+
+    Nodes on a cycle, which no sound network has, stand in the first.
+    """
+    order = topological(followers)
+    column = dict.fromkeys(followers, 0)
+    fed = set()
+    for name in order:
+        for target in followers[name]:
+            column[target] = max(column[target], column[name] + 1)
+            fed.add(target)
+    for name in order:
+        if name not in fed and followers[name]:
+            column[name] = max(min(column[target] for target in followers[name]) - 1, 0)
+    return column
+
+
+def rows_of(followers: Followers, column: Mapping[str, int]) -> list[list[str]]:
+    """The nodes of each column from top to bottom, with few crossings.
+
+    Each sweep puts the nodes of a column in the order of the mean height of what they are joined
+    to, near wires counting most (the barycentre method of Sugiyama, Tagawa and Toda 1981).
+    """
+    layers: list[list[str]] = [[] for _ in range(max(column.values(), default=-1) + 1)]
+    for name in followers:
+        layers[column[name]].append(name)
+    joined = neighbours(followers, column)
+    height = {name: float(row) for layer in layers for row, name in enumerate(layer)}
+    best, fewest = layers, crossings(followers, column, height)
+    for sweep in range(SWEEPS):
+        if not fewest:
+            break
+        layers = [list(layer) for layer in layers]
+        for layer in layers if sweep % 2 == 0 else reversed(layers):
+            wanted = {name: _mean(joined[name], height, height[name]) for name in layer}
+            layer.sort(key=wanted.__getitem__)  # stable: equal ones keep their order
+            height.update({name: float(row) for row, name in enumerate(layer)})
+        count = crossings(followers, column, height)
+        if count < fewest:
+            best, fewest = layers, count
+    return best
+
+
+def neighbours(
+    followers: Followers, column: Mapping[str, int]
+) -> dict[str, list[tuple[str, float]]]:
+    """What each node is joined to, and how much that counts: less the longer the wire."""
+    weighted: dict[str, list[tuple[str, float]]] = {name: [] for name in followers}
+    for name, targets in followers.items():
+        for target in targets:
+            weight = 1.0 / max(abs(column[target] - column[name]), 1) ** 2
+            weighted[name].append((target, weight))
+            weighted[target].append((name, weight))
+    return weighted
+
+
+def crossings(followers: Followers, column: Mapping[str, int], height: Mapping[str, float]) -> int:
+    """How many pairs of wires between neighbouring columns cross."""
+    wires: dict[int, list[tuple[float, float]]] = {}
+    for name, targets in followers.items():
+        for target in targets:
+            if column[target] == column[name] + 1:
+                wires.setdefault(column[name], []).append((height[name], height[target]))
+    return sum(_inversions([end for _, end in sorted(pairs)]) for pairs in wires.values())
+
+
+def _inversions(values: list[float]) -> int:
+    """Pairs in the wrong order, counted while merging ever longer sorted runs."""
+    count, size = 0, 1
+    while size < len(values):
+        merged: list[float] = []
+        for start in range(0, len(values), 2 * size):
+            left = values[start : start + size]
+            right = values[start + size : start + 2 * size]
+            place = 0
+            for value in right:
+                while place < len(left) and left[place] <= value:
+                    merged.append(left[place])
+                    place += 1
+                count += len(left) - place
+                merged.append(value)
+            merged += left[place:]
+        values, size = merged, 2 * size
+    return count
+
+
+def _mean(
+    joined: Sequence[tuple[str, float]], height: Mapping[str, float], default: float
+) -> float:
+    total = sum(weight for _, weight in joined)
+    if not total:
+        return default
+    return sum(height[name] * weight for name, weight in joined) / total
+
+
+_MOST_ROWS = 64
+_GAIN = 1.1  # how much larger all must become for another row
+
+
+@dataclass(frozen=True)
+class Column:
+    """Nodes above each other: their upper edges by name, the width, the lowest edge of all."""
+
+    tops: Mapping[str, float]
+    width: float
+    bottom: float
+
+    @property
+    def top(self) -> float:
+        """The highest edge."""
+        return min(self.tops.values(), default=0.0)
+
+
+def wrapped(
+    columns: Sequence[Column],
+    room: tuple[float, float] | None,
+    column_gap: float,
+    row_gap: float,
+) -> dict[str, Point]:
+    """Points of the nodes, the columns in as many rows as show them largest.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+        From left to right.
+    room : (width, height) or None
+        What the canvas shows at its natural zoom: what fits stays in one row. None: it always does.
+    column_gap, row_gap : float
+        Kept free between columns and between rows, for wires.
+
+    Returns
+    -------
+    dict of str to point
+        In several rows all columns are equally wide, so that the gaps between them stand below each
+        other: a wire to another row goes down in one.
+    """
+    rows = [list(columns)]
+    best = _extent(rows, column_gap, row_gap, pitch=None)
+    pitch: float | None = None
+    if room is not None and not (best[0] <= room[0] and best[1] <= room[1]):
+        even = max((column.width for column in columns), default=0.0) + column_gap
+        for number in range(2, min(len(columns), _MOST_ROWS) + 1):
+            tried = _broken(columns, number)
+            extent = _extent(tried, column_gap, row_gap, pitch=even)
+            if _zoom(extent, room) > _GAIN * _zoom(best, room):
+                rows, best, pitch = tried, extent, even
+    points: dict[str, Point] = {}
+    top = 0.0
+    for row in rows:
+        highest = min((column.top for column in row), default=0.0) if pitch is not None else 0.0
+        left = 0.0
+        for column in row:
+            points |= {name: (left, y - highest + top) for name, y in column.tops.items()}
+            left += column.width + column_gap if pitch is None else pitch
+        top += _height(row) + row_gap
+    return points
+
+
+def _broken(columns: Sequence[Column], rows: int) -> list[list[Column]]:
+    """In rows of as equal numbers of columns as can be, the first ones the longest."""
+    length = -(-len(columns) // rows)
+    return [list(columns[at : at + length]) for at in range(0, len(columns), length)]
+
+
+def _extent(
+    rows: Sequence[Sequence[Column]], column_gap: float, row_gap: float, *, pitch: float | None
+) -> tuple[float, float]:
+    widths = [
+        len(row) * pitch if pitch is not None else sum(column.width + column_gap for column in row)
+        for row in rows
+    ]
+    return max(widths, default=0.0), sum(_height(row) + row_gap for row in rows) - row_gap
+
+
+def _height(row: Sequence[Column]) -> float:
+    top = min((column.top for column in row), default=0.0)
+    return max((column.bottom for column in row), default=0.0) - top
+
+
+def _zoom(extent: tuple[float, float], room: tuple[float, float]) -> float:
+    """How large all can be drawn."""
+    return min(room[0] / max(extent[0], 1.0), room[1] / max(extent[1], 1.0))
+
+
+COLUMN_GAP, ROW_GAP = 60.0, 40.0
+
+
+def arranged(
+    network: Network,
+    sizes: Sizes,
+    only: Collection[str] | None = None,
+    room: tuple[float, float] | None = None,
+) -> dict[str, Point | None]:
+    """Lay nodes out so that every wire leads to the right and no two nodes overlap.
+
+    Parts that no wire joins stand below each other, single nodes in rows under them. The upper left
+    corner of what is laid out stays where it was.
+
+    Parameters
+    ----------
+    network : Network
+        What is laid out.
+    sizes : mapping
+        Width and height of the nodes, in units of the canvas.
+    only : collection of str, optional
+        Nodes to lay out among themselves; the others stay. All for None.
+    room : (width, height), optional
+        What the canvas shows. A chain that is longer goes on in the next row, from the left.
+
+    Returns
+    -------
+    dict of str to point or None
+        Where each of them is to stand, for `Move`.
+    """
+    chosen = {name: None for name in network.nodes if only is None or name in only}
+    followers = {
+        name: tuple(target for target in network.followers[name] if target in chosen)
+        for name in chosen
+    }
+    return _anchored(network, placed(followers, sizes, room))
+
+
+def placed(
+    followers: Followers, sizes: Sizes, room: tuple[float, float] | None = None
+) -> dict[str, Point]:
+    """Points for the nodes of a graph; the first part begins at zero."""
+    places: dict[str, Point] = {}
+    top = 0.0
+    parts = components(followers)
+    for part in parts:
+        if len(part) > 1:
+            points = _part({name: followers[name] for name in part}, sizes, room)
+            top = _put(places, points, sizes, top)
+    singles = [part[0] for part in parts if len(part) == 1]
+    if singles:
+        _put(places, _grid(singles, sizes), sizes, top)
+    return places
+
+
+def _put(places: dict[str, Point], points: Mapping[str, Point], sizes: Sizes, top: float) -> float:
+    """Put a part below the others; where the next one begins."""
+    highest = min(y for _, y in points.values())
+    places |= {name: (x, y - highest + top) for name, (x, y) in points.items()}
+    return max(places[name][1] + size_of(name, sizes)[1] for name in points) + 2 * ROW_GAP
+
+
+def _part(followers: Followers, sizes: Sizes, room: tuple[float, float] | None) -> dict[str, Point]:
+    """The points of nodes that hang together."""
+    column = columns_of(followers)
+    layers = rows_of(followers, column)
+    heights = _heights(followers, column, layers, sizes)
+    columns = [
+        Column(
+            {name: heights[name] for name in layer},
+            max((size_of(name, sizes)[0] for name in layer), default=0.0),
+            max((heights[name] + size_of(name, sizes)[1] for name in layer), default=0.0),
+        )
+        for layer in layers
+    ]
+    return wrapped(columns, room, COLUMN_GAP, 2 * ROW_GAP)
+
+
+def _heights(
+    followers: Followers, column: Mapping[str, int], layers: list[list[str]], sizes: Sizes
+) -> dict[str, float]:
+    """The upper edge of each node: in one row with what leads to it, as far as there is room.
+
+    A source stands in one row with what it feeds, which the turn before has found a row for.
+    """
+    leading = _leading(followers, column)
+    # Sources come last in their column: they can stand anywhere, a chain cannot.
+    layers = [sorted(layer, key=lambda name: name not in leading) for layer in layers]
+    heights: dict[str, float] = {}
+    for _ in range(2):
+        before, heights = heights, {}
+        for layer in layers:
+            top = -math.inf
+            for name in layer:
+                wanted = heights.get(leading.get(name, ""))
+                if wanted is None and before and followers[name]:
+                    wanted = before[min(followers[name], key=column.__getitem__)]
+                if wanted is None:
+                    wanted = max(top, 0.0)
+                heights[name] = max(wanted, top)
+                top = heights[name] + size_of(name, sizes)[1] + ROW_GAP
+    return heights
+
+
+def _leading(followers: Followers, column: Mapping[str, int]) -> dict[str, str]:
+    """What leads to each node over the shortest way, the first of several."""
+    leading: dict[str, str] = {}
+    for name, targets in followers.items():
+        for target in targets:
+            if target not in leading or column[name] > column[leading[target]]:
+                leading[target] = name
+    return leading
+
+
+def _grid(names: list[str], sizes: Sizes) -> dict[str, Point]:
+    """Rows of about as many nodes as there are rows."""
+    across = math.ceil(math.sqrt(len(names)))
+    width = max(size_of(name, sizes)[0] for name in names) + COLUMN_GAP
+    height = max(size_of(name, sizes)[1] for name in names) + ROW_GAP
+    return {
+        name: (number % across * width, float(number // across) * height)
+        for number, name in enumerate(names)
+    }
+
+
+def _anchored(network: Network, places: Mapping[str, Point]) -> dict[str, Point | None]:
+    old = [network.layout[name] for name in places if name in network.layout]
+    if not places:
+        return {}
+    left, top = (min((point[axis] for point in old), default=0.0) for axis in (0, 1))
+    x, y = (min(point[axis] for point in places.values()) for axis in (0, 1))
+    return {name: (at[0] - x + left, at[1] - y + top) for name, at in places.items()}
+
+
+Edge = Literal["left", "right", "top", "bottom"]
+Way = Literal["across", "down"]
+EDGES: tuple[Edge, ...] = get_args(Edge)
+WAYS: tuple[Way, ...] = get_args(Way)
+
+
+def aligned(network: Network, names: Collection[str], sizes: Sizes, edge: Edge) -> dict[str, Point]:
+    """Points with which an edge of all nodes is in line with that of the outermost one.
+
+    Parameters
+    ----------
+    network : Network
+        Where they stand; those without a point stay so.
+    names : collection of str
+        The nodes; with fewer than two nothing is moved.
+    sizes : mapping
+        Width and height of the nodes.
+    edge : "left", "right", "top" or "bottom"
+        The edge.
+    """
+    points = {name: network.layout[name] for name in names if name in network.layout}
+    if len(points) < 2:
+        return {}
+    axis = 0 if edge in ("left", "right") else 1
+    far = edge in ("right", "bottom")
+    ends = {
+        name: at[axis] + (size_of(name, sizes)[axis] if far else 0.0) for name, at in points.items()
+    }
+    line = max(ends.values()) if far else min(ends.values())
+    return {name: _shifted(at, axis, line - ends[name]) for name, at in points.items()}
+
+
+def distributed(
+    network: Network, names: Collection[str], sizes: Sizes, way: Way
+) -> dict[str, Point]:
+    """Points with which the gaps between the nodes are equal; the outermost two stay.
+
+    Where there is no room for gaps the nodes overlap equally. For the parameters see `aligned`.
+    """
+    axis = 0 if way == "across" else 1
+    points = {name: network.layout[name] for name in names if name in network.layout}
+    if len(points) < 2:
+        return {}
+    order = sorted(points, key=lambda name: points[name][axis])
+    extents = [size_of(name, sizes)[axis] for name in order]
+    start = points[order[0]][axis]
+    end = points[order[-1]][axis] + extents[-1]
+    gap = (end - start - sum(extents)) / (len(order) - 1)
+    places = {}
+    for name, extent in zip(order, extents, strict=True):
+        places[name] = _shifted(points[name], axis, start - points[name][axis])
+        start += extent + gap
+    return places
+
+
+def _shifted(at: Point, axis: int, by: float) -> Point:
+    return (at[0] + by, at[1]) if axis == 0 else (at[0], at[1] + by)

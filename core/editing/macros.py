@@ -1,0 +1,455 @@
+"""Changes of nodes inside of macros, and of the parameters that a macro shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any
+
+from core.editing.operations import (
+    ABSENT,
+    Move,
+    Operation,
+    Remove,
+    Rename,
+    Rewire,
+    SetField,
+    SetOutput,
+    Together,
+    fresh_name,
+    set_network_field,
+    set_parameter,
+)
+from core.editing.references import dropped, renamed
+from core.errors import NetworkError
+from core.expressions.grammar import ExpressionError, Reference, readable
+from core.names import close, shown, thaw
+from core.network.expansion import unfolded
+from core.network.interface import PARAMETERS, End, Interface, interface_of, text
+from core.network.linked_values import (
+    naming,
+    references_in,
+    with_names,
+    with_references,
+)
+from core.network.macro import (
+    SEPARATOR,
+    checked_depth,
+    depth,
+    face_of_macro,
+    path_of,
+    with_face,
+)
+from core.network.network import Link, Network, Node
+
+
+@dataclass(frozen=True)
+class Inside(Operation):
+    """Carry an operation out inside of a macro.
+
+    Ports and parameters that the macro shows follow the nodes they stand for; where these are gone,
+    the wires to the macro's port and its value of the parameter go too.
+
+    Parameters
+    ----------
+    macro : str
+        The macro's id.
+    operation : Operation
+        Of the network inside; an `Inside` itself where that has the macro meant.
+    """
+
+    macro: str
+    operation: Operation
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return self.operation.text
+
+    def apply(self, network: Network) -> Network:
+        """The network with the change inside."""
+        node = network.node(self.macro)
+        if node.macro is None:
+            raise NetworkError(f"{shown(self.macro)} is no macro: nothing lies inside of it")
+        after = self.operation.apply(node.macro)
+        if after is node.macro:
+            return network
+        checked_depth(1 + depth(after), self.macro)
+        return with_body(network, node, after, self.operation.moved(node.macro))
+
+    def moved(self, network: Network) -> dict[str, str]:
+        """The names of nodes inside."""
+        inside = network.node(self.macro).macro
+        names = self.operation.moved(inside) if inside is not None else {}
+        head = f"{self.macro}{SEPARATOR}"
+        return {head + old: head + new for old, new in names.items()}
+
+
+def with_body(
+    network: Network, node: Node, body: Network, moved: Mapping[str, str] = MappingProxyType({})
+) -> Network:
+    """The network with another inside of a macro, and without what this does not show any more.
+
+    `moved` has what nodes inside are called now that had another name.
+    """
+    assert node.macro is not None
+    face = face_of_macro(body)
+    params = {name: value for name, value in node.params.items() if name in face.parameters}
+    links = tuple(link for link in network.links if not _to_missing(link, node.id, face))
+    extra = _mentions(network, node, body, moved)
+    changed = network.with_node(replace(node, params=params, macro=body))
+    changed = replace(_following_names(changed, node.id, moved), extra=extra)
+    if len(links) < len(network.links):
+        changed = replace(changed, links=links)
+    outer = face_of_macro(network)
+    shown_still = {
+        name: end
+        for name, end in outer.parameters.items()
+        if end[0] != node.id or end[1] in face.parameters
+    }
+    if len(shown_still) < len(outer.parameters):
+        changed = with_face(changed, outer.with_parameters(shown_still))
+    return changed
+
+
+def _following_names(network: Network, macro: str, moved: Mapping[str, str]) -> Network:
+    """The network with the new names of nodes inside where its expressions name them."""
+    head = f"{macro}{SEPARATOR}"
+    names = {head + old: head + new for old, new in moved.items()}
+    if not names or not naming(network, names):
+        return network
+    return network.with_nodes(with_moved_names(network.nodes.values(), names))
+
+
+def _to_missing(link: Link, macro: str, face: Interface) -> bool:
+    gone_output = link.source == macro and link.output not in face.outputs
+    return gone_output or (link.target == macro and link.input not in face.inputs)
+
+
+def _mentions(
+    network: Network, node: Node, body: Network, moved: Mapping[str, str]
+) -> Mapping[str, Any]:
+    """The network's fields that name nodes inside, after these have changed."""
+    assert node.macro is not None
+    before, after = set(unfolded(node.macro).nodes), set(unfolded(body).nodes)
+    extra: Mapping[str, Any] = network.extra
+    head = f"{node.id}{SEPARATOR}"
+    for old, new in moved.items():
+        extra = renamed(extra, head + old, head + new)
+    gone = before - after - moved.keys()
+    return dropped(extra, {head + name for name in gone}) if gone else extra
+
+
+def at_level(path: tuple[str, ...], operation: Operation) -> Operation:
+    """An operation of the network inside the macros of a path, as one of the whole network."""
+    if not path:
+        return operation
+    if isinstance(operation, SetOutput):  # there is one output in all the network
+        head = "".join(f"{macro}{SEPARATOR}" for macro in path)
+        return replace(operation, nodes=tuple(head + name for name in operation.nodes))
+    for macro in reversed(path):
+        operation = Inside(macro, operation)
+    return operation
+
+
+def addressed(network: Network, operation: Operation) -> Operation:
+    """An operation that names nodes as `core.network.expansion.unfolded` does, made to fit.
+
+    A parameter that a macro shows is set inside, and no longer by the macro: what was set last
+    holds.
+
+    Raises
+    ------
+    NetworkError
+        If nodes of several macros take part in one operation.
+    """
+    match operation:
+        case Together():
+            steps = [addressed(network, step) for step in operation.operations]
+            return Together(steps, operation.label)
+        case SetField(("nodes", node, *rest)) if _lies_inside(network, node):
+            *macros, name = path_of(network, node)
+            inner = replace(operation, path=("nodes", name, *rest), label=operation.text)
+            step = at_level(tuple(macros), inner)
+            return _set_inside(network, tuple(macros), (name, rest[-1]), step, rest[0] == "params")
+        case Rename(old, new) if _lies_inside(network, old):
+            *macros, name = path_of(network, old)
+            return at_level(tuple(macros), Rename(name, new))
+        case Remove(names):
+            path, local = _common(network, names)
+            return at_level(path, replace(operation, names=local)) if path else operation
+        case Move(positions):
+            path, local = _common(network, tuple(positions))
+            places = dict(zip(local, positions.values(), strict=True))
+            return at_level(path, replace(operation, positions=places)) if path else operation
+        case Rewire(add, remove):
+            return _rewired(network, operation, (*add, *remove))
+    return operation
+
+
+def _lies_inside(network: Network, name: str) -> bool:
+    """Whether it names a node inside of a macro; not so of nodes that are yet to come."""
+    return name not in network.nodes and network.has(name)
+
+
+def _common(network: Network, names: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The macros that all these nodes lie in, and their own ids."""
+    paths = [path_of(network, name) if network.has(name) else (name,) for name in names]
+    levels = {path[:-1] for path in paths}
+    if len(levels) > 1:
+        raise NetworkError("these nodes lie in different macros")
+    return next(iter(levels), ()), tuple(path[-1] for path in paths)
+
+
+def _rewired(network: Network, operation: Rewire, links: tuple[Link, ...]) -> Operation:
+    ends = dict.fromkeys(end for link in links for end in (link.source, link.target))
+    path, local = _common(network, tuple(ends))
+    if not path:
+        return operation
+    names = dict(zip(ends, local, strict=True))
+    add, remove = (
+        tuple(replace(link, source=names[link.source], target=names[link.target]) for link in group)
+        for group in (operation.add, operation.remove)
+    )
+    return at_level(path, replace(operation, add=add, remove=remove, label=operation.text))
+
+
+def _set_inside(
+    network: Network,
+    macros: tuple[str, ...],
+    end: tuple[str, str],
+    step: Operation,
+    is_parameter: bool,
+) -> Operation:
+    """The step, and taking away the values by which macros outside set the same parameter."""
+    levels = [network]
+    for macro in macros:
+        body = levels[-1].nodes[macro].macro
+        assert body is not None
+        levels.append(body)
+    steps = [step]
+    while is_parameter and len(levels) > 1:
+        face = face_of_macro(levels.pop())
+        name = next((name for name, inner in face.parameters.items() if inner == end), None)
+        if name is None:
+            break
+        macro = macros[len(levels) - 1]
+        if name in levels[-1].nodes[macro].params:
+            taking = SetField(("nodes", macro, "params", name), ABSENT)
+            steps.append(at_level(macros[: len(levels) - 1], taking))
+        end = macro, name
+    return steps[0] if len(steps) == 1 else Together(steps, step.text)
+
+
+def parameters_of(body: Network) -> dict[str, Any]:
+    """The parameters a macro shows, as its file has them."""
+    return dict(thaw(body.extra.get(PARAMETERS, {})))
+
+
+def with_moved_names(nodes: Iterable[Node], names: Mapping[str, str]) -> dict[str, Node]:
+    """The nodes with other names in their expressions.
+
+    Raises
+    ------
+    NetworkError
+        If an expression would become too long.
+    """
+    return {node.id: with_names_or_refused(node, names) for node in nodes}
+
+
+def with_names_or_refused(node: Node, names: Mapping[str, str]) -> Node:
+    """The node with other names in its expressions; else a `NetworkError`."""
+    try:
+        return with_names(node, names)
+    except ExpressionError as error:
+        raise NetworkError(error.message) from None
+
+
+def expose(network: Network, node: str, parameter: str, name: str = "") -> Operation:
+    """Show a parameter of an inner node on the panel of the macro it lies in.
+
+    Parameters
+    ----------
+    network : Network
+        The whole network.
+    node : str
+        The inner node, ``camera/init``.
+    parameter : str
+        Its parameter.
+    name : str, optional
+        What it is called there; its own name, or the next that is free.
+
+    Raises
+    ------
+    NetworkError
+        If the node lies in no macro, or the parameter is shown already.
+    """
+    *macros, inner = path_of(network, node)
+    if not macros:
+        raise NetworkError(f"{shown(node)} lies in no macro that could show its parameters")
+    shown_already = exposed_as(network, node, parameter)
+    if shown_already:
+        raise NetworkError(
+            f"{shown(macros[-1])} shows {shown(node)}.{parameter} already, as {shown_already}"
+        )
+    body = _body(network, macros)
+    entries = parameters_of(body)
+    if name in entries:
+        raise NetworkError(f"{shown(macros[-1])} has a parameter {shown(name)} already")
+    wanted = name or fresh_name(parameter, entries)
+    entries[wanted] = text((inner, parameter))
+    interface_of({PARAMETERS: entries})  # whether the name is allowed
+    label = f"Expose {node}.{parameter}"
+    return at_level(tuple(macros), set_network_field(PARAMETERS, entries, label))
+
+
+def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str], Any]) -> Operation:
+    """Take a parameter off a macro's panel; the value it was given there stays, inside.
+
+    Parameters
+    ----------
+    network : Network
+        The whole network.
+    macro, name : str
+        The macro, ``camera`` or ``camera/lens``, and its parameter.
+    value_of : callable
+        The value of a node's parameter: it takes the place of an expression, which could name
+        nothing from inside.
+
+    Raises
+    ------
+    NetworkError
+        If the macro shows no such parameter, or another follows it.
+    """
+    path = path_of(network, macro)
+    body = _body(network, path)
+    entries = parameters_of(body)
+    _known(macro, entries, name)
+    inner, parameter = face_of_macro(body).parameters[name]
+    del entries[name]
+    taking = set_network_field(PARAMETERS, entries or ABSENT)
+    container = _body(network, path[:-1])
+    for node, parameter_of, reference in _references_to(container, path[-1]):
+        itself = (node, parameter_of) == (path[-1], name)
+        if reference.parameter == name and not itself:
+            raise NetworkError(
+                f"{shown(macro)}.{name} cannot be hidden: {shown(node)}.{parameter_of} follows it; "
+                "unlink that first"
+            )
+    steps: tuple[Operation, ...] = (at_level(path, taking),)
+    given = container.nodes[path[-1]].params.get(name, ABSENT)
+    if name in container.nodes[path[-1]].linked:
+        given = value_of(macro, name)
+        given = ABSENT if isinstance(given, Mapping) else given  # it had none
+    if given is not ABSENT:
+        setting = set_parameter(SEPARATOR.join((*path, inner)), parameter, thaw(given))
+        steps = (addressed(network, setting), *steps)
+    return Together(steps, f"Hide {macro}.{name}")
+
+
+@dataclass(frozen=True)
+class RenameExposed(Operation):
+    """Give a parameter that a macro shows another name, wherever it is mentioned.
+
+    Parameters
+    ----------
+    macro : str
+        Id of the macro, in the network the operation is applied to.
+    old, new : str
+        The names.
+    """
+
+    macro: str
+    old: str
+    new: str
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return f"Rename {self.macro}.{self.old} to {self.new}"
+
+    def apply(self, network: Network) -> Network:
+        """The network with the new name."""
+        node = network.node(self.macro)
+        if node.macro is None:
+            raise NetworkError(f"{shown(self.macro)} is no macro")
+        entries = parameters_of(node.macro)
+        _known(self.macro, entries, self.old)
+        if self.new != self.old and self.new in entries:
+            raise NetworkError(f"{shown(self.macro)} has a parameter {shown(self.new)} already")
+
+        def name_of(name: str) -> str:
+            return self.new if name == self.old else name
+
+        entries = {name_of(name): end for name, end in entries.items()}
+        interface_of({PARAMETERS: entries})
+        body = replace(node.macro, extra={**node.macro.extra, PARAMETERS: entries})
+        params = {name_of(name): value for name, value in node.params.items()}
+        changed = network.with_node(replace(node, params=params, macro=body))
+        if any(one.parameter == self.old for _, _, one in _references_to(network, self.macro)):
+            changed = self._named_anew(changed)
+        face = face_of_macro(network)
+        ends = {
+            name: (end[0], name_of(end[1])) if end[0] == self.macro else end
+            for name, end in face.parameters.items()
+        }
+        return with_face(changed, face.with_parameters(ends))
+
+    def _named_anew(self, network: Network) -> Network:
+        """With the new name in the expressions that follow it."""
+        if not readable(self.new):
+            raise NetworkError(
+                f"{shown(self.macro)}.{self.old} is followed by an expression: its name must be "
+                f"one word of letters, digits and _, not {shown(self.new)}"
+            )
+
+        def moved(node: str, parameter: str) -> End:
+            ours = (node, parameter) == (self.macro, self.old)
+            return (node, self.new) if ours else (node, parameter)
+
+        try:
+            return network.with_nodes(
+                {name: with_references(node, moved) for name, node in network.nodes.items()}
+            )
+        except ExpressionError as error:
+            raise NetworkError(error.message) from None
+
+
+def rename_exposed(network: Network, macro: str, old: str, new: str) -> Operation:
+    """Give a parameter that a macro shows another name; the macro may lie in others."""
+    *outer, name = path_of(network, macro)
+    return at_level(tuple(outer), RenameExposed(name, old, new))
+
+
+def exposed_as(network: Network, node: str, parameter: str) -> str:
+    """What the macro around an inner node calls its parameter; empty where it is not shown."""
+    *macros, inner = path_of(network, node)
+    if not macros:
+        return ""
+    parameters = face_of_macro(_body(network, macros)).parameters
+    return next((name for name, end in parameters.items() if end == (inner, parameter)), "")
+
+
+def _body(network: Network, macros: list[str] | tuple[str, ...]) -> Network:
+    for macro in macros:
+        body = network.node(macro).macro
+        if body is None:
+            raise NetworkError(f"{shown(macro)} is no macro")
+        network = body
+    return network
+
+
+def _references_to(network: Network, macro: str) -> Iterator[tuple[str, str, Reference]]:
+    """Node and parameter of each expression around a macro that names it, and what it names."""
+    for node in network.nodes.values():
+        for parameter in node.linked:
+            for reference in references_in(node.params[parameter]):
+                if reference.node == macro:
+                    yield node.id, parameter, reference
+
+
+def _known(macro: str, entries: dict[str, str], name: str) -> None:
+    if name not in entries:
+        hint = close(name, entries) or f": it shows {', '.join(entries) or 'none'}"
+        raise NetworkError(f"{shown(macro)} shows no parameter {shown(name)}{hint}")

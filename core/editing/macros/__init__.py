@@ -1,1 +1,0 @@
-"""Operations on macros: grouping, ungrouping, what they show, and changes inside of them."""

@@ -1,0 +1,559 @@
+"""Changes of a network as values: what gives the network after it from the one before.
+
+An operation applied to a network it does not fit raises an error of this program and changes
+nothing.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Container, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from typing import Any
+
+from core.editing.layout import Point
+from core.editing.references import dropped, of_nodes, renamed, without_dots
+from core.errors import NetworkError
+from core.expressions.grammar import ExpressionError
+from core.modules.declaration import Declaration
+from core.modules.library_type import Library
+from core.names import freeze, shown, thaw
+from core.network.linked_values import naming, with_names
+from core.network.macro import SEPARATOR, declared_node, face_of_macro
+from core.network.network import EXPRESSION, Link, Network, Node, with_marks
+
+
+class Absent(Enum):
+    """The value of what is not there: a parameter left at its default, a field left out."""
+
+    ABSENT = "absent"
+
+
+ABSENT = Absent.ABSENT
+
+
+class Operation(ABC):
+    """A change of a network."""
+
+    @property
+    @abstractmethod
+    def text(self) -> str:
+        """What it does, for the undo menu."""
+
+    @abstractmethod
+    def apply(self, network: Network) -> Network:
+        """The network after the change.
+
+        Raises
+        ------
+        NetworkError, ParameterError
+            If it does not fit the network.
+        """
+
+    def moved(self, network: Network) -> dict[str, str]:  # noqa: ARG002
+        """What nodes are called afterwards that had another name before; `network` is as before."""
+        return {}
+
+
+@dataclass(frozen=True)
+class Together(Operation):
+    """Several operations, one after the other, as one."""
+
+    operations: Sequence[Operation]
+    label: str = ""
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        if self.label or not self.operations:
+            return self.label
+        more = len(self.operations) - 1
+        return self.operations[0].text + (f" and {more} more" if more else "")
+
+    def apply(self, network: Network) -> Network:
+        """The network after all of them."""
+        for operation in self.operations:
+            network = operation.apply(network)
+        return network
+
+    def moved(self, network: Network) -> dict[str, str]:
+        """What nodes are called after all of them."""
+        names: dict[str, str] = {}
+        for operation in self.operations:
+            step = operation.moved(network)
+            names = {old: step.pop(new, new) for old, new in names.items()}
+            names |= {old: new for old, new in step.items() if old not in names}
+            network = operation.apply(network)
+        return names
+
+
+@dataclass(frozen=True)
+class Restored(Operation):
+    """Put a whole network in the place of the present one."""
+
+    network: Network
+    label: str
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return self.label
+
+    def apply(self, network: Network) -> Network:  # noqa: ARG002 - whatever it has become
+        """That network."""
+        return self.network
+
+
+def with_field(fields: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
+    """The fields with one set, or taken away by ABSENT."""
+    others = {key: item for key, item in fields.items() if key != name}
+    return others if value is ABSENT else {**others, name: value}
+
+
+def named(names: Sequence[str]) -> str:
+    """One name, or how many there are."""
+    return names[0] if len(names) == 1 else f"{len(names)} nodes"
+
+
+def check_plain(value: Any, what: str) -> None:
+    """Refuse what no network file can hold, before it is in the document and cannot be saved.
+
+    Raises
+    ------
+    NetworkError
+        Naming `what` it was meant for, and the value.
+    """
+    rest = [value]
+    while rest:
+        item = rest.pop()
+        if isinstance(item, Mapping) and all(isinstance(key, str) for key in item):
+            rest += [*item.keys(), *item.values()]
+        elif isinstance(item, list | tuple):
+            rest += item
+        elif not _storable(item):
+            raise NetworkError(
+                f"{shown(what)} cannot be {item!r:.80}: only finite numbers, texts, true, false, "
+                "null, lists and objects of them can be saved"
+            )
+
+
+def _storable(item: Any) -> bool:
+    if isinstance(item, str):
+        # Half a surrogate pair is a text to Python, but not to a file.
+        return item.isascii() or not any("\ud800" <= c <= "\udfff" for c in item)
+    if isinstance(item, float):
+        return math.isfinite(item)
+    return item is None or isinstance(item, bool | int)
+
+
+_OF_NODE = ("auto", "disabled")
+_OF_NETWORK = ("name", "description", "seed")
+# Fields that other operations change, as more than one value depends on them.
+_NOT_OF_NODE = {"module", "params", "final"}
+_NOT_OF_NETWORK = {"nodes", "links", "layout", "format", "version"}
+
+
+@dataclass(frozen=True)
+class SetField(Operation):
+    """Set the field at a path of the network's file; ABSENT takes it away.
+
+    Parameters
+    ----------
+    path : tuple of str
+        ``("seed",)``, ``("nodes", node, "disabled")`` or ``("nodes", node, "params", parameter)``.
+    value
+        As a network file has it.
+    label : str, optional
+        Text in the undo menu.
+    """
+
+    path: tuple[str, ...]
+    value: Any
+    label: str = ""
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        if self.label:
+            return self.label
+        match self.path:
+            case ("nodes", node, "params", name):
+                verb = "Reset" if self.value is ABSENT else "Set"
+                linked = isinstance(self.value, Mapping) and EXPRESSION in self.value
+                return f"{'Link' if linked else verb} {node}.{name}"
+            case ("nodes", node, "disabled"):
+                return f"{'Disable' if self.value else 'Enable'} {node}"
+            case ("nodes", node, "auto"):
+                return f"{'Hold' if self.value is False else 'Auto-generate'} {node}"
+            case ("nodes", node, name):
+                return f"Set {name} of {node}"
+            case (name,) if name in _OF_NETWORK:
+                return f"Set the network's {name}"
+        return f"Set {self.path[-1]}"
+
+    def apply(self, network: Network) -> Network:
+        """The network with the field."""
+        match self.path:
+            case ("nodes", node, "params", name):
+                check_value(self.value, f"{node}.{name}")
+                return _with_parameter(network, node, name, self.value)
+            case ("nodes", node, name) if name not in _NOT_OF_NODE:
+                check_value(self.value, f"{node}.{name}")
+                return network.with_node(_with_node_field(network.node(node), name, self.value))
+            case (name,) if name not in _NOT_OF_NETWORK:
+                check_value(self.value, name)
+                return _with_network_field(network, name, self.value)
+        raise NetworkError(f"{'.'.join(self.path)} is no field that can be set by itself")
+
+
+def set_parameter(node: str, name: str, value: Any, label: str = "") -> SetField:
+    """Give a parameter a value as a network file has it; ABSENT leaves it at its default."""
+    return SetField(("nodes", node, "params", name), value, label)
+
+
+def set_node_field(node: str, name: str, value: Any) -> SetField:
+    """Set ``auto``, ``disabled`` or another field of a node, such as ``pinned``."""
+    return SetField(("nodes", node, name), value)
+
+
+def set_network_field(name: str, value: Any, label: str = "") -> SetField:
+    """Set the network's name, description, seed or another field, such as ``backdrops``."""
+    return SetField((name,), value, label)
+
+
+def check_value(value: Any, what: str) -> None:
+    """Refuse a value that no network file can hold; ABSENT is none.
+
+    Raises
+    ------
+    NetworkError
+        Naming `what` it was meant for.
+    """
+    if value is not ABSENT:
+        check_plain(freeze(value), what)
+
+
+def _with_parameter(network: Network, node: str, name: str, value: Any) -> Network:
+    old = network.node(node)
+    if value is not ABSENT:
+        return network.with_parameter(node, name, value)
+    return network.with_node(replace(old, params=with_field(old.params, name, ABSENT)))
+
+
+def _with_node_field(node: Node, name: str, value: Any) -> Node:
+    if name in _OF_NODE:
+        changes: dict[str, Any] = {name: value}
+        return replace(node, **changes)
+    return replace(node, extra=with_field(node.extra, name, value))
+
+
+def _with_network_field(network: Network, name: str, value: Any) -> Network:
+    if name not in _OF_NETWORK:
+        return replace(network, extra=with_field(network.extra, name, value))
+    if name != "seed" and not isinstance(value, str):
+        raise NetworkError(f"the network's {name} must be a text, not {value!r:.80}")
+    changes: dict[str, Any] = {name: value}
+    return replace(network, **changes)
+
+
+@dataclass(frozen=True)
+class Rewire(Operation):
+    """Take links away and put links in; one into an input that has one takes its place."""
+
+    add: tuple[Link, ...] = ()
+    remove: tuple[Link, ...] = ()
+    label: str = ""
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        if self.label:
+            return self.label
+        first = next(iter((*self.add, *self.remove)), None)
+        return f"{'Connect' if self.add else 'Disconnect'} {first or ''}".strip()
+
+    def apply(self, network: Network) -> Network:
+        """The network wired so."""
+        for link in self.add:
+            network.node(link.source)
+            network.node(link.target)
+        missing = [link for link in self.remove if link not in network.links]
+        if missing:
+            raise NetworkError(f"there is no link {missing[0]}")
+        new, taken = set(self.add), {(link.target, link.input) for link in self.add}
+        gone = {link for link in network.links if (link.target, link.input) in taken}
+        gone = (gone | set(self.remove)) - new
+        unchanged = [link for link in network.links if link not in gone and link not in new]
+        extra = without_dots(network.extra, gone)
+        return replace(network, links=(*unchanged, *self.add), extra=extra)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A node with its point of the canvas and its place in the document's order (None: last)."""
+
+    node: Node
+    at: Point | None = None
+    index: int | None = None
+
+
+@dataclass(frozen=True)
+class Add(Operation):
+    """Put nodes in, and links; a link into an input that has one takes its place.
+
+    `extra` are fields of the network that come with them.
+    """
+
+    placed: tuple[Placed, ...]
+    links: tuple[Link, ...] = ()
+    label: str = ""
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return self.label or f"Add {named([placed.node.id for placed in self.placed])}"
+
+    def apply(self, network: Network) -> Network:
+        """The network with them."""
+        order = list(network.nodes)
+        nodes = dict(network.nodes)
+        layout = dict(network.layout)
+        for placed in self.placed:
+            if placed.node.id in nodes:
+                raise NetworkError(f"there is a node {shown(placed.node.id)} already")
+            nodes[placed.node.id] = placed.node
+            order.insert(len(order) if placed.index is None else placed.index, placed.node.id)
+            if placed.at is not None:
+                layout[placed.node.id] = _finite(placed.node.id, placed.at)
+        grown = replace(
+            network,
+            nodes={name: nodes[name] for name in order},
+            layout=layout,
+            extra={**network.extra, **self.extra},
+        )
+        return Rewire(add=self.links).apply(grown)
+
+
+@dataclass(frozen=True)
+class Remove(Operation):
+    """Take nodes out, with their links and every mention of them."""
+
+    names: tuple[str, ...]
+    label: str = ""
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return self.label or f"Delete {named(self.names)}"
+
+    def apply(self, network: Network) -> Network:
+        """The network without them."""
+        for name in self.names:
+            network.node(name)
+        gone = set(self.names)
+        return replace(
+            network,
+            nodes={name: node for name, node in network.nodes.items() if name not in gone},
+            links=tuple(link for link in network.links if not {link.source, link.target} & gone),
+            layout={name: at for name, at in network.layout.items() if name not in gone},
+            extra=dropped(network.extra, of_nodes(gone, network.nodes)),
+        )
+
+
+@dataclass(frozen=True)
+class Move(Operation):
+    """Put nodes at points of the canvas; None takes a node's point away."""
+
+    positions: Mapping[str, Point | None]
+    label: str = ""
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return self.label or f"Move {named(list(self.positions))}"
+
+    def apply(self, network: Network) -> Network:
+        """The network with them there."""
+        layout: dict[str, Point] = dict(network.layout)
+        for name, at in self.positions.items():
+            network.node(name)
+            if at is None:
+                layout.pop(name, None)
+            else:
+                layout[name] = _finite(name, at)
+        return replace(network, layout=layout)
+
+
+@dataclass(frozen=True)
+class Rename(Operation):
+    """Give a node another id, wherever it is mentioned."""
+
+    old: str
+    new: str
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return f"Rename {self.old} to {self.new}"
+
+    def apply(self, network: Network) -> Network:
+        """The network with the new name."""
+        network.node(self.old)
+        if self.new != self.old and self.new in network.nodes:
+            raise NetworkError(f"there is a node {shown(self.new)} already")
+
+        def name_of(name: str) -> str:
+            return self.new if name == self.old else name
+
+        def renamed_node(node: Node) -> Node:
+            return replace(with_names(node, {self.old: self.new}), id=name_of(node.id))
+
+        try:
+            nodes = {name_of(name): renamed_node(node) for name, node in network.nodes.items()}
+        except ExpressionError as error:
+            raise NetworkError(f"{shown(self.old)} cannot be renamed: {error.message}") from None
+        extra: Mapping[str, Any] = network.extra
+        for old, new in self.moved(network).items():
+            extra = renamed(extra, old, new)
+        return replace(
+            network,
+            nodes=nodes,
+            links=tuple(
+                replace(link, source=name_of(link.source), target=name_of(link.target))
+                for link in network.links
+            ),
+            layout={name_of(name): at for name, at in network.layout.items()},
+            extra=extra,
+        )
+
+    def moved(self, network: Network) -> dict[str, str]:
+        """The node's name, and those of nodes inside of it."""
+        names = of_nodes([self.old], network.nodes)
+        return {name: self.new + name.removeprefix(self.old) for name in names}
+
+
+def keeping_values(
+    *,
+    network: Network,
+    names: Collection[str],
+    taking: Operation,
+    value_of: Callable[[str, str], Any],
+) -> tuple[Operation, tuple[str, ...]]:
+    """What takes nodes out, with the values of parameters that follow them put in first.
+
+    Parameters
+    ----------
+    network : Network
+        Before.
+    names : collection of str
+        The nodes.
+    taking : Operation
+        What takes them out.
+    value_of : callable
+        The value of a node's parameter, as `core.network.linked_values.ResolvedNetwork.value`.
+
+    Returns
+    -------
+    operation : Operation
+        One step.
+    kept : tuple of str
+        ``NODE.PARAMETER = value`` of those that follow nothing any more.
+    """
+    places = [place for place in naming(network, names) if place[0] not in names]
+    if not places:
+        return taking, ()
+    steps: list[Operation] = []
+    kept = []
+    for node, parameter in places:
+        value = thaw(value_of(node, parameter))
+        if not isinstance(value, dict):  # else it had no value, and still has none
+            steps.append(set_parameter(node, parameter, value))
+            kept.append(f"{shown(node)}.{parameter} = {value}")
+    return Together((*steps, taking), taking.text), tuple(kept)
+
+
+def _finite(name: str, at: Point) -> Point:
+    x, y = float(at[0]), float(at[1])
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise NetworkError(f"{shown(name)} cannot lie at {x:g}, {y:g}: only at finite numbers")
+    return x, y
+
+
+def fresh_name(wanted: str, taken: Container[str]) -> str:
+    """`wanted`, or with the first number behind it that makes it new: ``jitter``, ``jitter_2``."""
+    if wanted not in taken:
+        return wanted
+    head, _, tail = wanted.rpartition("_")
+    stem = head if head and tail.isdigit() else wanted
+    numbered = (f"{stem}_{number}" for number in itertools.count(2))
+    return next(name for name in numbered if name not in taken)
+
+
+@dataclass(frozen=True)
+class SetOutput(Operation):
+    """Mark these nodes as the network's output, one at most, and no others.
+
+    `port` is the network's own field ``final``, an older way to mark; ABSENT takes it away.
+    """
+
+    nodes: tuple[str, ...]
+    port: Any = ABSENT
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return f"Mark {self.nodes[0]} as the output" if self.nodes else "Unmark the output"
+
+    def apply(self, network: Network) -> Network:
+        """The network with the marks."""
+        for name in self.nodes:
+            if not network.has(name):
+                network.node(name)
+        check_value(self.port, "final")
+        extra = with_field(network.extra, "final", self.port)
+        return with_marks(network, self.nodes, extra)
+
+
+def output_toggled(network: Network, library: Library, name: str) -> Operation:
+    """What marks a node as the output, or takes its mark away.
+
+    Raises
+    ------
+    NetworkError
+        If it is no node of the network, or makes and takes no picture.
+    """
+    node = network.node(name)
+    if name in network.output_nodes or (node.macro is not None and node.macro.marked):
+        return SetOutput(())
+    declared = declared_node(node, library)
+    if declared is not None and not has_picture(declared):
+        raise NetworkError(f"{shown(name)} cannot be the output: it makes no picture")
+    return SetOutput((picture_node(node, library),))
+
+
+def picture_node(node: Node, library: Library) -> str:
+    """The node's id; of a macro that of the one inside whose picture it shows first.
+
+    Raises
+    ------
+    NetworkError
+        If the macro shows no picture.
+    """
+    if node.macro is None:
+        return node.id
+    declared = declared_node(node, library)
+    pictures = [port.name for port in declared.outputs if "image" in port.types] if declared else []
+    for name in pictures[:1]:
+        inner = node.macro.nodes[face_of_macro(node.macro).outputs[name][0]]
+        return f"{node.id}{SEPARATOR}{picture_node(inner, library)}"
+    raise NetworkError(f"{shown(node.id)} shows no picture: mark the node inside of it")
+
+
+def has_picture(declared: Declaration) -> bool:
+    """Whether a module makes a picture or, making nothing, takes one."""
+    ports = declared.inputs if declared.sink else declared.outputs
+    return any("image" in port.types for port in ports)

@@ -1,0 +1,189 @@
+"""Dots that wires are bent through, kept in the network's file: drawing alone, as backdrops are.
+
+The file's field `wire_dots` lists ``{"link": ["init.magnitude", "back.magnitude"], "points": [[300,
+40]]}``, from the output to the input. Nothing that computes reads it. A dot goes with its wire.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any
+
+from core.editing.layout import Point, is_in_reach
+from core.editing.operations import ABSENT, Move, Operation, Together, set_network_field
+from core.editing.references import WIRE_DOTS, dots_entry_link
+from core.errors import NetworkError
+from core.names import thaw
+from core.network.network import Link, Network
+
+Dots = Mapping[Link, tuple[Point, ...]]
+
+
+def dots_of(network: Network) -> dict[Link, tuple[Point, ...]]:
+    """The dots of the wires there are. What a file has in their place are no dots.
+
+    Neither are those out of the canvas's reach.
+    """
+    there = set(network.links)
+    return {link: points for link, points in _read(network.extra).items() if link in there}
+
+
+def add_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
+    """Bend a wire through a point, which comes before those from `index` on.
+
+    Raises
+    ------
+    NetworkError
+        If there is no such wire, or the point is none.
+    """
+    points = list(_points(network, link))
+    points.insert(index, at)
+    return _with_points(network, link, points, f"Bend {link}")
+
+
+def move_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
+    """Put a dot elsewhere.
+
+    Raises
+    ------
+    NetworkError
+        If there is no such dot, or the point is none.
+    """
+    points = list(_points(network, link))
+    points[_checked(points, link, index)] = at
+    return _with_points(network, link, points, f"Move the dot of {link}")
+
+
+def remove_dot(network: Network, link: Link, index: int) -> Operation:
+    """Take a dot away; without any its wire finds its own way.
+
+    Raises
+    ------
+    NetworkError
+        If there is no such dot.
+    """
+    points = list(_points(network, link))
+    del points[_checked(points, link, index)]
+    return _with_points(network, link, points, f"Delete the dot of {link}")
+
+
+def straighten(network: Network, links: Iterable[Link], label: str = "") -> Operation:
+    """Take all dots of these wires away."""
+    gone = set(links)
+    entries = [entry for entry in _entries(network) if dots_entry_link(entry) not in gone]
+    return set_network_field(WIRE_DOTS, entries or ABSENT, label or "Straighten the wire")
+
+
+def with_dots(network: Network, dots: Dots, label: str) -> Operation:
+    """Give wires these dots in the place of theirs."""
+    entries = [entry for entry in _entries(network) if dots_entry_link(entry) not in dots]
+    entries += [_entry(link, points) for link, points in dots.items() if points]
+    return set_network_field(WIRE_DOTS, entries or ABSENT, label)
+
+
+def dots_along(network: Network, places: Mapping[str, Point]) -> dict[Link, tuple[Point, ...]]:
+    """Dots of the wires whose two nodes are moved alike to `places`: they go along.
+
+    Points are rounded to whole units when nodes are dropped; the two may differ by that.
+    """
+    shifts = {
+        name: (at[0] - network.layout[name][0], at[1] - network.layout[name][1])
+        for name, at in places.items()
+        if name in network.layout
+    }
+    return {
+        link: shifted(points, shifts[link.source])
+        for link, points in dots_of(network).items()
+        if link.source in shifts
+        and link.target in shifts
+        and all(
+            abs(one - other) <= 1.0
+            for one, other in zip(shifts[link.source], shifts[link.target], strict=True)
+        )
+    }
+
+
+def moved_with_dots(network: Network, moving: Move) -> Operation:
+    """The move of nodes, with the dots of the wires among them."""
+    places = {name: at for name, at in moving.positions.items() if at is not None}
+    dots = dots_along(network, places)
+    if not dots:
+        return moving
+    return Together((moving, with_dots(network, dots, moving.text)), moving.text)
+
+
+def shifted(points: Iterable[Point], by: Point) -> tuple[Point, ...]:
+    """The points, so much further right and down."""
+    return tuple((x + by[0], y + by[1]) for x, y in points)
+
+
+def dots_among(network: Network, names: Collection[str]) -> dict[Link, tuple[Point, ...]]:
+    """The dots of the wires among these nodes."""
+    return {
+        link: points
+        for link, points in dots_of(network).items()
+        if link.source in names and link.target in names
+    }
+
+
+def joined_fields(extra: Mapping[str, Any], dots: Dots) -> dict[str, Any]:
+    """The field with these dots beside those of a network's other fields; nothing without any."""
+    if not dots:
+        return {}
+    there = thaw(extra.get(WIRE_DOTS, []))
+    return {WIRE_DOTS: [*(there if isinstance(there, list) else []), *as_field(dots)]}
+
+
+def as_field(dots: Dots) -> list[dict[str, Any]]:
+    """The dots as a network file has them."""
+    return [_entry(link, points) for link, points in dots.items() if points]
+
+
+def _with_points(network: Network, link: Link, points: list[Point], label: str) -> Operation:
+    for at in points:
+        if not all(math.isfinite(number) for number in at):
+            raise NetworkError(f"a dot cannot lie at {at[0]:g}, {at[1]:g}: only at finite numbers")
+    return with_dots(network, {link: tuple(points)}, label)
+
+
+def _points(network: Network, link: Link) -> tuple[Point, ...]:
+    if link not in network.links:
+        raise NetworkError(f"there is no link {link}")
+    return dots_of(network).get(link, ())
+
+
+def _checked(points: list[Point], link: Link, index: int) -> int:
+    if not 0 <= index < len(points):
+        raise NetworkError(f"{link} has no dot {index + 1}; it has {len(points)}")
+    return index
+
+
+def _entries(network: Network) -> list[Any]:
+    entries = thaw(network.extra.get(WIRE_DOTS, []))
+    return entries if isinstance(entries, list) else []
+
+
+def _read(extra: Mapping[str, Any]) -> dict[Link, tuple[Point, ...]]:
+    entries = thaw(extra.get(WIRE_DOTS, []))
+    read = {}
+    for entry in entries if isinstance(entries, list) else []:
+        link = dots_entry_link(entry)
+        points = entry["points"] if link is not None and "points" in entry else None
+        if link is not None and isinstance(points, list) and points and all(map(_is_point, points)):
+            read[link] = tuple((float(x), float(y)) for x, y in points)
+    return read
+
+
+def _is_point(value: Any) -> bool:
+    return (
+        isinstance(value, list)
+        and len(value) == 2
+        and all(type(number) in (int, float) for number in value)
+        and is_in_reach(*value)
+    )
+
+
+def _entry(link: Link, points: Iterable[Point]) -> dict[str, Any]:
+    whole = [[int(n) if n == int(n) else n for n in at] for at in points]
+    return {"link": link.text(), "points": whole}

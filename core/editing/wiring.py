@@ -1,0 +1,589 @@
+"""Wires that follow from what is done: partners, what fits, nodes put in and taken out."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from core.editing.layout import Point
+from core.editing.links import check_new_wires, declared, misfit, reached_from
+from core.editing.operations import (
+    Add,
+    Operation,
+    Placed,
+    Remove,
+    Rewire,
+    Together,
+    fresh_name,
+    named,
+)
+from core.errors import NetworkError
+from core.modules.declaration import Declaration, Port, declaration
+from core.modules.library_type import Library, local_key, where_absent
+from core.names import close, shown
+from core.network.network import Link, Network, Node, passed_through
+
+Output = tuple[str, str]
+"""Node and port."""
+
+MAGNITUDE, PHASE = "magnitude", "phase"
+PARTNER = {MAGNITUDE: PHASE, PHASE: MAGNITUDE}
+_FEW = ("context", "pupil")  # of these a network has few, and every module takes the same
+
+
+def outputs_of(network: Network, library: Library, kind: str) -> list[Output]:
+    """Every output that gives values of a type."""
+    return [
+        (name, port.name)
+        for name in network.nodes
+        if (module := declared(network, library, name)) is not None
+        for port in module.outputs
+        if kind in port.types
+    ]
+
+
+def side_links(
+    network: Network,
+    library: Library,
+    node: str,
+    taken: Iterable[str],
+    followers: Iterable[str] = (),
+) -> list[Link]:
+    """Links for the node's empty context and pupil inputs, where there is one candidate.
+
+    Parameters
+    ----------
+    network, library
+        Where it stands.
+    node : str
+        The node.
+    taken : iterable of str
+        Inputs that are not empty.
+    followers : iterable of str
+        Nodes that it feeds, or will: what comes after them is no candidate.
+    """
+    module = declared(network, library, node)
+    if module is None:
+        return []
+    behind = reached_from(network, {node, *followers})
+    links = []
+    for port in module.inputs:
+        if port.name in taken or not port.required or port.types[0] not in _FEW:
+            continue
+        every = outputs_of(network, library, port.types[0])
+        sources = [end for end in every if end[0] != node]
+        if len(sources) == 1 and sources[0][0] not in behind:
+            links.append(Link(*sources[0], node, port.name))
+    return links
+
+
+def port_of(ports: Iterable[Port], kind: str) -> Port | None:
+    """The first port of a type."""
+    return next((port for port in ports if kind in port.types), None)
+
+
+def wire_beside(network: Network, library: Library, link: Link, kind: str) -> Link | None:
+    """The one wire of a type that runs beside a link: from the same node, or to the same.
+
+    Of several, the one that does both.
+    """
+    candidates = [
+        other
+        for other in network.links
+        if other != link
+        and (other.source == link.source or other.target == link.target)
+        and kind in _types(network, library, other)
+    ]
+    if len(candidates) > 1:
+        candidates = [other for other in candidates if (other.source, other.target) == _nodes(link)]
+    return candidates[0] if len(candidates) == 1 else None
+
+
+def end_beside(network: Network, library: Library, end: Output, kind: str) -> Output | None:
+    """The output of type `kind` that travels beside the loose output `end` of its partner type.
+
+    Either the same node has one; or it is the open end of the wire that left the node further up
+    where both were last together.
+    """
+    own = PARTNER[kind]
+    name: str | None = end[0]
+    seen: set[str] = set()
+    while name is not None and name not in seen:
+        seen.add(name)
+        module = declared(network, library, name)
+        if module is None:
+            return None
+        ports = [port for port in module.outputs if kind in port.types]
+        if len(ports) == 1:
+            start = (name, ports[0].name)
+            return start if name == end[0] else _open_end(network, library, start, kind)
+        if ports:
+            return None
+        name = _source(network, module, name, own)
+    return None
+
+
+def _source(network: Network, module: Declaration, name: str, kind: str) -> str | None:
+    """The node a module's input of a type is linked from."""
+    port = port_of(module.inputs, kind)
+    links = network.links_into(name)
+    return next((link.source for link in links if port and link.input == port.name), None)
+
+
+def _open_end(network: Network, library: Library, start: Output, kind: str) -> Output | None:
+    """Follow a wire of a type through the modules that pass it on, to the last one."""
+    end: Output | None = start
+    while end is not None:
+        onward = []
+        for link in network.links:
+            if (link.source, link.output) == end:
+                module = declared(network, library, link.target)
+                port = port_of(module.outputs, kind) if module else None
+                if port is not None:
+                    onward.append((link.target, port.name))
+        if not onward:
+            return end
+        end = onward[0] if len(onward) == 1 else None
+    return None
+
+
+def _types(network: Network, library: Library, link: Link) -> tuple[str, ...]:
+    """What a link brings, as its source has it; else as its target takes it."""
+    source, target = (declared(network, library, name) for name in _nodes(link))
+    port = source.output(link.output) if source else None
+    if port is None and target:
+        port = target.input(link.input)
+    return port.types if port else ()
+
+
+def _nodes(link: Link) -> tuple[str, str]:
+    return link.source, link.target
+
+
+def inserted(network: Network, library: Library, link: Link, node: str) -> Operation | None:
+    """Lead a wire through a node; None where it does not fit.
+
+    The node takes the wire at its first input and gives it on at its first output of the wire's
+    type. It must feed nothing yet, and that input must be empty. Its empty context and pupil
+    inputs are wired where there is one candidate; where it takes and gives magnitude and phase and
+    the wire's partner runs beside it, that one is led through as well.
+    """
+    ends = _ends(network, library, link, node)
+    if ends is None:
+        return None
+    entry, output, kind = ends
+    through = [(link, entry, output)]
+    partner = _partner(network, library, link, node, kind)
+    if partner is not None:
+        through.append(partner)
+    while through:
+        operation = _led(network, library, node, through)
+        if _sound(network, library, operation):
+            return operation
+        through.pop()  # without the partner, then, before not at all
+    return None
+
+
+def _led(
+    network: Network, library: Library, node: str, through: list[tuple[Link, Port, Port]]
+) -> Operation:
+    new = []
+    for wire, entry, output in through:
+        new += [
+            Link(wire.source, wire.output, node, entry.name),
+            Link(node, output.name, wire.target, wire.input),
+        ]
+    taken = {link.input for link in (*network.links_into(node), *new) if link.target == node}
+    followers = {wire.target for wire, _, _ in through}
+    new += side_links(network, library, node, taken, followers)
+    return Rewire(
+        add=tuple(new), remove=tuple(wire for wire, _, _ in through), label=f"Insert {shown(node)}"
+    )
+
+
+def _ends(
+    network: Network, library: Library, link: Link, node: str
+) -> tuple[Port, Port, str] | None:
+    """Where the wire goes into the node and out of it, and of what type it is."""
+    free = node in network.nodes and not network.followers[node]
+    if not free or link not in network.links or node in (link.source, link.target):
+        return None
+    module = declared(network, library, node)
+    if module is None:
+        return None
+    giving, taking = (declared(network, library, end) for end in (link.source, link.target))
+    given = giving.output(link.output) if giving else None
+    wanted = taking.input(link.input) if taking else None
+    kinds = given.types if given else wanted.types if wanted else ()
+    linked = {wire.input for wire in network.links_into(node)}
+    for kind in kinds:
+        entry, output = port_of(module.inputs, kind), port_of(module.outputs, kind)
+        fits = wanted is None or kind in wanted.types
+        if fits and entry and output and entry.name not in linked:
+            return entry, output, kind
+    return None
+
+
+def _partner(
+    network: Network, library: Library, link: Link, node: str, kind: str
+) -> tuple[Link, Port, Port] | None:
+    """The wire that is led through beside a magnitude or phase, and where."""
+    if kind not in (MAGNITUDE, PHASE):
+        return None
+    other = PARTNER[kind]
+    module = declared(network, library, node)
+    wire = wire_beside(network, library, link, other)
+    if module is None or wire is None or node in (wire.source, wire.target):
+        return None
+    entry, output = port_of(module.inputs, other), port_of(module.outputs, other)
+    linked = {into.input for into in network.links_into(node)}
+    if entry is None or output is None or entry.name in linked:
+        return None
+    return wire, entry, output
+
+
+def _sound(network: Network, library: Library, operation: Operation) -> bool:
+    try:
+        check_new_wires(network, operation.apply(network), library)
+    except NetworkError:
+        return False
+    return True
+
+
+Side = Literal["input", "output"]
+End = tuple[str, str, Side]
+"""Node, port and the port's side."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A module a wire could lead to or come from, and the port it would have there."""
+
+    module: str
+    port: str
+
+
+def fitting(library: Library, types: Collection[str], side: Side) -> tuple[Candidate, ...]:
+    """Modules with a port on that side for a wire of one of these types, in the library's order.
+
+    Parameters
+    ----------
+    library : mapping
+        Modules by key.
+    types : collection of str
+        The types of the wire's loose end.
+    side : "input" or "output"
+        The side of the ports looked for: inputs take a wire from an output, outputs give one.
+
+    Returns
+    -------
+    tuple of Candidate
+        One for each port that fits.
+    """
+    wanted = set(types)
+    candidates = []
+    for key, module in library.items():
+        known = declaration(module)
+        ports = known.inputs if side == "input" else known.outputs
+        candidates += [Candidate(key, port.name) for port in ports if wanted & set(port.types)]
+    return tuple(candidates)
+
+
+def new_node(
+    network: Network, library: Library, module: str, at: Point | None
+) -> tuple[str, Operation]:
+    """The name of a new node of a module, and what adds it.
+
+    Raises
+    ------
+    NetworkError
+        If the library has no such module.
+    """
+    if module not in library:
+        absent = where_absent(module, library)
+        hint = f": {absent}" if absent else close(module, library)
+        raise NetworkError(f"there is no module {shown(module)}{hint}")
+    name = fresh_name(local_key(module), network.nodes)
+    return name, Add((Placed(Node(name, module), at),))
+
+
+def wired_to(
+    network: Network, library: Library, end: End, candidate: Candidate, at: Point | None
+) -> tuple[str, Operation]:
+    """A new node of a candidate wired to a loose end, and its other inputs where they are certain.
+
+    Parameters
+    ----------
+    network, library
+        Where it is to be added.
+    end : (node, port, side)
+        The port that the loose wire leaves from. Of an input that has a link, the new node comes
+        between if it passes that on, else its link takes the place.
+    candidate : Candidate
+        What is added.
+    at : (x, y), optional
+        Its point on the canvas.
+
+    Raises
+    ------
+    NetworkError
+        If it does not fit.
+    """
+    name, adding = new_node(network, library, candidate.module, at)
+    grown = adding.apply(network)
+    node, port, side = end
+    if side == "output":
+        link = Link(node, port, name, candidate.port)
+    else:
+        link = Link(name, candidate.port, node, port)
+        old = next((wire for wire in network.links_into(node) if wire.input == port), None)
+        between = inserted(grown, library, old, name) if old else None
+        if between is not None and link in between.apply(grown).links:
+            return name, Together((adding, between), adding.text)
+    return name, Together((adding, wired_along(grown, library, link, name)), adding.text)
+
+
+def wired_along(network: Network, library: Library, link: Link, node: str) -> Rewire:
+    """A link to or from a node that has no wires, and those of its other inputs that are certain.
+
+    Raises
+    ------
+    NetworkError
+        If it does not fit.
+    """
+    wrong = misfit(network, library, link)
+    if wrong is not None:
+        raise NetworkError(wrong)
+    wiring = Rewire(add=(link, *_others(network, library, link, node)))
+    check_new_wires(network, wiring.apply(network), library)
+    return wiring
+
+
+def _others(network: Network, library: Library, link: Link, node: str) -> list[Link]:
+    """Links for the inputs of a new node beside the one drawn."""
+    module = declared(network, library, node)
+    if module is None:
+        return []
+    taken = {link.input} if link.target == node else set()
+    followers = {link.target} - {node}
+    links = side_links(network, library, node, taken, followers)
+    behind = reached_from(network, {node, *followers})
+    for kind in (MAGNITUDE, PHASE):
+        port = port_of(module.inputs, kind)
+        if port is None or port.name in taken or len(port.types) > 1:
+            continue
+        source = _spectrum(network, library, link, node, kind, required=port.required)
+        if source is not None and source[0] not in behind:
+            links.append(Link(*source, node, port.name))
+    return links
+
+
+def _spectrum(
+    network: Network, library: Library, link: Link, node: str, kind: str, *, required: bool
+) -> tuple[str, str] | None:
+    """The output that a new node takes its magnitude or phase from."""
+    if link.target == node and _brings(network, library, link, PARTNER[kind]):
+        return end_beside(network, library, (link.source, link.output), kind)
+    if not required:
+        return None
+    every = [end for end in outputs_of(network, library, kind) if end[0] != node]
+    return every[0] if len(every) == 1 else None
+
+
+def _brings(network: Network, library: Library, link: Link, kind: str) -> bool:
+    target: Declaration | None = declared(network, library, link.target)
+    port = target.input(link.input) if target else None
+    return port is not None and port.types == (kind,)
+
+
+_BESIDE_THE_CHAIN = ("context", "pupil")  # a module goes on from these only for lack of others
+
+
+def continued(
+    network: Network, library: Library, node: str, module: str, at: Point | None
+) -> tuple[str, Operation] | None:
+    """A new node wired on to another one, and its name; None where the two have no wire in common.
+
+    An output that leads to one node gives its wire: the new node comes between. Else it is a branch
+    of its own. A module that takes nothing from the node, but gives what an empty input of it
+    needs, feeds it.
+
+    Parameters
+    ----------
+    network, library
+        Where it is to be added.
+    node : str
+        The node to go on from.
+    module : str
+        Key of the new node's module.
+    at : (x, y), optional
+        Its point on the canvas.
+
+    Raises
+    ------
+    NetworkError
+        If the library has no such module.
+    """
+    name, adding = new_node(network, library, module, at)
+    wiring = wires_behind(adding.apply(network), library, node, name)
+    return None if wiring is None else (name, Together((adding, wiring), adding.text))
+
+
+def wires_behind(network: Network, library: Library, node: str, new: str) -> Operation | None:
+    """What wires a node without wires on to another one; None where they have none in common.
+
+    As `continued`, for a node that is there already.
+    """
+    known, added = declared(network, library, node), declared(network, library, new)
+    if known is None or added is None:
+        return None
+    for output, entry in _pairs(known.outputs, added.inputs):
+        onward = [link for link in network.links if (link.source, link.output) == (node, output)]
+        between = inserted(network, library, onward[0], new) if len(onward) == 1 else None
+        if between is not None:
+            return between
+        try:
+            return wired_along(network, library, Link(node, output, new, entry), new)
+        except NetworkError:
+            continue  # the next pair may do
+    linked = {link.input for link in network.links_into(node)}
+    empty = tuple(port for port in known.inputs if port.required and port.name not in linked)
+    for output, entry in _pairs(added.outputs, empty):
+        try:
+            return wired_along(network, library, Link(new, output, node, entry), new)
+        except NetworkError:
+            continue
+    return None
+
+
+def wires_from_open_end(
+    network: Network, library: Library, node: str, new: str
+) -> Operation | None:
+    """What wires a node without wires to the open end of another one; None where none fits.
+
+    An output is open where no other node carries its kind of value on: a viewer or a file that
+    takes it leaves it open. Nothing that is wired already changes.
+
+    Parameters
+    ----------
+    network, library
+        Where both are.
+    node : str
+        The node to go on from.
+    new : str
+        The node without wires.
+    """
+    known, added = declared(network, library, node), declared(network, library, new)
+    if known is None or added is None:
+        return None
+    for output, entry in _pairs(known.outputs, added.inputs):
+        if not _is_open(network, library, node, output):
+            continue
+        try:
+            return wired_along(network, library, Link(node, output, new, entry), new)
+        except NetworkError:
+            continue  # the next pair may do
+    return None
+
+
+def _is_open(network: Network, library: Library, node: str, output: str) -> bool:
+    known = declared(network, library, node)
+    port = known.output(output) if known is not None else None
+    kinds = set(port.types) if port is not None else set()
+    if kinds <= set(_BESIDE_THE_CHAIN):
+        return True
+    for link in network.links:
+        if (link.source, link.output) == (node, output):
+            target = declared(network, library, link.target)
+            if target is None or any(kinds & set(onward.types) for onward in target.outputs):
+                return False
+    return True
+
+
+def _pairs(outputs: tuple[Port, ...], inputs: tuple[Port, ...]) -> Iterator[tuple[str, str]]:
+    """Outputs and the inputs they fit: what every module takes last, needed inputs first."""
+    fitting = [
+        (output.types[0] in _BESIDE_THE_CHAIN, not entry.required, output.name, entry.name)
+        for output in outputs
+        for entry in inputs
+        if set(output.types) & set(entry.types)
+    ]
+    # Sorted by the first two alone: of equal ones the order of the declaration counts.
+    return ((pair[2], pair[3]) for pair in sorted(fitting, key=lambda pair: pair[:2]))
+
+
+def dissolved(
+    network: Network, library: Library, names: Collection[str], verb: str = "Delete"
+) -> Operation:
+    """Take nodes out; what each passed on is led past it.
+
+    A wire that leaves them begins, afterwards, where the input came from that its output passes
+    on, as it would with the nodes disabled. A wire whose output passes nothing on goes with them.
+    """
+    return _led_past(names, _ways(network, library, names, only_one=False), verb)
+
+
+def deleted(
+    network: Network, library: Library, names: Collection[str], verb: str = "Delete"
+) -> Operation:
+    """Take nodes out; a wire is led past them where there is one way through.
+
+    There is none through a node that is fed several wires of the type, as one that adds two
+    pictures: which of them was to go on is the user's to say.
+    """
+    return _led_past(names, _ways(network, library, names, only_one=True), verb)
+
+
+def _led_past(names: Collection[str], new: tuple[Link, ...], verb: str) -> Operation:
+    text = f"{verb} {named([shown(name) for name in names])}"
+    removal = Remove(tuple(names), text)
+    return Together((removal, Rewire(add=new)), text) if new else removal
+
+
+def _ways(
+    network: Network, library: Library, names: Collection[str], *, only_one: bool
+) -> tuple[Link, ...]:
+    """The links that take the place of those leaving the nodes."""
+    gone = set(names)
+    new = []
+    for link in network.links:
+        if link.source in gone and link.target not in gone:
+            start = _origin(network, library, gone, (link.source, link.output), only_one=only_one)
+            if start is not None and start[0] != link.target:
+                past = Link(*start, link.target, link.input)
+                if misfit(network, library, past) is None:
+                    new.append(past)
+    return tuple(new)
+
+
+def _origin(
+    network: Network,
+    library: Library,
+    gone: set[str],
+    end: tuple[str, str],
+    *,
+    only_one: bool,
+) -> tuple[str, str] | None:
+    """The output outside `gone` whose value reaches an output inside; None where none does."""
+    seen = set()
+    while end[0] in gone:
+        name, output = end
+        module = declared(network, library, name)
+        if name in seen or module is None:  # a cycle, which no sound network has
+            return None
+        seen.add(name)
+        entry = passed_through(module).get(output)
+        port = module.output(output)
+        linked = {link.input: link for link in network.links_into(name)}
+        if entry not in linked or port is None:
+            return None
+        alike = [
+            taking.name
+            for taking in module.inputs
+            if taking.name in linked and set(port.types) & set(taking.types)
+        ]
+        if only_one and len(alike) > 1:
+            return None
+        end = linked[entry].source, linked[entry].output
+    return end

@@ -1,0 +1,442 @@
+"""Copied nodes and values, pasted and duplicated."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from core.editing.clipboard import copied, copied_values, duplicated, pasted, pasted_values
+from core.editing.document import Document
+from core.editing.operations import set_parameter
+from core.errors import NetworkError
+from core.modules.declaration import declaration
+from core.modules.parameters import plain
+from core.network.file import format_network
+from core.network.linked_values import expression, with_values
+from core.network.network import Link, Network, Node
+from thorough import examples
+
+NAMES = ("detector", "charge", "back")
+
+
+def test_the_text_is_readable_json(kodak, library):
+    found = json.loads(copied(kodak, NAMES, library))
+    assert (found["format"], found["version"]) == ("imagechain-nodes", 1)
+    assert found["nodes"] == {
+        "detector": {"module": "detector_mtf"},
+        "charge": {
+            "module": "charge_eff_mtf",
+            "params": {"detectors_per_line": 640, "efficiency": 0.99999},
+        },
+        "back": {"module": "back_transform"},
+    }
+    assert found["links"] == [
+        ["detector.magnitude", "charge.magnitude"],
+        ["charge.magnitude", "back.magnitude"],
+    ]
+    assert found["layout"] == {"detector": [1200, 0], "charge": [1440, 0], "back": [1680, 0]}
+    assert found.keys() == {"format", "version", "nodes", "links", "layout"}
+
+
+def test_nodes_are_copied_in_the_networks_order(kodak, library):
+    assert copied(kodak, reversed(NAMES), library) == copied(kodak, NAMES, library)
+
+
+def test_pasting_into_another_network_keeps_the_names(kodak, library):
+    text = copied(kodak, NAMES, library)
+    names, operation = pasted(text, Network(), library)
+    after = operation.apply(Network())
+    assert names == NAMES
+    assert after.nodes == {name: kodak.nodes[name] for name in NAMES}
+    assert set(after.links) == {
+        Link("detector", "magnitude", "charge", "magnitude"),
+        Link("charge", "magnitude", "back", "magnitude"),
+    }
+    assert after.layout == {name: kodak.layout[name] for name in NAMES}
+    assert operation.text == "Paste 3 nodes"
+
+
+def test_pasting_beside_the_original(kodak, library):
+    names, operation = pasted(copied(kodak, NAMES, library), kodak, library)
+    after = operation.apply(kodak)
+    assert names == ("detector_2", "charge_2", "back_2")
+    assert set(after.links) - set(kodak.links) == {
+        Link("detector_2", "magnitude", "charge_2", "magnitude"),
+        Link("charge_2", "magnitude", "back_2", "magnitude"),
+    }
+    assert after.nodes["charge_2"].params == kodak.nodes["charge"].params
+    assert after.extra == kodak.extra
+    assert after.seed == kodak.seed
+
+
+def test_pasted_again_and_again_nothing_lies_on_anything(kodak, library):
+    text = copied(kodak, NAMES, library)
+    network = kodak
+    for _ in range(12):
+        for at in (None, (1440.0, 0.0)):
+            network = pasted(text, network, library, at)[1].apply(network)
+    points = list(network.layout.values())
+    assert len(set(points)) == len(points) == 15 + 72
+
+
+def test_the_middle_of_what_is_pasted_is_where_one_asks(kodak, library):
+    _, operation = pasted(copied(kodak, NAMES, library), Network(), library, (100.0, -50.0))
+    after = operation.apply(Network())
+    assert after.layout == {"detector": (-140, -50), "charge": (100, -50), "back": (340, -50)}
+
+
+def test_a_whole_network_file_pastes(inframetrics, library):
+    text = format_network(inframetrics, library=library)
+    names, operation = pasted(text, Network("mine", seed=4), library)
+    after = operation.apply(Network("mine", seed=4))
+    assert names == tuple(inframetrics.nodes)
+    assert (after.nodes, after.links) == (inframetrics.nodes, inframetrics.links)
+    assert (after.name, after.seed, dict(after.extra)) == ("mine", 4, {})
+
+
+def test_nodes_without_points_are_laid_out(kodak, library):
+    text = copied(replace(kodak, layout={}), NAMES, library)
+    after = pasted(text, Network(), library, (0.0, 0.0))[1].apply(Network())
+    xs = [after.layout[name][0] for name in NAMES]
+    assert xs == sorted(set(xs))
+
+
+def test_unknown_modules_and_other_fields_are_pasted(library):
+    node = Node("old", "gone", {"a": [1, {"b": 2}]}, auto=False, disabled=True, extra={"pinned": 1})
+    text = copied(Network(nodes={"old": node}), ["old"], library)
+    after = pasted(text, Network(), library)[1].apply(Network())
+    assert after.nodes == {"old": node}
+
+
+def test_duplicates_are_fed_by_the_same_wires(kodak, library):
+    names, operation = duplicated(kodak, ["detector", "charge"], library)
+    after = operation.apply(kodak)
+    assert names == ("detector_2", "charge_2")
+    assert set(after.links) - set(kodak.links) == {
+        Link("aberration", "magnitude", "detector_2", "magnitude"),
+        Link("init", "context", "detector_2", "context"),
+        Link("detector_2", "magnitude", "charge_2", "magnitude"),
+        Link("init", "context", "charge_2", "context"),
+    }
+    assert set(kodak.links) <= set(after.links)
+    assert operation.text == "Duplicate 2 nodes"
+    assert len(set(after.layout.values())) == 17
+
+
+def test_nobody_cannot_be_copied(kodak, library):
+    for function in (copied, duplicated):
+        with pytest.raises(NetworkError, match="nobody is no node"):
+            function(kodak, ["nobody"], library)
+
+
+def hostile(**changes):
+    fields = {
+        "format": "imagechain-nodes",
+        "version": 1,
+        "nodes": {"a": {"module": "jitter_mtf"}, "b": {"module": "jitter_mtf"}},
+        "links": [["a.magnitude", "b.magnitude"]],
+    }
+    return json.dumps({**fields, **changes})
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("", "holds no copied nodes"),
+        ("a letter to somebody", "holds no copied nodes"),
+        ("[1, 2]", "holds no copied nodes"),
+        ("{}", "holds no copied nodes"),
+        ('{"format": ["imagechain-nodes"]}', "holds no copied nodes"),
+        (hostile(format="something else"), "holds no copied nodes"),
+        (hostile(nodes={}), "holds no nodes"),
+        (hostile()[:-9], "not JSON"),
+        (hostile(version=99), "newer Imagechain"),
+        (hostile(version="1"), "version must be a whole number"),
+        (hostile(nodes=[1]), "nodes must be an object"),
+        (hostile(nodes={"a": {}}), "nodes.a.module is missing"),
+        (hostile(nodes={"a.b": {"module": "x"}}), "'a.b' is not allowed"),
+        (hostile(links=[["a.magnitude", "c.magnitude"]]), "there is no node c"),
+        (hostile(links=[["a.mtf", "b.magnitude"]]), "gives transfer, but"),
+        (hostile(links=[["a.magnitude", "a.magnitude"]]), "cannot feed itself"),
+        (
+            hostile(links=[["a.magnitude", "b.magnitude"], ["b.magnitude", "a.magnitude"]]),
+            "form a cycle",
+        ),
+        (
+            hostile(
+                nodes={name: {"module": "gone"} for name in "abc"},
+                links=[["a.o", "b.i"], ["c.o", "b.i"]],
+            ),
+            "more than one link",
+        ),
+        (hostile(layout={"a": [1]}), "layout.a must be two numbers"),
+        (hostile(nodes={"a": {"module": "x", "params": {"n": float("nan")}}}), "NaN is no number"),
+        ("{" + '"a":[' * 100_000, "nested more than"),
+        ('{"format": "imagechain-nodes", "format": "imagechain-nodes"}', "comes twice"),
+        ("{" + " " * (17 << 20), "larger than the 16 MiB"),
+    ],
+)
+def test_what_is_no_copy_is_refused_in_one_line(kodak, library, text, reason):
+    with pytest.raises(NetworkError, match=reason) as caught:
+        pasted(text, kodak, library)
+    assert str(caught.value).startswith("the clipboard")
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 500
+
+
+def test_points_far_away_are_given_up(kodak, library):
+    for far in (1e300, -1e17):
+        text = hostile(layout={"a": [far, 0], "b": [0, far]})
+        after = pasted(text, kodak, library, (0.0, 0.0))[1].apply(kodak)
+        assert all(
+            abs(x) < 1000 and abs(y) < 1000 for x, y in (after.layout["a"], after.layout["b"])
+        )
+
+
+def test_duplicates_of_what_lies_far_away_come_to_an_end(library):
+    """So far that a step aside is less than a number there can tell."""
+    network = Network(nodes={"a": Node("a", "gone")}, layout={"a": (1e300, 1e300)})
+    assert duplicated(network, ["a"], library)[0] == ("a_2",)
+
+
+@settings(max_examples=examples(150), deadline=None, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_a_damaged_clipboard_pastes_soundly_or_not_at_all(data, kodak, library):
+    text = copied(kodak, NAMES, library)
+    for _ in range(data.draw(st.integers(1, 3))):
+        start = data.draw(st.integers(0, len(text)))
+        end = data.draw(st.integers(start, min(len(text), start + 40)))
+        new = data.draw(
+            st.sampled_from(['"', "}", "[", "1e999", "init", "null", "back", ".", "\0"])
+        )
+        text = text[:start] + new + text[end:]
+    document = Document(kodak, library=library)
+    try:
+        names, operation = pasted(text, kodak, library)
+    except NetworkError:
+        return
+    assert document.do(operation)
+    assert set(names) == set(document.network.nodes) - set(kodak.nodes)
+    document.undo()
+    assert document.text() == format_network(kodak, library=library)
+
+
+def network_of(*nodes):
+    return Network(nodes={node.id: node for node in nodes})
+
+
+@pytest.fixture
+def declared_in(library):
+    def of(network):
+        return lambda name: (
+            declaration(library[network.nodes[name].module])
+            if network.nodes[name].module in library
+            else None
+        )
+
+    return of
+
+
+@pytest.fixture
+def paste(library, declared_in):
+    def do(network, source, *targets, text=None):
+        of = declared_in(network)
+        if text is None:
+            text = copied_values(network.nodes[source], of(source))
+
+        def faults_after(setting, places):
+            faults = with_values(setting.apply(network), library=library).faults
+            return {(name, one.parameter): one for name in faults for one in faults[name]
+                    if (name, one.parameter) in places}  # fmt: skip
+
+        return pasted_values(text, targets, network, declaration_of=of, faults_after=faults_after)
+
+    return do
+
+
+BLUR = Node("blur", "gaussian_mtf", {"sigma_x_mrad": 0.3, "sigma_y_mrad": 0.5})
+
+
+def test_the_text_is_json_with_module_names_and_units(library):
+    text = json.loads(copied_values(BLUR, declaration(library["gaussian_mtf"])))
+    parameters = declaration(library["gaussian_mtf"]).parameters
+    assert text["module"] == "gaussian_mtf"
+    assert text["node"] == "blur"
+    assert list(text["values"]) == [parameter.name for parameter in parameters]
+    assert text["values"]["sigma_x_mrad"] == 0.3
+    assert text["units"]["sigma_x_mrad"] == "mrad"
+
+
+def moved_from_default(parameter):
+    """A number that the parameter may have, and has not by default."""
+    low = parameter.param.low if parameter.param.low is not None else 0.0
+    high = parameter.param.high if parameter.param.high is not None else low + 8.0
+    return next(
+        v for share in (0.375, 0.625) if (v := low + share * (high - low)) != parameter.default
+    )
+
+
+def test_every_module_gives_its_values_to_another_of_its_kind(library, paste):
+    for key, module in library.items():
+        values = {
+            parameter.name: moved_from_default(parameter)
+            for parameter in declaration(module).parameters
+            if parameter.kind == "number"
+        }
+        if values:
+            network = network_of(Node("one", key, values), Node("two", key))
+            done = paste(network, "one", "two")
+            assert not done.left_out, key
+            assert done.operation.apply(network).nodes["two"].params == values, key
+
+
+def test_what_is_at_its_default_there_goes_back_to_its_default(library, paste):
+    other = Node("other", "gaussian_mtf", {"sigma_x_mrad": 0.9, "sigma_y_mrad": 0.9})
+    plain_blur = Node("blur", "gaussian_mtf", {"sigma_x_mrad": 0.3})
+    network = network_of(plain_blur, other)
+    after = paste(network, "blur", "other").operation.apply(network)
+    assert dict(after.nodes["other"].params) == {"sigma_x_mrad": 0.3}
+
+
+def test_it_is_one_step_that_can_be_undone(library, paste):
+    network = network_of(BLUR, Node("a", "gaussian_mtf"), Node("b", "gaussian_mtf"))
+    document = Document(network, library=library)
+    before = document.text()
+    document.do(paste(network, "blur", "a", "b").operation)
+    assert document.history.last == 1
+    assert document.network.nodes["a"].params == document.network.nodes["b"].params == BLUR.params
+    document.undo()
+    assert document.text() == before
+
+
+def test_where_nothing_fits_it_is_said_what_is_missing(paste):
+    init = Node("init", "init_trans", {"focal_length_mm": 150.0, "f_number": 3.0})
+    with pytest.raises(NetworkError, match="no value fits blur: Gaussian MTF has no "):
+        paste(network_of(init, Node("blur", "gaussian_mtf")), "init", "blur")
+
+
+def shared_keys(library):
+    """Two modules that share a number but not all their parameters."""
+    declared = {key: declaration(module) for key, module in library.items()}
+    for one, left in declared.items():
+        for other, right in declared.items():
+            keys = {
+                p.name: p
+                for p in left.parameters
+                if p.kind == "number" and (twin := right.parameter(p.name)) and one != other
+                and twin.param == p.param and not p.required and not p.empty
+            }  # fmt: skip
+            missing = [p.name for p in left.parameters if right.parameter(p.name) is None]
+            if keys and missing:
+                yield one, other, next(iter(keys.values())), missing
+
+
+def test_parameters_of_the_same_key_go_to_other_modules(library, paste):
+    tried = 0
+    for one, other, parameter, missing in shared_keys(library):
+        value = moved_from_default(parameter)
+        network = network_of(Node("one", one, {parameter.name: value}), Node("two", other))
+        done = paste(network, "one", "two")
+        after = done.operation.apply(network)
+        assert after.nodes["two"].params.get(parameter.name) == value, (one, other)
+        assert f"two.{parameter.name}" in done.taken
+        assert any(missing[0] in reason for reason in done.left_out)
+        tried += 1
+    assert tried
+
+
+def test_a_value_that_is_not_allowed_there_is_left_out_with_the_reason(paste):
+    text = json.dumps({
+        "format": "imagechain-values", "version": 1, "module": "gaussian_mtf",
+        "values": {"sigma_x_mrad": -3.0, "sigma_y_mrad": 0.25},
+    })  # fmt: skip
+    network = network_of(BLUR)
+    done = paste(network, "", "blur", text=text)
+    assert done.taken == ("blur.sigma_y_mrad",)
+    (reason,) = done.left_out
+    assert "sigma_x_mrad = -3.0 mrad is not allowed" in reason
+    after = done.operation.apply(network)
+    assert dict(after.nodes["blur"].params) == {"sigma_x_mrad": 0.3, "sigma_y_mrad": 0.25}
+
+
+def test_a_value_in_another_unit_is_left_out(paste):
+    text = json.dumps({
+        "format": "imagechain-values", "version": 1, "module": "other",
+        "values": {"sigma_x_mrad": 0.2, "sigma_y_mrad": 0.25}, "units": {"sigma_x_mrad": "deg"},
+    })  # fmt: skip
+    done = paste(network_of(BLUR), "", "blur", text=text)
+    assert done.left_out == ("sigma_x_mrad is in mrad there, not in deg",)
+
+
+def test_expressions_are_pasted_as_expressions(library, paste):
+    init = Node("init", "init_trans", {"f_number": 2.0})
+    linked = Node("blur", "gaussian_mtf", {"sigma_x_mrad": expression("init.f_number * 0.1")})
+    network = network_of(init, linked, Node("other", "gaussian_mtf"))
+    after = paste(network, "blur", "other").operation.apply(network)
+    assert after.nodes["other"].params["sigma_x_mrad"] == {"expression": "init.f_number * 0.1"}
+
+
+def test_an_expression_that_would_follow_itself_is_left_out(paste):
+    init = Node("init", "init_trans", {"f_number": 2.0})
+    one = Node("one", "gaussian_mtf", {"sigma_x_mrad": expression("two.sigma_x_mrad * 2")})
+    two = Node("two", "gaussian_mtf", {"sigma_x_mrad": 0.5})
+    network = network_of(init, one, two)
+    done = paste(network, "one", "two")
+    assert "two.sigma_x_mrad" not in done.taken
+    assert any("it follows itself" in reason for reason in done.left_out)
+    assert done.operation.apply(network).nodes["two"].params["sigma_x_mrad"] == 0.5
+
+
+def test_an_expression_that_names_what_is_not_there_is_left_out(paste):
+    text = json.dumps({
+        "format": "imagechain-values", "version": 1, "module": "gaussian_mtf",
+        "values": {"sigma_x_mrad": {"expression": "lens.f_number"}, "sigma_y_mrad": 0.25},
+    })  # fmt: skip
+    done = paste(network_of(BLUR), "", "blur", text=text)
+    assert done.taken == ("blur.sigma_y_mrad",)
+    assert "lens" in done.left_out[0]
+
+
+def test_an_unknown_module_copies_what_is_set_and_takes_nothing(library, paste):
+    strange = Node("strange", "of_another_version", {"gain": 2, "list": [1, {"a": None}]})
+    text = copied_values(strange, None)
+    assert json.loads(text)["values"] == {"gain": 2, "list": [1, {"a": None}]}
+    with pytest.raises(NetworkError, match="strange is of an unknown module"):
+        paste(network_of(strange), "strange", "strange")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "holds no values"),
+        ("a shopping list", "holds no values"),
+        ('{"format": "imagechain-nodes", "nodes": {}}', "holds no values"),
+        ('{"format": "imagechain-values", "values": {}}', "holds no values"),
+        ('{"format": "imagechain-values", "values": [1]}', "holds no values"),
+        ('{"format": "imagechain-values", "values": {"a": 1}, "units": [1]}', "units"),
+        ('{"format": "imagechain-values", "values": {"a": NaN}}', "NaN"),
+        ('{"format": "imagechain-values"', "not JSON"),
+    ],
+)
+def test_what_holds_no_values_is_refused_in_one_line(text, message, paste):
+    with pytest.raises(NetworkError, match=message) as caught:
+        paste(network_of(BLUR), "", "blur", text=text)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_list_of_a_file_keeps_its_kind(library, paste):
+    """The text has a list where the node has a tuple; both are the same in a file."""
+    key, name = next(
+        (key, parameter.name)
+        for key, module in library.items()
+        for parameter in declaration(module).parameters
+        if parameter.kind == "numbers"
+    )
+    network = network_of(Node("one", key, {name: [0.25]}), Node("two", key))
+    after = paste(network, "one", "two").operation.apply(network)
+    assert plain(after.nodes["two"].params[name]) == [0.25]
+    assert set_parameter("two", name, [0.25]).apply(network) == after

@@ -1,0 +1,296 @@
+"""Undo, redo, going to any position, the lines of the steps, and the modified mark."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from app.run.shipped import shipped_networks
+from core.editing.document import Document
+from core.editing.operations import ABSENT, Move, Remove, Restored, set_network_field, set_parameter
+from core.errors import ImagechainError, NetworkError
+from core.network.file import load_network
+from core.network.linked_values import expression
+from core.network.network import Network
+from edited_networks import DRAGS, MAKERS, Editor, drawn_network
+from nodes.library import standard_library
+
+
+@pytest.fixture
+def document(kodak, library):
+    return Document(kodak, library=library)
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(seed=st.integers(0, 10**6))
+def test_every_position_gives_the_text_it_had(kodak, library, seed):
+    """Against the texts noted while the steps were done one by one."""
+    random, document = Random(seed), Document(kodak, library=library)
+    texts = [document.text()]
+    for number in range(random.randint(1, 8)):
+        document.do(set_network_field("name", f"name {number}"))
+        texts.append(document.text())
+    for _ in range(12):
+        position = random.randrange(len(texts))
+        document.go_to(position)
+        assert document.history.position == position
+        assert document.text() == texts[position]
+        assert document.modified == (position != 0)
+
+
+def test_the_listeners_are_called_once_for_many_steps(document):
+    for number in range(5):
+        document.do(set_network_field("name", f"name {number}"))
+    calls = []
+    document.listen(lambda before, after: calls.append((before.name, after.name)))
+    document.go_to(2)
+    document.go_to(5)
+    document.go_to(5)
+    assert calls == [("name 4", "name 1"), ("name 1", "name 4")]
+
+
+def test_what_is_undone_is_still_there_until_another_edit(document):
+    for number in range(3):
+        document.do(set_network_field("name", f"name {number}"))
+    document.go_to(1)
+    assert (document.history.position, document.history.last) == (1, 3)
+    document.do(set_network_field("name", "other"))
+    assert (document.history.position, document.history.last) == (2, 2)
+
+
+def test_the_saved_position_is_known_until_no_step_leads_there(document, tmp_path):
+    document.do(set_network_field("name", "a"))
+    document.save(tmp_path / "a.json")
+    assert document.history.saved == 1
+    document.go_to(0)
+    assert document.history.saved == 1
+    document.do(set_network_field("name", "b"))
+    assert document.history.saved is None
+
+
+@pytest.mark.parametrize("position", [-1, 2])
+def test_a_position_that_is_not_there_is_refused_with_the_range(document, position):
+    document.do(set_network_field("name", "a"))
+    before = document.network
+    with pytest.raises(NetworkError, match=f"no position {position}: it goes from 0 to 1"):
+        document.go_to(position)
+    assert document.network is before
+
+
+def test_a_gesture_does_not_go_on_after_going_away_and_back(document):
+    document.do(set_parameter("init", "f_number", 3.0), gesture="drag")
+    document.go_to(0)
+    document.go_to(1)
+    document.do(set_parameter("init", "f_number", 4.0), gesture="drag")
+    assert document.history.last == 2
+
+
+def test_lines_say_what_a_value_was_and_is(document):
+    had = document.network.nodes["init"].params.get("f_number", "default")
+    steps = [
+        (set_parameter("init", "f_number", 3.5), f"Set init.f_number: {had} → 3.5"),
+        (
+            set_parameter("init", "f_number", expression("2*2")),
+            "Link init.f_number: 3.5 → = 2*2",
+        ),
+        (set_parameter("init", "f_number", ABSENT), "Reset init.f_number: = 2*2 → default"),
+        (Remove(("init",)), "Delete init"),
+    ]
+    for operation, _ in steps:
+        document.do(operation)
+    lines = [document.history.line(position) for position in range(len(steps) + 1)]
+    assert lines == ["", *(line for _, line in steps)]
+
+
+def test_a_drag_is_one_line_from_its_first_value_to_its_last(document):
+    document.do(set_parameter("init", "f_number", 2.25))
+    for value in (2.5, 3.0, 7.25):
+        document.do(set_parameter("init", "f_number", value), gesture="drag")
+    assert document.history.line(2) == "Set init.f_number: 2.25 → 7.25"
+
+
+def test_a_line_stays_one_line_and_short(document):
+    document.do(set_parameter("init", "f_number", "a\nb" + "x" * 500))
+    line = document.history.line(1)
+    assert "\n" not in line
+    assert len(line) < 100
+
+
+def test_going_back_is_one_step_with_its_inverse():
+    library = standard_library()
+    kept = load_network(shipped_networks()["first_steps"], library=library)
+    document = Document(kept, library=library)
+    document.do(set_parameter("blur", "sigma_x_mrad", 3.0))
+    document.do(Remove(("blur",)))
+    changed = document.text()
+    steps = document.history.position
+    assert document.do(Restored(kept, "Go back to Snapshot 1"))
+    assert document.network is kept
+    assert document.history.position == steps + 1
+    assert document.history.undo_text == "Go back to Snapshot 1"
+    document.undo()
+    assert document.text() == changed
+    document.redo()
+    assert document.network == kept
+    assert not document.do(Restored(kept, "Go back to Snapshot 1"))  # it is there already
+
+
+LIMITS = settings(
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+
+
+def name_it(document, name, gesture=None):
+    document.do(set_network_field("name", name), gesture)
+
+
+def test_an_edit_after_an_undo_of_what_was_saved_counts_as_work(document, tmp_path):
+    """The saved state stood where the new step stands now, by number."""
+    name_it(document, "saved")
+    document.save(tmp_path / "a.json")
+    document.undo()
+    name_it(document, "another")
+    assert document.history.position == 1
+    assert document.modified
+
+
+def test_nothing_leads_back_to_what_was_saved_and_then_cut_off(document, tmp_path):
+    name_it(document, "one")
+    name_it(document, "saved")
+    document.save(tmp_path / "a.json")
+    document.undo()
+    document.undo()
+    name_it(document, "two")
+    for step in (
+        document.undo,
+        document.redo,
+        document.redo,
+    ):
+        step()
+        assert document.modified
+    name_it(document, "three")
+    assert document.history.position == 2
+    assert document.modified
+
+
+def test_a_drag_joined_to_the_saved_step_counts_as_work(document, tmp_path):
+    document.do(set_parameter("init", "f_number", 3.0), gesture="drag")
+    document.do(set_parameter("init", "f_number", 4.0), gesture="drag")
+    document.save(tmp_path / "a.json")
+    document.do(set_parameter("init", "f_number", 5.0), gesture="drag")
+    assert document.modified
+    document.undo()
+    assert document.network.nodes["init"].params["f_number"] == 4.0
+    assert not document.modified
+
+
+def test_a_drag_back_to_what_was_saved_is_saved(document, tmp_path):
+    document.do(Move({"init": (1.0, 0)}), gesture="drag")
+    document.save(tmp_path / "a.json")
+    document.do(Move({"init": (2.0, 0)}), gesture="drag")
+    assert document.modified
+    document.do(Move({"init": (1.0, 0)}), gesture="drag")
+    assert not document.modified
+
+
+def test_a_drag_back_to_where_it_began_after_an_undo_is_not_what_was_saved(document, tmp_path):
+    document.do(Remove(("slices",)))
+    document.save(tmp_path / "a.json")
+    document.undo()
+    document.do(Move({"init": (1.0, 0)}), gesture="drag")
+    document.do(Move({"init": (480.0, 0)}), gesture="drag")
+    assert document.history.position == 0
+    assert document.modified
+
+
+class Model:
+    """The states that undo and redo lead to, as texts; no marks, no positions of its own kind.
+
+    A state is a list of one text, so that two of the same text are still two.
+    """
+
+    def __init__(self, document: Document) -> None:
+        self.document = document
+        self.states = [[document.text()]]
+        self.at = 0
+        self.saved = self.states[0]
+
+    def check(self) -> None:
+        text, document = self.document.text(), self.document
+        assert text == self.states[self.at][0]
+        assert document.modified == (self.states[self.at] is not self.saved)
+        if not document.modified:
+            assert text == document.path_text, "what counts as saved is what the file holds"
+
+
+class Filed(Document):
+    """A document that can be compared with its file."""
+
+    @property
+    def path_text(self) -> str:
+        assert self.path is not None
+        return self.path.read_text()
+
+
+@settings(LIMITS, max_examples=20)
+@given(seed=st.integers(0, 2**32))
+def test_whatever_is_saved_undone_redone_and_edited(seed, library, tmp_path):
+    random = Random(seed)
+    document = Filed(drawn_network(random, library, 6), library=library)
+    document.save(tmp_path / "a.json", over=True)
+    play(document, random, 80)
+
+
+def play(document: Filed, random: Random, count: int) -> None:
+    model, gesture = Model(document), None
+    for _ in range(count):
+        kind = random.choices(("edit", "undo", "redo", "save", "end"), (9, 4, 3, 2, 1))[0]
+        if kind == "edit":
+            if random.random() < 0.4:
+                gesture = random.choice([None, "one drag", "another"])
+            edit(model, random, gesture)
+        elif kind == "undo":
+            document.undo()
+            model.at = max(model.at - 1, 0)
+        elif kind == "redo":
+            document.redo()
+            model.at = min(model.at + 1, len(model.states) - 1)
+        elif kind == "save":
+            document.save()
+            model.saved = model.states[model.at]
+        else:
+            document.end_gesture()
+        model.check()
+
+
+def edit(model: Model, random: Random, gesture: str | None) -> None:
+    document = model.document
+    before = document.history.position
+    maker = random.choice(DRAGS if gesture is not None else MAKERS)
+    operation = maker(Editor(random, document.network, document.library))
+    if operation is None:
+        return
+    try:
+        changed = document.do(operation, gesture)
+    except ImagechainError:
+        return
+    if changed:
+        took = document.history.position - before
+        if took == 1:
+            del model.states[before + 1 :]
+            model.states.append([document.text()])
+        elif took == 0:  # joined to the step before
+            del model.states[before:]
+            model.states.append([document.text()])
+        else:  # back where the gesture began
+            del model.states[before:]
+        model.at = document.history.position
+
+
+def test_the_empty_network_that_nobody_touched_is_no_work(library):
+    assert not Document(Network(), library=library).modified
+    assert Document(Network(), library=library, saved=False).modified

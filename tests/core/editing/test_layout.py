@@ -1,0 +1,208 @@
+"""Nodes laid out along their wires, and in line."""
+
+from __future__ import annotations
+
+import itertools
+from random import Random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from core.editing.layout import (
+    EDGES,
+    WAYS,
+    aligned,
+    arranged,
+    columns_of,
+    crossings,
+    distributed,
+    rows_of,
+)
+from core.editing.operations import Move
+from core.network.network import Link, Network, Node
+from thorough import examples
+
+SIZES = {"small": (150.0, 60.0), "large": (240.0, 190.0)}
+
+
+def drawn(random, count, wires):
+    """A network without cycles whose nodes are in no particular order."""
+    names = [f"n{number}" for number in range(count)]
+    random.shuffle(names)
+    rank = {name: place for place, name in enumerate(random.sample(names, count))}
+    links = set()
+    for number in range(wires if count > 1 else 0):
+        one, other = sorted(random.sample(names, 2), key=rank.__getitem__)
+        links.add(Link(one, "out", other, f"in{number}"))
+    layout = {name: (random.uniform(-90, 90), random.uniform(-90, 90)) for name in names[::2]}
+    return Network(nodes={n: Node(n, "gone") for n in names}, links=tuple(links), layout=layout)
+
+
+def boxes(network, sizes):
+    return {name: (*network.layout[name], *sizes[name]) for name in network.nodes}
+
+
+def overlap(one, other):
+    return (
+        one[0] < other[0] + other[2]
+        and other[0] < one[0] + one[2]
+        and one[1] < other[1] + other[3]
+        and other[1] < one[1] + one[3]
+    )
+
+
+def assert_sound(network, sizes):
+    found = boxes(network, sizes)
+    for link in network.links:
+        assert found[link.source][0] + found[link.source][2] < found[link.target][0], link
+    ordered = sorted(found.values())
+    for number, one in enumerate(ordered):
+        for other in ordered[number + 1 :]:
+            assert not overlap(one, other)
+
+
+@settings(max_examples=examples(150), deadline=None)
+@given(seed=st.integers(0, 2**32), count=st.integers(0, 25), wires=st.integers(0, 60))
+def test_wires_lead_to_the_right_and_nothing_overlaps(seed, count, wires):
+    random = Random(seed)
+    network = drawn(random, count, wires)
+    sizes = {name: random.choice(list(SIZES.values())) for name in network.nodes}
+    after = Move(arranged(network, sizes)).apply(network)
+    assert_sound(after, sizes)
+    assert after.links == network.links
+    again = Move(arranged(after, sizes)).apply(after)
+    assert again == after
+
+
+def test_the_shipped_networks(shipped):
+    for network in shipped.values():
+        sizes = dict.fromkeys(network.nodes, (180.0, 130.0))
+        assert_sound(Move(arranged(network, sizes)).apply(network), sizes)
+
+
+def test_the_kodak_chain_stays_one_row(kodak):
+    """All but what hangs on it, which no row has room for."""
+    after = Move(arranged(kodak, {})).apply(kodak)
+    beside = {"pupil", "charge_phase", "slices"}
+    assert {after.layout[name][1] for name in kodak.nodes if name not in beside} == {0.0}
+    assert after.layout["pupil"][0] == after.layout["init"][0]  # right before what it feeds
+
+
+def test_the_upper_left_corner_stays(kodak):
+    far = {name: (x + 5000.0, y - 700.0) for name, (x, y) in kodak.layout.items()}
+    network = Network(nodes=kodak.nodes, links=kodak.links, layout=far)
+    after = Move(arranged(network, {})).apply(network)
+    assert min(x for x, _ in after.layout.values()) == 5000.0
+    assert min(y for _, y in after.layout.values()) == -700.0
+
+
+def test_only_the_chosen_nodes_move(kodak):
+    chosen = {"aberration", "detector", "charge"}
+    places = arranged(kodak, {}, chosen)
+    assert places.keys() == chosen
+    after = Move(places).apply(kodak)
+    assert after.layout["aberration"] == kodak.layout["aberration"]
+    assert {after.layout[name][1] for name in chosen} == {kodak.layout["detector"][1]}
+
+
+def test_nodes_without_wires_stand_in_rows():
+    network = Network(nodes={f"n{number}": Node(f"n{number}", "gone") for number in range(100)})
+    after = Move(arranged(network, {})).apply(network)
+    assert len({x for x, _ in after.layout.values()}) == 10
+    assert len(set(after.layout.values())) == 100
+
+
+def test_nothing_is_laid_out_as_nothing():
+    assert arranged(Network(), {}) == {}
+
+
+@pytest.mark.parametrize("count", [5000])
+def test_long_chains_and_cycles_need_no_recursion(count):
+    names = [f"n{number}" for number in range(count)]
+    nodes = {name: Node(name, "gone") for name in names}
+    links = [Link(one, "o", other, "i") for one, other in itertools.pairwise(names)]
+    network = Network(nodes=nodes, links=tuple(links))
+    places = arranged(network, {})
+    xs = [places[name][0] for name in names]
+    assert xs == sorted(set(xs))
+    looped = Network(nodes=nodes, links=(*links, Link(names[-1], "o", names[0], "i")))
+    assert len(set(arranged(looped, {}).values())) == count
+
+
+def test_columns():
+    followers = {"scene": ["init"], "init": ["optics", "jitter"], "pupil": ["optics"],
+                 "optics": ["jitter"], "jitter": []}  # fmt: skip
+    assert columns_of(followers) == {"scene": 0, "init": 1, "pupil": 1, "optics": 2, "jitter": 3}
+
+
+def test_crossings_are_counted():
+    followers = {"a": ["y", "z"], "b": ["x", "z"], "x": [], "y": [], "z": []}
+    column = {"a": 0, "b": 0, "x": 1, "y": 1, "z": 1}
+    height = {"a": 0.0, "b": 1.0, "x": 0.0, "y": 1.0, "z": 2.0}
+    assert crossings(followers, column, height) == 2  # b-x crosses both of a's
+
+
+@pytest.mark.parametrize("wires", [1, 2, 3, 5, 6, 7, 11, 16])
+def test_crossings_are_those_of_all_pairs(wires):
+    """Every number of wires, not only those that halve evenly: each pair looked at."""
+    random = Random(wires)
+    left = [random.uniform(-9, 9) for _ in range(wires)]
+    right = [random.uniform(-9, 9) for _ in range(wires)]
+    followers = {f"l{k}": [f"r{k}"] for k in range(wires)} | {f"r{k}": [] for k in range(wires)}
+    column = {name: int(name.startswith("r")) for name in followers}
+    height = {f"{side}{k}": y for side, ys in (("l", left), ("r", right)) for k, y in enumerate(ys)}
+    pairs = itertools.combinations(zip(left, right, strict=True), 2)
+    crossed = sum((one[0] < other[0]) != (one[1] < other[1]) for one, other in pairs)
+    assert crossings(followers, column, height) == crossed
+
+
+def test_wires_are_uncrossed():
+    followers = {"a": ["z"], "b": ["y"], "c": ["x"], "x": [], "y": [], "z": []}
+    column = {"a": 0, "b": 0, "c": 0, "x": 1, "y": 1, "z": 1}
+    left, right = rows_of(followers, column)
+    assert [followers[name][0] for name in left] == right
+
+
+UNEQUAL = {"a": (100.0, 50.0), "b": (200.0, 80.0), "c": (60.0, 120.0), "d": (90.0, 40.0)}
+POINTS = {"a": (0.0, 10.0), "b": (300.0, 5.0), "c": (130.0, 400.0), "d": (700.0, 90.0)}
+LINE = {"left": 0.0, "right": 790.0, "top": 5.0, "bottom": 520.0}
+
+
+@pytest.fixture
+def network():
+    nodes = {name: Node(name, "x") for name in (*POINTS, "lost")}
+    return Network("n", nodes=nodes, layout=POINTS)
+
+
+def edge_of(name, at, edge):
+    width, height = UNEQUAL[name]
+    return {"left": at[0], "right": at[0] + width, "top": at[1], "bottom": at[1] + height}[edge]
+
+
+@pytest.mark.parametrize("edge", EDGES)
+def test_edges_in_line(network, edge):
+    places = aligned(network, [*POINTS, "lost"], UNEQUAL, edge)
+    assert {edge_of(name, at, edge) for name, at in places.items()} == {LINE[edge]}
+    other = 1 if edge in ("left", "right") else 0
+    assert all(at[other] == POINTS[name][other] for name, at in places.items())
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_gaps_are_equal(network, way):
+    places = distributed(network, POINTS, UNEQUAL, way)
+    axis = WAYS.index(way)
+    order = sorted(places, key=lambda name: POINTS[name][axis])
+    assert order == sorted(places, key=lambda name: places[name][axis])
+    gaps = [
+        places[b][axis] - places[a][axis] - UNEQUAL[a][axis] for a, b in itertools.pairwise(order)
+    ]
+    assert gaps == pytest.approx([gaps[0]] * 3)
+    assert places[order[0]] == POINTS[order[0]]
+    assert places[order[-1]][axis] == pytest.approx(POINTS[order[-1]][axis])
+
+
+def test_one_node_stays(network):
+    for names in ([], ["a"], ["a", "lost"]):
+        assert all(aligned(network, names, UNEQUAL, edge) == {} for edge in EDGES)
+        assert all(distributed(network, names, UNEQUAL, way) == {} for way in WAYS)

@@ -1,0 +1,127 @@
+"""Room for new nodes: nothing stands on anything, and nothing moves farther than it must."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from random import Random
+
+import pytest
+
+from core.editing.layout import boxes_of
+from core.editing.room import GAP_X, GAP_Y, free_places, made_way
+from core.network.network import Network, Node
+
+SIZE = (180.0, 100.0)
+
+
+def network_at(points):
+    nodes = {name: Node(name, "x") for name in points}
+    return Network("n", nodes=nodes, layout=points)
+
+
+def sizes_of(names):
+    return dict.fromkeys(names, SIZE)
+
+
+def apart(one, other, gap_x=0.0, gap_y=0.0):
+    return (
+        one[0] >= other[2] + gap_x
+        or other[0] >= one[2] + gap_x
+        or one[1] >= other[3] + gap_y
+        or other[1] >= one[3] + gap_y
+    )
+
+
+def drawn(random, count, span=600):
+    return {
+        f"n{k}": (float(random.randint(-span, span)), float(random.randint(-span, span)))
+        for k in range(count)
+    }
+
+
+def free(network, points):
+    return free_places(points, sizes_of(points), network, sizes_of(network.nodes))
+
+
+def test_where_there_is_room_nothing_moves():
+    assert free(network_at({"a": (0.0, 0.0)}), {"new": (400.0, 0.0)}) == {"new": (400.0, 0.0)}
+
+
+def test_a_node_on_another_goes_the_shortest_way():
+    """From 10 right and 20 below the other's corner: down is 100 + gap − 20, the shortest."""
+    moved = free(network_at({"a": (0.0, 0.0)}), {"new": (10.0, 20.0)})
+    assert moved == {"new": (10.0, 100.0 + GAP_Y)}
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_new_nodes_stand_free_and_moved_by_the_least(seed):
+    """Against a search over a fine grid of shifts, which knows nothing of edges."""
+    random = Random(seed)
+    network = network_at(drawn(random, random.randint(1, 9), 300))
+    points = drawn(random, random.randint(1, 3), 200)
+    moved = free(network, points)
+    shift = {(moved[n][0] - points[n][0], moved[n][1] - points[n][1]) for n in points}
+    assert len({(round(x, 6), round(y, 6)) for x, y in shift}) == 1
+    there = boxes_of(network.layout, sizes_of(network.nodes)).values()
+
+    def stands_free(at):
+        boxes = boxes_of({n: (x + at[0], y + at[1]) for n, (x, y) in points.items()}, {}).values()
+        return all(apart(a, b, GAP_X, GAP_Y) for a in boxes for b in there)
+
+    x, y = shift.pop()
+    assert stands_free((x, y))
+    length = math.hypot(x, y)
+    steps = range(-int(length), int(length) + 1, 12)
+    shorter = [s for s in itertools.product(steps, steps) if math.hypot(*s) < length - 1e-6]
+    assert not any(stands_free(s) for s in shorter)
+
+
+@pytest.mark.parametrize("count", [1, 7, 300])
+def test_many_nodes_find_room_among_many(count):
+    random = Random(count)
+    network = network_at(drawn(random, 2000, 2000))
+    points = drawn(random, count, 300)
+    moved = free(network, points)
+    there = list(boxes_of(network.layout, sizes_of(network.nodes)).values())
+    for box in boxes_of(moved, sizes_of(moved)).values():
+        assert all(apart(box, other) for other in there)
+
+
+def pushed(points, at, behind=()):
+    network = network_at({**points, "new": at})
+    places = made_way(network, sizes_of(network.nodes), "new", at, behind)
+    return {**network.layout, **places}
+
+
+def test_a_node_put_between_two_pushes_the_one_behind_and_what_that_meets():
+    points = {"a": (0.0, 0.0), "b": (240.0, 0.0), "c": (480.0, 0.0), "far": (2000.0, 0.0)}
+    after = pushed(points, (190.0, 5.0), behind={"b", "c", "far"})
+    assert after["a"] == (0.0, 0.0)
+    assert after["new"] == (180.0 + GAP_X, 5.0)
+    assert after["b"] == (180.0 + GAP_X + 180.0 + GAP_X, 0.0)
+    assert after["c"][0] == after["b"][0] + 180.0 + GAP_X
+    assert after["far"] == (2000.0, 0.0)
+
+
+def test_another_row_stays():
+    points = {"a": (0.0, 0.0), "b": (240.0, 0.0), "below": (240.0, 400.0)}
+    assert pushed(points, (210.0, 0.0), behind={"b", "below"})["below"] == (240.0, 400.0)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_afterwards_the_node_and_what_it_pushed_stand_free(seed):
+    random = Random(seed)
+    points = drawn(random, 12, 500)
+    at = (float(random.randint(-300, 300)), float(random.randint(-300, 300)))
+    behind = set(random.sample(sorted(points), 5))
+    after = pushed(points, at, behind)
+    boxes = boxes_of(after, sizes_of(after))
+    moved = [name for name in after if after[name] != {**points, "new": at}[name]]
+    for name in {*moved, "new"}:
+        for other in after:
+            if other != name:
+                assert apart(boxes[name], boxes[other]), (name, other)
+    for name in points:
+        assert after[name][0] >= points[name][0]
+        assert after[name][1] == points[name][1]

@@ -1,0 +1,567 @@
+"""What fits, what goes on from a node, nodes put into wires and taken out of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.run.shipped import shipped_networks
+from core.chain.engine import Engine
+from core.editing.operations import Add, Placed, Remove, Rewire, set_node_field
+from core.editing.wiring import (
+    Candidate,
+    continued,
+    deleted,
+    dissolved,
+    fitting,
+    inserted,
+    new_node,
+    wired_to,
+)
+from core.errors import NetworkError
+from core.evaluation.policy import Policy
+from core.modules.declaration import declaration
+from core.network.network import Link, Network, Node
+from core.network.validation import problems
+from linked_network import linked_network
+
+
+def links_of(*texts):
+    return {Link.between(*text.split(" → ")) for text in texts}
+
+
+def new_links(network, operation):
+    return set(operation.apply(network).links) - set(network.links)
+
+
+def test_what_takes_a_pupil(library):
+    assert fitting(library, ["pupil"], "input") == (Candidate("exit_pupil_mtf", "pupil"),)
+
+
+def test_what_gives_a_context_or_a_phase(library):
+    assert fitting(library, ["context"], "output") == (Candidate("init_trans", "context"),)
+    assert fitting(library, ["phase"], "output") == (
+        Candidate("init_trans", "phase"),
+        Candidate("diffraction_mtf", "phase"),
+        Candidate("exit_pupil_mtf", "phase"),
+        Candidate("mtf_file", "phase"),
+        Candidate("psf_file", "phase"),
+        Candidate("line_of_sight", "phase"),
+        Candidate("charge_eff_phase", "phase"),
+    )
+
+
+def test_what_takes_a_table_is_nothing(library):
+    assert fitting(library, ["table"], "input") == ()
+    assert fitting(library, [], "input") == ()
+
+
+def test_inputs_of_several_types_take_each_of_them(library):
+    found = fitting(library, ["transfer"], "input")
+    assert [each.module for each in found] == ["write_matrix", "examine_image", "mtf_slices"]
+
+
+@pytest.mark.parametrize("side", ["input", "output"])
+def test_candidates_are_in_the_librarys_order_and_can_be_wired(library, side):
+    order = list(library)
+    for kind in ("image", "magnitude", "phase", "context", "pupil", "transfer", "curve"):
+        found = fitting(library, [kind], side)
+        places = [order.index(each.module) for each in found]
+        assert places == sorted(places)
+        for each in found:
+            known = declaration(library[each.module])
+            ports = known.inputs if side == "input" else known.outputs
+            assert kind in next(port for port in ports if port.name == each.port).types
+
+
+def test_a_new_node_is_named_after_its_module(kodak, library):
+    name, operation = new_node(kodak, library, "jitter_mtf", (3, 4))
+    assert name == "jitter_mtf"
+    network = operation.apply(kodak)
+    assert (network.nodes[name].module, network.layout[name]) == ("jitter_mtf", (3, 4))
+    assert new_node(network, library, "jitter_mtf", None)[0] == "jitter_mtf_2"
+    assert operation.text == "Add jitter_mtf"
+
+
+def test_a_module_that_is_not_there(kodak, library):
+    with pytest.raises(NetworkError, match="there is no module jiter_mtf; did you mean"):
+        new_node(kodak, library, "jiter_mtf", (0, 0))
+
+
+def wired(network, library, end, module, port):
+    name, operation = wired_to(network, library, end, Candidate(module, port), (0, 0))
+    assert name == module
+    return new_links(network, operation)
+
+
+def test_an_mtf_module_at_a_magnitude_gets_its_context(kodak, library):
+    found = wired(kodak, library, ("detector", "magnitude", "output"), "jitter_mtf", "magnitude")
+    assert found == links_of(
+        "detector.magnitude → jitter_mtf.magnitude", "init.context → jitter_mtf.context"
+    )
+
+
+def test_the_pupil_module_gets_its_pupil_and_the_phase_beside_its_magnitude(kodak, library):
+    found = wired(kodak, library, ("init", "magnitude", "output"), "exit_pupil_mtf", "magnitude")
+    assert found == links_of(
+        "init.magnitude → exit_pupil_mtf.magnitude",
+        "init.phase → exit_pupil_mtf.phase",
+        "init.context → exit_pupil_mtf.context",
+        "pupil.pupil → exit_pupil_mtf.pupil",
+    )
+
+
+def test_back_transform_gets_the_phase_that_left_the_magnitude_further_up(kodak, library):
+    """In this network it is led from `optics` through `charge_phase` beside the detector's MTFs."""
+    found = wired(
+        kodak, library, ("detector", "magnitude", "output"), "back_transform", "magnitude"
+    )
+    assert found == links_of(
+        "detector.magnitude → back_transform.magnitude", "charge_phase.phase → back_transform.phase"
+    )
+
+
+def test_a_dropped_phase_finds_its_magnitude(inframetrics, library):
+    network = Remove(("back",)).apply(inframetrics)
+    found = wired(network, library, ("optics", "phase", "output"), "back_transform", "phase")
+    assert found == links_of(
+        "optics.phase → back_transform.phase", "optics.magnitude → back_transform.magnitude"
+    )
+
+
+def test_two_contexts_are_none(kodak, library):
+    network = new_node(kodak, library, "init_trans", None)[1].apply(kodak)
+    found = wired(network, library, ("detector", "magnitude", "output"), "jitter_mtf", "magnitude")
+    assert found == links_of("detector.magnitude → jitter_mtf.magnitude")
+
+
+def test_a_context_alone_leaves_open_which_of_many_magnitudes(kodak, library):
+    found = wired(kodak, library, ("init", "context", "output"), "jitter_mtf", "context")
+    assert found == links_of("init.context → jitter_mtf.context")
+
+
+def test_a_context_finds_the_one_magnitude(library):
+    network = Network(nodes={"init": Node("init", "init_trans")})
+    found = wired(network, library, ("init", "context", "output"), "jitter_mtf", "context")
+    assert found == links_of(
+        "init.context → jitter_mtf.context", "init.magnitude → jitter_mtf.magnitude"
+    )
+
+
+def test_an_image_for_the_electronics(kodak, library):
+    found = wired(kodak, library, ("scene", "image", "output"), "electronics_noise", "image")
+    assert found == links_of(
+        "scene.image → electronics_noise.image", "init.context → electronics_noise.context"
+    )
+
+
+def test_a_wire_from_an_empty_input_takes_nothing_from_behind_it(kodak, library):
+    """The one context there is lies behind the new node: no cycle is made."""
+    cut = Rewire(remove=(Link("scene", "image", "photons", "image"),)).apply(kodak)
+    found = wired(cut, library, ("photons", "image", "input"), "electronics_noise", "image")
+    assert found == links_of("electronics_noise.image → photons.image")
+
+
+def test_a_wire_from_an_occupied_input_is_led_through(kodak, library):
+    name, operation = wired_to(
+        kodak, library, ("back", "magnitude", "input"), Candidate("jitter_mtf", "magnitude"), (1, 2)
+    )
+    after = operation.apply(kodak)
+    assert new_links(kodak, operation) == links_of(
+        "charge.magnitude → jitter_mtf.magnitude",
+        "jitter_mtf.magnitude → back.magnitude",
+        "init.context → jitter_mtf.context",
+    )
+    assert set(kodak.links) - set(after.links) == links_of("charge.magnitude → back.magnitude")
+    assert after.layout[name] == (1, 2)
+
+
+def test_a_wire_from_an_occupied_input_is_replaced_by_what_passes_nothing_on(kodak, library):
+    name, operation = wired_to(
+        kodak, library, ("init", "image", "input"), Candidate("read_image", "image"), None
+    )
+    after = operation.apply(kodak)
+    assert [str(link) for link in after.links_into("init")] == ["read_image.image → init.image"]
+    assert name not in after.layout
+
+
+def test_what_does_not_fit_is_refused(kodak, library):
+    for end, candidate in (
+        (("init", "phase", "output"), Candidate("jitter_mtf", "magnitude")),
+        (("nobody", "phase", "output"), Candidate("jitter_mtf", "magnitude")),
+        (("nobody", "phase", "input"), Candidate("charge_eff_phase", "phase")),
+        (("init", "image", "input"), Candidate("jitter_mtf", "mtf")),
+        (("init", "image", "input"), Candidate("no_module", "image")),
+    ):
+        with pytest.raises(NetworkError):
+            wired_to(kodak, library, end, candidate, (0, 0))
+
+
+def test_a_wire_from_an_unknown_module_fits_anything(kodak, library):
+    nodes = {**kodak.nodes, "optics": replace(kodak.nodes["optics"], module="gone")}
+    network = replace(kodak, nodes=nodes)
+    found = wired(network, library, ("optics", "magnitude", "output"), "jitter_mtf", "magnitude")
+    assert found == links_of(
+        "optics.magnitude → jitter_mtf.magnitude", "init.context → jitter_mtf.context"
+    )
+
+
+def changed(network, library, node, module):
+    """New links and gone ones, by their text; None where nothing fits."""
+    onward = continued(network, library, node, module, (0.0, 0.0))
+    if onward is None:
+        return None
+    _, operation = onward
+    after = operation.apply(network)
+    assert not problems(after, library=library, keep_unknown=True, unfinished=True)
+    new, gone = set(after.links) - set(network.links), set(network.links) - set(after.links)
+    return {str(link) for link in new}, {str(link) for link in gone}
+
+
+def test_it_comes_between_the_node_and_what_that_leads_to(kodak, library):
+    assert changed(kodak, library, "detector", "jitter_mtf") == (
+        {"detector.magnitude → jitter_mtf.magnitude", "jitter_mtf.magnitude → charge.magnitude",
+         "init.context → jitter_mtf.context"},
+        {"detector.magnitude → charge.magnitude"},
+    )  # fmt: skip
+
+
+def test_behind_the_last_node_it_goes_on(shipped, library):
+    network = shipped["first_steps"]
+    last = next(name for name in network.nodes if not network.followers[name])
+    source = next(link.source for link in network.links if link.target == last)
+    new, gone = changed(network, library, source, "measured_mtf")
+    assert gone == set()
+    assert any("→ measured_mtf.image" in link for link in new)
+
+
+def test_an_output_with_several_wires_gets_a_branch(kodak, library):
+    """The charge's magnitude leads to two nodes: neither wire is the one to be taken."""
+    new, gone = changed(kodak, library, "charge", "mtf_slices")
+    assert gone == set()
+    assert new == {"charge.magnitude → mtf_slices.transfer"}
+
+
+def test_a_source_feeds_what_is_empty(library):
+    network = Network("n", nodes={"init": Node("init", "init_trans")})
+    assert changed(network, library, "init", "test_scene") == (
+        {"test_scene.image → init.image"},
+        set(),
+    )
+
+
+def test_what_does_not_fit_is_left_to_be_added_plainly(kodak, library):
+    assert continued(kodak, library, "picture", "test_scene", None) is None
+    strange = Network("n", nodes={"s": Node("s", "of another version")})
+    assert continued(strange, library, "s", "jitter_mtf", None) is None
+    with pytest.raises(NetworkError, match="no module"):
+        continued(kodak, library, "scene", "jitter", None)
+
+
+def test_whatever_is_added_to_whatever_the_network_stays_sound(kodak, library):
+    for node in kodak.nodes:
+        for module in library:
+            onward = continued(kodak, library, node, module, None)
+            if onward is not None:
+                after = onward[1].apply(kodak)
+                assert not problems(after, library=library, unfinished=True), (node, module)
+                assert any(
+                    {link.source, link.target} == {node, onward[0]} for link in after.links
+                ), (node, module)
+
+
+def link_of(text):
+    return Link.between(*text.split(" → "))
+
+
+def dropped(network, library, module, wire):
+    """The network with a new node on a wire, or None; and what changed: new links, gone ones."""
+    name, adding = new_node(network, library, module, (0, 0))
+    grown = adding.apply(network)
+    operation = inserted(grown, library, link_of(wire), name)
+    if operation is None:
+        return None
+    after = operation.apply(grown)
+    assert not problems(after, library=library, keep_unknown=True, unfinished=True)
+    new, gone = set(after.links) - set(grown.links), set(grown.links) - set(after.links)
+    return {str(link) for link in new}, {str(link) for link in gone}
+
+
+@pytest.mark.parametrize("module", ["jitter_mtf", "gaussian_mtf", "vibration_mtf", "detector_mtf"])
+def test_an_mtf_module_on_a_magnitude_gets_its_context(kodak, inframetrics, library, module):
+    for network, wire in (
+        (kodak, "detector.magnitude → charge.magnitude"),
+        (inframetrics, "aberration.magnitude → jitter.magnitude"),
+    ):
+        start, end = wire.split(" → ")
+        name = f"{module}_2" if module in network.nodes else module
+        assert dropped(network, library, module, wire) == (
+            {f"{start} → {name}.magnitude", f"{name}.magnitude → {end}",
+             f"init.context → {name}.context"},
+            {wire},
+        )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("magnitude", "phase"),
+    [
+        ("init.magnitude → optics.magnitude", "init.phase → optics.phase"),
+        ("optics.magnitude → aberration.magnitude", "optics.phase → charge_phase.phase"),
+        ("charge.magnitude → back.magnitude", "charge_phase.phase → back.phase"),
+    ],
+)
+def test_the_pupil_module_leads_the_phase_through_too(kodak, library, magnitude, phase):
+    """The same whether it is dropped on the magnitude or on the phase beside it."""
+    (m_start, m_end), (p_start, p_end) = magnitude.split(" → "), phase.split(" → ")
+    for wire in (magnitude, phase):
+        assert dropped(kodak, library, "exit_pupil_mtf", wire) == (
+            {f"{m_start} → exit_pupil_mtf.magnitude", f"exit_pupil_mtf.magnitude → {m_end}",
+             f"{p_start} → exit_pupil_mtf.phase", f"exit_pupil_mtf.phase → {p_end}",
+             "init.context → exit_pupil_mtf.context", "pupil.pupil → exit_pupil_mtf.pupil"},
+            {magnitude, phase},
+        )  # fmt: skip
+
+
+def test_no_phase_is_led_through_where_none_runs_beside(kodak, library):
+    found = dropped(kodak, library, "exit_pupil_mtf", "aberration.magnitude → detector.magnitude")
+    assert found is not None
+    assert not [link for link in found[0] if "phase" in link]
+    assert found[1] == {"aberration.magnitude → detector.magnitude"}
+
+
+def test_of_two_magnitudes_beside_a_phase_none_is_taken(inframetrics, library):
+    """One comes from the same node, the other goes to the same: neither is beyond doubt."""
+    found = dropped(inframetrics, library, "exit_pupil_mtf", "optics.phase → back.phase")
+    assert found is not None
+    assert found[1] == {"optics.phase → back.phase"}
+
+
+def test_of_two_phases_the_one_that_goes_all_the_way_beside(kodak, library):
+    aside = Link("init", "phase", "charge_eff_phase", "phase")
+    network = Add((Placed(Node("charge_eff_phase", "charge_eff_phase")),), (aside,)).apply(kodak)
+    found = dropped(network, library, "exit_pupil_mtf", "init.magnitude → optics.magnitude")
+    assert found is not None
+    assert found[1] == {"init.magnitude → optics.magnitude", "init.phase → optics.phase"}
+
+
+def test_two_pupils_are_none(kodak, library):
+    network = new_node(kodak, library, "exit_pupil", None)[1].apply(kodak)
+    found = dropped(network, library, "exit_pupil_mtf", "init.magnitude → optics.magnitude")
+    assert found is not None
+    assert not [link for link in found[0] if "pupil.pupil" in link]
+    assert "init.context → exit_pupil_mtf.context" in found[0]
+
+
+def test_electronics_on_a_picture_get_the_context(kodak, library):
+    wire = "electronics.image → frame_grabber.image"
+    assert dropped(kodak, library, "electronics_noise", wire) == (
+        {"electronics.image → electronics_noise.image",
+         "electronics_noise.image → frame_grabber.image",
+         "init.context → electronics_noise.context"},
+        {wire},
+    )  # fmt: skip
+
+
+def test_electronics_before_the_context_do_not_make_a_cycle(kodak, library):
+    wire = "scene.image → photons.image"
+    assert dropped(kodak, library, "electronics_noise", wire) == (
+        {"scene.image → electronics_noise.image", "electronics_noise.image → photons.image"},
+        {wire},
+    )
+
+
+def test_a_module_of_one_picture_input(inframetrics, library):
+    wire = "scene.image → photons.image"
+    assert dropped(inframetrics, library, "interpolate", wire) == (
+        {"scene.image → interpolate.image", "interpolate.image → photons.image"},
+        {wire},
+    )
+
+
+def test_a_module_whose_output_has_another_name_than_its_input(kodak, library):
+    wire = "electronics.image → frame_grabber.image"
+    new, gone = dropped(kodak, library, "compare_images", wire)
+    assert "electronics.image → compare_images.image" in new
+    assert "compare_images.difference → frame_grabber.image" in new
+    assert gone == {wire}
+
+
+@pytest.mark.parametrize(
+    ("module", "wire"),
+    [
+        ("jitter_mtf", "scene.image → photons.image"),
+        ("jitter_mtf", "init.phase → optics.phase"),
+        ("jitter_mtf", "init.context → optics.context"),
+        ("charge_eff_phase", "init.magnitude → optics.magnitude"),
+        ("test_scene", "scene.image → photons.image"),
+        ("write_image", "scene.image → photons.image"),
+        ("examine_image", "scene.image → photons.image"),
+        ("mtf_slices", "init.magnitude → optics.magnitude"),
+        ("init_trans", "scene.image → photons.image"),
+        ("back_transform", "charge.magnitude → back.magnitude"),
+        ("exit_pupil", "pupil.pupil → optics.pupil"),
+        ("jitter_mtf", "init.magnitude → nobody.magnitude"),
+    ],
+)
+def test_what_does_not_fit(kodak, library, module, wire):
+    assert dropped(kodak, library, module, wire) is None
+
+
+def test_only_a_node_that_feeds_nothing_and_whose_input_is_empty(kodak, library):
+    wire = link_of("scene.image → photons.image")
+    assert inserted(kodak, library, wire, "pixels") is None
+    assert inserted(kodak, library, wire, "nobody") is None
+    assert inserted(kodak, library, wire, "photons") is None
+    name, adding = new_node(kodak, library, "interpolate", None)
+    fed = Rewire(add=(Link("back", "image", name, "image"),)).apply(adding.apply(kodak))
+    assert inserted(fed, library, wire, name) is None
+
+
+def test_what_the_node_has_at_its_other_inputs_stays(kodak, library):
+    name, adding = new_node(kodak, library, "jitter_mtf", None)
+    network = new_node(kodak, library, "init_trans", None)[1].apply(adding.apply(kodak))
+    own = Link("init_trans", "context", name, "context")
+    network = Rewire(add=(own,)).apply(network)
+    operation = inserted(network, library, link_of("init.magnitude → optics.magnitude"), name)
+    assert operation is not None
+    assert own in operation.apply(network).links
+
+
+def test_no_cycle_is_made_with_what_the_node_has(kodak, library):
+    name, adding = new_node(kodak, library, "electronics_noise", None)
+    network = adding.apply(kodak)
+    network = Rewire(add=(Link("init", "context", name, "context"),)).apply(network)
+    assert inserted(network, library, link_of("scene.image → photons.image"), name) is None
+    assert inserted(network, library, link_of("back.image → pixels.image"), name) is not None
+
+
+def test_the_phase_stays_where_leading_it_through_would_be_a_cycle(library):
+    """The node's context comes from behind the phase, not from behind the magnitude."""
+    modules = {
+        "init": "init_trans", "jitter": "jitter_mtf", "charge": "charge_eff_phase",
+        "back": "back_transform", "again": "init_trans", "optics": "exit_pupil_mtf",
+    }  # fmt: skip
+    wires = (
+        "init.magnitude → jitter.magnitude", "init.phase → charge.phase",
+        "init.magnitude → back.magnitude", "charge.phase → back.phase",
+        "back.image → again.image", "again.context → optics.context",
+    )  # fmt: skip
+    nodes = {name: Node(name, key) for name, key in modules.items()}
+    network = Network(nodes=nodes, links=tuple(link_of(wire) for wire in wires))
+    operation = inserted(network, library, link_of(wires[0]), "optics")
+    assert operation is not None
+    assert set(operation.apply(network).links) - set(network.links) == {
+        link_of("init.magnitude → optics.magnitude"),
+        link_of("optics.magnitude → jitter.magnitude"),
+    }
+
+
+def test_the_wires_of_unknown_modules_take_nodes(kodak, library):
+    wire = Link("old", "output", "jitter", "magnitude")
+    network = Add((Placed(Node("old", "gone")), Placed(Node("jitter", "jitter_mtf"))), (wire,))
+    assert dropped(network.apply(kodak), library, "gaussian_mtf", str(wire)) == (
+        {"old.output → gaussian_mtf.magnitude", "gaussian_mtf.magnitude → jitter.magnitude",
+         "init.context → gaussian_mtf.context"},
+        {str(wire)},
+    )  # fmt: skip
+
+
+def test_a_disabled_source_is_no_hindrance(kodak, library):
+    network = set_node_field("detector", "disabled", True).apply(kodak)
+    wire = "detector.magnitude → charge.magnitude"
+    assert dropped(network, library, "jitter_mtf", wire) is not None
+
+
+def links(*texts):
+    return {Link.between(*text.split(" → ")) for text in texts}
+
+
+def led_past_by(before, after):
+    return set(after.links) - set(before.links)
+
+
+def picture(network, library, port):
+    engine = Engine(library)
+    folder = shipped_networks()["kodak_kir310"].parent
+    plan = engine.plan(network, folder=folder)
+    return np.asarray(engine.value(plan, port, engine.work(Policy())))
+
+
+@pytest.mark.parametrize(
+    "gone",
+    [("detector",), ("aberration", "detector"), ("electronics",), ("charge", "charge_phase")],
+)
+def test_the_picture_is_that_of_the_disabled_nodes(shipped, library, gone):
+    """The engine passes a disabled node's input on; led past, the same wire does."""
+    network = shipped["kodak_kir310"]
+    small = (
+        network.with_parameter("scene", "size", 64)
+        if "size" in (network.nodes["scene"].params)
+        else network
+    )
+    disabled = replace(
+        small,
+        nodes={
+            name: replace(node, disabled=node.disabled or name in gone)
+            for name, node in small.nodes.items()
+        },
+    )
+    for operation in (dissolved(small, library, gone), deleted(small, library, gone)):
+        led_past = operation.apply(small)
+        assert not set(gone) & led_past.nodes.keys()
+        one, other = (picture(n, library, "pixels.image") for n in (disabled, led_past))
+        np.testing.assert_array_equal(one, other)
+
+
+def test_both_wires_are_led_past_and_what_passes_nothing_on_goes(shipped, library):
+    network = shipped["kodak_kir310"]
+    after = deleted(network, library, ["optics"]).apply(network)
+    assert led_past_by(network, after) == links(
+        "init.magnitude → aberration.magnitude", "init.phase → charge_phase.phase"
+    )
+    after = deleted(network, library, ["init"]).apply(network)  # a picture is no spectrum
+    assert led_past_by(network, after) == set()
+
+
+@pytest.fixture
+def compared():
+    """The difference of two pictures, written: there are two ways through."""
+    nodes = {
+        "one": ("read_image", {}),
+        "two": ("read_image", {}),
+        "less": ("compare_images", {}),
+        "last": ("write_image", {}),
+    }
+    return linked_network(
+        nodes,
+        [
+            ("one.image", "less.image"),
+            ("two.image", "less.reference"),
+            ("less.difference", "last.image"),
+        ],
+    )
+
+
+def test_of_two_ways_through_none_is_taken_but_by_dissolving(library, compared):
+    assert led_past_by(compared, deleted(compared, library, ["less"]).apply(compared)) == set()
+    dissolving = dissolved(compared, library, ["less"]).apply(compared)
+    assert led_past_by(compared, dissolving) == links("one.image → last.image")
+
+
+def test_what_is_unknown_or_in_a_ring_is_only_taken_out(library):
+    nodes = {name: Node(name, "nobody_knows") for name in "abc"}
+    ring = Network("n", nodes=nodes, links=tuple(links("a.x → b.x", "b.x → a.x", "b.x → c.x")))
+    for names in (["b"], ["a", "b"]):
+        after = dissolved(ring, library, names).apply(ring)
+        assert led_past_by(ring, after) == set()
+
+
+def test_every_node_of_every_network_leaves_a_sound_one(shipped, library):
+    for network in shipped.values():
+        before = {str(p) for p in problems(network, library=library, unfinished=True)}
+        for name in network.nodes:
+            after = dissolved(network, library, [name]).apply(network)
+            found = {str(p) for p in problems(after, library=library, unfinished=True)}
+            assert found <= before, name
