@@ -243,17 +243,27 @@ def _free(
     return None, last
 
 
+def _weights(t: float) -> tuple[float, float, float, float]:
+    """Of the four points of a cubic, at a place from 0 to 1."""
+    u = 1 - t
+    return u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
+
+
+_CUBIC = [_weights(n / 20) for n in range(1, 20)]
+
+
 def _points(start: Spot, end: Spot) -> list[Spot]:
     """Points of the plain curve."""
     reach = _reach(end[0] - start[0], abs(end[1] - start[1]))
     xs = start[0], start[0] + reach, end[0] - reach, end[0]
     ys = start[1], start[1], end[1], end[1]
-    return [(_cubic(xs, n / 20), _cubic(ys, n / 20)) for n in range(1, 20)]
-
-
-def _cubic(p: tuple[float, float, float, float], t: float) -> float:
-    u = 1 - t
-    return u * u * u * p[0] + 3 * u * u * t * p[1] + 3 * u * t * t * p[2] + t * t * t * p[3]
+    return [
+        (
+            a * xs[0] + b * xs[1] + c * xs[2] + d * xs[3],
+            a * ys[0] + b * ys[1] + c * ys[2] + d * ys[3],
+        )
+        for a, b, c, d in _CUBIC
+    ]
 
 
 def _reach(across: float, along: float) -> float:
