@@ -75,14 +75,13 @@ class NodeChoice(QComboBox):
     def fill(self) -> None:
         """List what the network has now."""
         self._filled = ports_depend_on(self.session.network)
-        self.entries.clear()
-        self.entries.appendRow(entry(self._nothing, ""))
+        rows = [entry(self._nothing, "")]
         for name, entries in self.groups():
             head = QStandardItem(name)
             head.setFlags(Qt.ItemFlag.NoItemFlags)
-            self.entries.appendRow(head)
-            for one in entries:
-                self.entries.appendRow(one)
+            rows += [head, *entries]
+        self.entries.clear()
+        self.entries.invisibleRootItem().appendRows(rows)  # at once: the box follows each insertion
         self.show_value(self.value)
 
     def _changed(self, _before: Any, after: Any) -> None:
