@@ -18,7 +18,6 @@ from app.options.option_values import Save
 from app.options.overrides import with_final, with_settings
 from app.options.progress import Progress
 from app.options.stopping import too_late
-from app.permission.shares import check_shares
 from app.permission.write_rules import OPTION, WriteRules, write_rules
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
 from app.run.figures import Figure, main_figures
@@ -227,19 +226,11 @@ def with_options(network: Network, place: Place, options: Options, library: Libr
     if not network.nodes:
         raise NetworkError(f"{shown(str(place.path))}: the network has no nodes")
     network = plain_network(network, library=library)
-    given = [(setting.node, setting.name) for setting in options.settings]
     for text in options.scenes:
-        network, read = _with_scene(network, text, place, options, library)
-        given.append((read, "path"))
+        network = _with_scene(network, text, place, options, library)
     network = with_settings(network, options.settings, library=library)
     if options.final is not None:
         network = with_final(network, options.final, library=library)
-    check_shares(
-        network,
-        library,
-        given=given,
-        places=[place.path.absolute(), *options.allowed, *filter(None, [options.output_dir])],
-    )
     if options.seed is not None:
         network = network.with_seed(options.seed)
     check_network(network, library=library)
@@ -248,8 +239,8 @@ def with_options(network: Network, place: Place, options: Options, library: Libr
 
 def _with_scene(
     network: Network, text: str, place: Place, options: Options, library: Library
-) -> tuple[Network, str]:
-    """The network with a picture in place of a scene, ``[NODE=]FILE``, and the node."""
+) -> Network:
+    """The network with a picture in place of a scene, ``[NODE=]FILE``."""
     from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
 
     node, _, file = text.partition("=")
@@ -263,7 +254,7 @@ def _with_scene(
     )
     for line in replaced.lines:
         print(in_line(f"{replaced.node}: {line}"))
-    return replaced.network, replaced.node
+    return replaced.network
 
 
 def policy_of(options: Options) -> Policy:

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
-from app.editor.allowed_shares import Shares
 from app.editor.chosen_outputs import ChosenOutputs
 from app.editor.error_text import error_text
 from app.editor.free_numbers import FreeNumbers
@@ -44,8 +43,6 @@ class Session(QObject):
         Path, modified mark or what undo and redo would do may have changed.
     selection_changed(names)
         Other nodes are selected: a tuple of ids.
-    shares_answered
-        Another computer may be read from, or may not.
     message(kind, text)
         A line for the person; kind is "note", "error", or "advice": a note on what is selected.
     """
@@ -54,13 +51,11 @@ class Session(QObject):
     changed = Signal(object, object)
     state_changed = Signal()
     selection_changed = Signal(tuple)
-    shares_answered = Signal()
     message = Signal(str, str)
 
     def __init__(self, library: Library, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.library = library
-        self.shares = Shares()
         self.free = FreeNumbers(self)
         self._outputs = ChosenOutputs()
         self._document = Document(Network(), library=library)
@@ -165,8 +160,6 @@ class Session(QObject):
         self._network = unfolded(document.network)
         self._outputs.forget()
         self.free.clear()
-        if document.path is not None:
-            self.shares.allow(document.path)
         document.listen(self._changed)
         self._selection = ()
         self.opened.emit()
@@ -236,11 +229,6 @@ class Session(QObject):
     def choose_output(self, file: Path) -> None:
         """The person has chosen a file to be written: a run of this network may write it."""
         self._keep(partial(self._outputs.add, file.absolute(), self._document.path))
-
-    def answer_share(self, server: str, allowed: bool) -> None:
-        """Whether files on another computer may be read; holds for this session."""
-        self.shares.answer(server, allowed)
-        self.shares_answered.emit()
 
     def _keep(self, remember: Callable[[], None]) -> None:
         try:

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from app.permission.shares import check_shares
 from app.run.own_scene import OwnScene, with_own_scene
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.editing.macros import Inside
@@ -240,8 +239,6 @@ class ChainState:
         network = plain_network(self.network, library=library)
         if seed is not None:
             network = network.with_seed(seed)
-        places = [self.folder if self.file is None else self.file]
-        check_shares(network, library, given=self.given, places=places)
         check_network(network, library=library)
         return network
 

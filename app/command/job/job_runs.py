@@ -24,7 +24,6 @@ from app.options.command_options import Options
 from app.options.option_values import Assignment, Save
 from app.options.overrides import named_parameter
 from app.options.stopping import too_late
-from app.permission.shares import named_shares
 from app.permission.write_record import WriteRecord, read_record
 from app.permission.write_rules import WriteRules
 from app.report import write_report
@@ -276,11 +275,7 @@ class _Running:
         return job.output / TRADE_OFF_PAGE
 
     def _with(self, network: Network, options: Options) -> Network:
-        # The window has asked about other computers: what was not allowed is in no job.
-        shares = named_shares(network, self.library)
-        allowed = tuple(Path(str(network.nodes[node].params[name])) for node, name in shares)
-        places = replace(options, output_dir=self.job.output, allowed=allowed)
-        return with_options(network, self.place, places, self.library)
+        return with_options(network, self.place, options, self.library)
 
     def _work(self, engine: Engine) -> TimedWork:
         policy = policy_of(Options("run"))

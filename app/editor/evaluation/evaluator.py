@@ -125,7 +125,6 @@ class Evaluator(QObject):
         self._look.timeout.connect(self._look_at_worker)
         session.changed.connect(self._follow_change)
         session.opened.connect(self._follow_opening)
-        session.shares_answered.connect(self.generate)
         weakref.finalize(self, self._inbox.stop)
 
     @property
@@ -184,7 +183,6 @@ class Evaluator(QObject):
         self._closed = True
         self._session.changed.disconnect(self._follow_change)
         self._session.opened.disconnect(self._follow_opening)
-        self._session.shares_answered.disconnect(self.generate)
         self._soon.stop()
         self._frames.stop()
         self._outbox.closed = True
@@ -225,8 +223,7 @@ class Evaluator(QObject):
         if self._thread is None:
             self._start()
         session = self._session
-        network, barred = session.shares.without_barred(session.plain, session.library)
-        self._posted = network
+        network = self._posted = session.plain
         self._inbox.post(
             Snapshot(
                 self._generation,
@@ -238,7 +235,6 @@ class Evaluator(QObject):
                 self._generates,
                 self._gestures,
                 self._edited_at,
-                barred,
                 only_planned=not self._is_planned,
             )
         )

@@ -5,13 +5,12 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from app.editor.evaluation.queries import Answer, Badge, PassDone, Query
 from core.chain.engine import Plan
-from core.errors import ImagechainError
 from core.network.network import Network
 
 
@@ -44,8 +43,6 @@ class Snapshot:
         How many edits there have been with a pause before them.
     edited_at : float
         When the last edit was, on the clock of `time.perf_counter`.
-    barred : mapping of str to ImagechainError
-        Nodes that are not planned, and why.
     only_planned : bool
         Whether nothing is to be computed: what to show first is chosen by the plan.
     """
@@ -59,7 +56,6 @@ class Snapshot:
     generates: int
     gestures: int
     edited_at: float
-    barred: Mapping[str, ImagechainError] = field(default_factory=dict)
     only_planned: bool = False
 
 

@@ -81,7 +81,6 @@ class Runner:
             snapshot.folder,
             self._planned,
             generate=generate,
-            barred=snapshot.barred,
         )
         plan = self._planned.shown
         self._outbox.plan(plan)

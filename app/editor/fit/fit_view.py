@@ -95,12 +95,8 @@ class FitView(QWidget):
         if pictures is None:
             self._say("choose a picture first", failed=True)
             return
-        network, barred = session.shares.without_barred(session.plain, session.library)
-        for why in barred.values():
-            self._say(str(why), failed=True)
-            return
         task = FitTask(
-            network,
+            session.plain,
             session.library,
             session.folder,
             session.free.all,

@@ -265,8 +265,6 @@ class AddRun(QDialog):
     def _take_files(self, names: list[str]) -> None:
         known = {self.files.item(row).text() for row in range(self.files.count())}
         self.files.addItems([name for name in names if name not in known])
-        for name in names:
-            self._session.shares.allow(Path(name))
         self._say("files", "")
 
     def _drop_files(self) -> None:

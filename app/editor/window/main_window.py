@@ -44,7 +44,6 @@ from app.editor.window.documents.preset_shelf import PresetShelf
 from app.editor.window.documents.recent_files import RecentMenu
 from app.editor.window.documents.recovery import Recovery
 from app.editor.window.documents.remembered_settings import Settings
-from app.editor.window.documents.share_question import ShareQuestion
 from app.editor.window.documents.welcome import WelcomePage
 from app.editor.window.pages import Pages
 from app.editor.window.status import StatusBar
@@ -87,7 +86,6 @@ class MainWindow(QMainWindow):
         self.files = Files(self.session, settings, self)
         self.edits = EditCommands(self.level, self.canvas, self)
         self.help = Help(self.session, self.viewers, lambda: self.actions_by_name, self)
-        self.share_question = ShareQuestion(self.session, self)
         self.shelf = PresetShelf(
             self.level, self.canvas, self.library_view, settings.path.parent / "presets", self
         )

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from core.chain.engine import Engine, Plan, PlannedNode
-from core.errors import ImagechainError
 from core.network.network import Network
 
 
@@ -32,7 +30,6 @@ def plan_held(
     last: Planned | None,
     *,
     generate: bool,
-    barred: Mapping[str, ImagechainError] = MappingProxyType({}),
 ) -> Planned:
     """Plan a network; unless all is generated, nodes held back stay as they were.
 
@@ -48,8 +45,6 @@ def plan_held(
         The same document before, None if it was opened just now: all is generated then.
     generate : bool
         Whether to generate what is held back too.
-    barred : mapping of str to ImagechainError
-        Nodes that are not planned at all, and why.
 
     Raises
     ------
@@ -57,8 +52,7 @@ def plan_held(
         If the network as a whole cannot be planned, as with a cycle.
     """
     before = last.fresh if last is not None else None
-    never = {name: PlannedNode(network.nodes[name], error=why) for name, why in barred.items()}
-    fresh = engine.plan(network, folder=folder, previous=before, held=never)
+    fresh = engine.plan(network, folder=folder, previous=before)
     if generate or last is None:
         return Planned(fresh, fresh)
     held = {
@@ -68,7 +62,6 @@ def plan_held(
     }
     if not held:
         return Planned(fresh, fresh)
-    held |= never
     shown = engine.plan(network, folder=folder, previous=last.shown, held=held)
     stale = frozenset(name for name in held if _content(held[name]) != _content(fresh.nodes[name]))
     return Planned(shown, fresh, stale)

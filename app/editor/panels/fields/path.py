@@ -77,7 +77,7 @@ class PathField(TypedField):
         else:
             dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
         folder = self._session.folder.absolute()
-        if self.value is not None and not self._session.shares.bars(self.value):
+        if self.value is not None:
             folder = (folder / self.value).parent
         dialog.setDirectory(str(folder))
         dialog.fileSelected.connect(self._chosen)
@@ -91,7 +91,6 @@ class PathField(TypedField):
 
     def _chosen(self, name: str) -> None:
         if name:
-            self._session.shares.allow(Path(name))
             if self._writes:
                 self._session.choose_output(Path(name))
             self.offer(self.relative(Path(name)))
