@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from app.command.run import input_files, open_network, own_files, sink_targets
+from app.command.run import input_files, open_network, own_files, rules_of, sink_targets
 from app.command.run_summary import FINAL
 from app.options.command_options import Options
-from app.permission.write_rules import write_rules
 from app.run.evaluation import planned
 from app.run.output import find_output, how_to_choose
 from app.run.readout_tables import warning_lines
@@ -63,7 +62,7 @@ def planned_writes(
     """
     folder = options.output_dir or Path(f"{place.name}-output")
     check_folder(folder)
-    rules = write_rules(options, place, folder)
+    rules = rules_of(options, place, folder)
     own, sinks = own_files(plan, folder), sink_targets(plan, place.folder)
     staging = Staging(folder, [place.path, *input_files(plan, place.folder)])
     lines = [f"run writes {', '.join(map(str, own))}"]

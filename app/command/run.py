@@ -18,7 +18,6 @@ from app.options.option_values import Save
 from app.options.overrides import with_final, with_settings
 from app.options.progress import Progress
 from app.options.stopping import too_late
-from app.permission.write_rules import OPTION, WriteRules, write_rules
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
 from app.run.figures import Figure, main_figures
 from app.run.output import find_output
@@ -37,6 +36,7 @@ from app.run.way_of_running import (
     reduced,
     way_of_running,
 )
+from app.run.write_rules import OPTION, WriteRules, write_rules
 from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan
 from core.chain.realize import realize
@@ -125,7 +125,7 @@ def _carry_out(
     engine = Engine(library, way.store(None if options.reports else Store(KEPT_BYTES)))
     folder = options.output_dir or Path(f"{place.name}-output")
     check_folder(folder)
-    rules = write_rules(options, place, folder)
+    rules = rules_of(options, place, folder)
     with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
         with Progress(len(plan.nodes)) as progress:
             work = TimedWork(policy, engine.store, progress, cancel)
@@ -255,6 +255,17 @@ def _with_scene(
     for line in replaced.lines:
         print(in_line(f"{replaced.node}: {line}"))
     return replaced.network
+
+
+def rules_of(options: Options, place: Place, folder: Path) -> WriteRules:
+    """What the network may write by the command line."""
+    return write_rules(
+        place,
+        folder,
+        named=options.output_dir is not None,
+        allowed=options.allowed,
+        given=(setting.node for setting in options.settings if setting.name == "path"),
+    )
 
 
 def policy_of(options: Options) -> Policy:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.permission.write_record import read_record, remember_chosen
+from app.run.write_rules import read_record, remember_chosen
 
 
 class ChosenOutputs:

@@ -11,10 +11,9 @@ from os import PathLike, fspath
 from pathlib import Path
 
 from app.command.run import input_files, sink_files, sink_targets
-from app.permission.write_record import read_record
-from app.permission.write_rules import WriteRules
 from app.run.evaluation import Evaluation
 from app.run.staging import Staging
+from app.run.write_rules import WriteRules, read_record
 from imagechain.results.run_options import Origin
 
 

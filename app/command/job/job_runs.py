@@ -24,8 +24,6 @@ from app.options.command_options import Options
 from app.options.option_values import Assignment, Save
 from app.options.overrides import named_parameter
 from app.options.stopping import too_late
-from app.permission.write_record import WriteRecord, read_record
-from app.permission.write_rules import WriteRules
 from app.report import write_report
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
 from app.run.job import FRAMES, REPORT, Job, Variant
@@ -36,6 +34,7 @@ from app.run.readout_tables import warning_lines
 from app.run.shipped import Place
 from app.run.staging import Staging, check_folder, existing_folder, real_target
 from app.run.way_of_running import blocks_of, way_of_running
+from app.run.write_rules import WriteRecord, WriteRules, read_record
 from app.tradeoff.sweep import TradeOff
 from app.tradeoff.tradeoff_figures import default_figures
 from app.tradeoff.tradeoff_results import Curve, Results, changing_figures, shown_value

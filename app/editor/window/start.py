@@ -12,11 +12,12 @@ from PySide6.QtWidgets import QApplication
 
 from app.editor.lean_imports import nothing_collected
 from app.editor.theme import THEMES
-from app.editor.window.documents.remembered_settings import Settings, recovery_folder
+from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.main_window import MainWindow
 from app.editor.window.screenshot import Shot, take
 from app.options.command_options import Options
 from app.options.terminal_streams import print_error
+from app.user_folders import data_folder
 from core.errors import FileError, ImagechainError
 from nodes.library import standard_library
 from nodes.plug_ins import missing_modules
@@ -75,7 +76,8 @@ def start(options: Options, stop_requested: threading.Event) -> None:
 
 
 def _built(options: Options, settings: Settings) -> MainWindow:
-    window = MainWindow(library=standard_library(), settings=settings, recovery=recovery_folder())
+    recovery = data_folder() / "recovery"
+    window = MainWindow(library=standard_library(), settings=settings, recovery=recovery)
     if options.look is not None:
         window.set_theme(THEMES[options.look])
     if options.window_size is not None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from itertools import islice
 from pathlib import Path
 
-from PySide6.QtCore import QByteArray, QSettings, QStandardPaths
+from PySide6.QtCore import QByteArray, QSettings
 from PySide6.QtWidgets import QMainWindow
 
 from app.editor.theme import THEMES, Look
+from app.user_folders import settings_folder
 
 MOST_RECENT = 10  # files that are offered
 _MOST_STORED = 30  # of them and those that are not there: a disk may be put in again
@@ -30,7 +31,7 @@ class Settings:
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        self.path = path or _config_folder() / "editor.ini"
+        self.path = path or settings_folder() / "editor.ini"
         self.first = not self.path.exists()
         self._stored = QSettings(str(self.path), QSettings.Format.IniFormat)
 
@@ -100,14 +101,3 @@ class Settings:
     def _bytes(self, name: str) -> QByteArray | None:
         stored = self._stored.value(name)
         return stored if isinstance(stored, QByteArray) else None
-
-
-def _config_folder() -> Path:
-    place = QStandardPaths.StandardLocation.GenericConfigLocation
-    return Path(QStandardPaths.writableLocation(place)) / "imagechain"
-
-
-def recovery_folder() -> Path:
-    """Where work is kept that no file holds yet."""
-    place = QStandardPaths.StandardLocation.GenericDataLocation
-    return Path(QStandardPaths.writableLocation(place)) / "imagechain" / "recovery"

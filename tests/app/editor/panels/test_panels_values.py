@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.freshness import OLD_AFTER_MS
 from app.editor.panels.readouts import ReadoutsQuery
-from app.permission.write_record import read_record
+from app.run.write_rules import read_record
 from core.chain.engine import Engine
 from core.editing.document import Document
 from core.editing.operations import ABSENT, Rewire, set_node_field, set_parameter

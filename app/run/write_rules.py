@@ -2,29 +2,137 @@
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
+import json
 import os
 import shlex
+import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
-from app.options.command_options import Options
-from app.permission.write_record import (
-    Print,
-    WriteRecord,
-    changing,
-    fingerprint,
-    read_record,
-    write_record,
-)
 from app.run.shipped import Place
 from app.run.staging import Staging, real_target
+from app.user_folders import state_folder
+from core.atomic import write_text
 from core.errors import FileError, ImagechainError, UsageError
+from core.file_lock import in_turn
 from core.names import shown
 from nodes.files.stores.store_folder import is_store
 
 OPTION = "--allow-writes-to"
+FORMAT, VERSION = "imagechain-writes", 1
+_DAMAGED = (OSError, ValueError, TypeError, AttributeError, LookupError, RecursionError)
+Print = tuple[int, str]
+"""Size and SHA-256 of a file's content."""
+
+
+@dataclass(frozen=True)
+class WriteRecord:
+    """The record of one network file, in a file of the user's state folder.
+
+    It is there and not beside the network, because a network that came from elsewhere could
+    bring a record of its own. One that is lost or damaged counts as empty.
+
+    Parameters
+    ----------
+    network : Path
+        The network's file, links resolved.
+    written : mapping
+        What it has written: contents by file.
+    chosen : frozenset of Path
+        Files that the user has chosen in a dialog to be written.
+    """
+
+    network: Path
+    written: Mapping[Path, tuple[Print, ...]] = field(default_factory=dict)
+    chosen: frozenset[Path] = frozenset()
+
+    def holds(self, file: Path) -> bool:
+        """Whether a file is still as this network has written it."""
+        known = self.written.get(file, ())
+        with contextlib.suppress(OSError):
+            status = file.lstat()
+            if is_store(file):
+                return not file.is_symlink() and fingerprint(file) in known
+            alike = any(entry[0] == status.st_size for entry in known)
+            return alike and stat.S_ISREG(status.st_mode) and fingerprint(file) in known
+        return False
+
+
+def read_record(network: Path) -> WriteRecord:
+    """The record of a network's file; empty where there is none."""
+    real = Path(os.path.realpath(network))
+    path = _place(real)
+    with contextlib.suppress(*_DAMAGED):
+        content = json.loads(path.read_bytes())
+        if isinstance(content, dict) and content.get("network") == str(real):
+            return _read(real, content)
+    return WriteRecord(real)
+
+
+def write_record(record: WriteRecord) -> None:
+    """Keep a record.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written.
+    """
+    path = _place(record.network)
+    try:
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(f"cannot write {path}: {error.strerror or error}") from error
+    content = {
+        "format": FORMAT,
+        "version": VERSION,
+        "network": str(record.network),
+        "written": {str(file): prints for file, prints in record.written.items()},
+        "chosen": sorted(map(str, record.chosen)),
+    }
+    # As ASCII: a path that is no valid Unicode can be written and comes back as it was.
+    write_text(path, json.dumps(content, indent=1) + "\n")
+
+
+def remember_chosen(network: Path, files: Iterable[Path]) -> None:
+    """Add files that the user has chosen to a network's record.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written.
+    """
+    with changing(network):
+        known = read_record(network)
+        chosen = known.chosen | frozenset(Path(os.path.realpath(file)) for file in files)
+        if chosen != known.chosen:
+            write_record(WriteRecord(known.network, known.written, chosen))
+
+
+@contextlib.contextmanager
+def changing(network: Path) -> Iterator[None]:
+    """Hold off other processes that read and write a network's record."""
+    path = _place(Path(os.path.realpath(network)))
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    with in_turn(path.with_suffix(".lock")):
+        yield
+
+
+def fingerprint(file: Path) -> Print:
+    """Size and hash of what a file holds, or a store of files with their names."""
+    if is_store(file):
+        parts = sorted(part for part in file.rglob("*") if not part.is_dir())
+        prints = [(part.relative_to(file).as_posix(), fingerprint(part)) for part in parts]
+        whole = json.dumps(prints).encode()
+        return sum(size for _, (size, _) in prints), hashlib.sha256(whole).hexdigest()
+    with file.open("rb") as opened:
+        digest = hashlib.file_digest(opened, "sha256").hexdigest()
+        return opened.tell(), digest
 
 
 @dataclass(frozen=True)
@@ -163,8 +271,26 @@ class WriteRules:
         return ""
 
 
-def write_rules(options: Options, place: Place, output: Path) -> WriteRules:
+def write_rules(
+    place: Place,
+    output: Path,
+    *,
+    named: bool = False,
+    allowed: Sequence[Path] = (),
+    given: Iterable[str] = (),
+) -> WriteRules:
     """The rules of a run.
+
+    Parameters
+    ----------
+    place, output
+        The network, and the folder of the run's own files.
+    named : bool
+        Whether the user has named that folder.
+    allowed : sequence of Path
+        Folders of ``--allow-writes-to``.
+    given : iterable of str
+        Nodes whose file the user has named.
 
     Raises
     ------
@@ -174,18 +300,17 @@ def write_rules(options: Options, place: Place, output: Path) -> WriteRules:
         If the default output folder is a link, as one that came along with the network, or
         lies in a current folder that has been removed.
     """
-    for folder in options.allowed:
+    for folder in allowed:
         if not os.path.isdir(folder):  # noqa: PTH112, as Path's raises for a long name
             raise UsageError(f"{OPTION} {shown(str(folder))}: there is no such folder")
-    allowed = tuple(Path(os.path.realpath(folder)) for folder in options.allowed)
     real = real_target(output)
-    if options.output_dir is None and output.is_symlink():
+    if not named and output.is_symlink():
         hint = f"--output-dir {shlex.quote(str(output))} allows it"
         raise FileError(f"cannot write to {output}: it is a link to {real}; {hint}")
     return WriteRules(
         folders=(*_own_folder(place), real),
-        allowed=allowed,
-        given=frozenset(setting.node for setting in options.settings if setting.name == "path"),
+        allowed=tuple(Path(os.path.realpath(folder)) for folder in allowed),
+        given=frozenset(given),
         record=read_record(place.path),
     )
 
@@ -219,3 +344,18 @@ def _same(one: Path, other: Path) -> bool:
         return one.samefile(other)
     except OSError:
         return False
+
+
+def _place(network: Path) -> Path:
+    name = hashlib.sha256(os.fsencode(network)).hexdigest()[:32]
+    return state_folder() / "writes" / f"{name}.json"
+
+
+def _read(network: Path, content: dict[str, Any]) -> WriteRecord:
+    if content["format"] != FORMAT or content["version"] != VERSION:
+        raise ValueError("it is of another kind")
+    written = {
+        Path(file): tuple((int(size), str(digest)) for size, digest in prints)
+        for file, prints in content["written"].items()
+    }
+    return WriteRecord(network, written, frozenset(Path(file) for file in content["chosen"]))

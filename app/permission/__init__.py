@@ -1,1 +1,0 @@
-"""Where a network may write and which computers it may read from."""
