@@ -23,7 +23,7 @@ def handbook(options: Options, stop: Stop) -> None:
     FileError
         If the pages cannot be written.
     """
-    from app.handbook.kept_handbook import kept_handbook, write_handbook
+    from app.handbook.written_pages import cached_handbook, write_handbook
 
     library = standard_library()
     address = page_of(options.word) if options.word else "index.html"
@@ -32,7 +32,7 @@ def handbook(options: Options, stop: Stop) -> None:
             write_handbook(options.html_folder, library, progress)
             folder = options.html_folder
         else:
-            folder = kept_handbook(library, progress)
+            folder = cached_handbook(library, progress)
     page = folder.resolve() / address
     print(page)
     if options.html_folder is None and not options.only_path:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import html
 import json
+import shutil
+import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
@@ -15,11 +18,15 @@ from app.handbook.example_figures import example_of
 from app.handbook.markdown_text import anchor_of, rendered
 from app.handbook.module_page import default, module_page, ports, with_symbols
 from app.handbook.page_figures import page_figure
+from app.user_folders import cache_folder
 from core.chain.engine import Engine
+from core.errors import FileError
 from core.modules.declaration import Declaration, declaration
 from core.modules.library_type import Library
 
 TEMPLATES = Path(__file__).with_name("templates")
+MARK = "handbook.json"
+"""A file that only a handbook's folder has."""
 
 
 @dataclass(frozen=True)
@@ -127,6 +134,92 @@ def reference(declared: list[Declaration]) -> str:
             f'<ul class="modules">{rows}</ul>\n'
         )
     return "".join(parts)
+
+
+def cached_handbook(library: Library, progress: Callable[[str], None] = lambda _: None) -> Path:
+    """The handbook's folder in the cache; its pages are made if they are not those of today.
+
+    Today's are those of this version, its pages and the modules there are, plug-ins too.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written.
+    """
+    cache = cache_folder()
+    folder = cache / f"handbook-{content_mark(library)}"
+    if (folder / MARK).is_file():
+        return folder
+    try:
+        cache.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(f"cannot make the folder {cache}: {error.strerror or error}") from error
+    write_handbook(folder, library, progress)
+    for other in cache.glob("handbook-*"):
+        if other != folder:
+            shutil.rmtree(other, ignore_errors=True)
+    return folder
+
+
+def content_mark(library: Library) -> str:
+    """A name that changes with whatever the pages are made of."""
+    digest = hashlib.sha256()
+    for folder in (PAGES, TEMPLATES):
+        for path in sorted(folder.iterdir()):
+            if path.is_file():
+                digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    for module in library.values():
+        digest.update(repr(declaration(module)).encode())
+    for path in sorted(PAGES.parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def write_handbook(
+    folder: Path, library: Library, progress: Callable[[str], None] = lambda _: None
+) -> None:
+    """Write all pages to a folder: new, empty, or one with a handbook, which is replaced.
+
+    Raises
+    ------
+    FileError
+        If there is something else in the folder, or it cannot be written.
+    """
+    target = folder.resolve()
+    if folder.exists() and not _may_be_replaced(folder):
+        raise FileError(
+            f"cannot write the handbook to {folder}: it holds something else; name a new folder"
+        )
+    if not target.parent.is_dir():
+        raise FileError(
+            f"cannot write the handbook to {folder}: there is no folder {target.parent}"
+        )
+    replaces, names = (folder / MARK).is_file(), []
+    try:
+        with tempfile.TemporaryDirectory(
+            prefix=".handbook-", dir=target.parent, ignore_cleanup_errors=True
+        ) as made:
+            pages = Path(made) / "pages"
+            for name, content in handbook_files(library, progress):
+                file = pages / name
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_text(content, encoding="utf-8", newline="\n")
+                names.append(name)
+            facts = {"format": "imagechain-handbook", "version": 1, "files": names}
+            (pages / MARK).write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
+            if target.exists():
+                target.rename(Path(made) / "before")
+            pages.rename(target)
+    except OSError as error:
+        if not replaces and (folder / MARK).is_file():  # another process has just made it
+            return
+        raise FileError(
+            f"cannot write the handbook to {folder}: {error.strerror or error}"
+        ) from error
+
+
+def _may_be_replaced(folder: Path) -> bool:
+    return folder.is_dir() and ((folder / MARK).is_file() or not any(folder.iterdir()))
 
 
 class _Frame:

@@ -12,10 +12,10 @@ import pytest
 from app.handbook.contents import PAGES, PARTS
 from app.handbook.example_figures import example_of
 from app.handbook.formula_drawing import FormulaError, formula_svg
-from app.handbook.kept_handbook import MARK, cache_folder, content_mark, kept_handbook
 from app.handbook.markdown_text import blocks_of, rendered
 from app.handbook.module_page import module_page, parted, with_links, with_symbols
 from app.handbook.page_finding import find_page
+from app.handbook.written_pages import MARK, cached_handbook, content_mark
 from command_line import run_here, run_process
 from core.chain.engine import Engine
 from core.chain.wires import Image
@@ -234,29 +234,22 @@ def test_a_word_finds_its_page():
     assert found(" ") is None
 
 
-def test_the_cache_is_the_users():
-    given = {"XDG_CACHE_HOME": "/c", "HOME": "/h"}
-    assert str(cache_folder(given, "linux")) == "/c/imagechain"
-    assert str(cache_folder({"HOME": "/h"}, "linux")) == "/h/.cache/imagechain"
-    assert str(cache_folder({"XDG_CACHE_HOME": "c", "HOME": "/h"}, "linux")).startswith("/h")
-    assert cache_folder({}, "linux") is None
-
-
 def test_pages_are_made_once(folder, tmp_path, monkeypatch):
     """And anew where a module has come or changed."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     made = []
     few = {key: LIBRARY[key] for key in ("gaussian_mtf", "jitter_mtf")}
     monkeypatch.setattr(
-        "app.handbook.kept_handbook.handbook_files",
+        "app.handbook.written_pages.handbook_files",
         lambda library, _: made.append(len(library)) or iter([("index.html", "x")]),
     )
-    first = kept_handbook(few)
-    assert kept_handbook(few) == first
-    assert kept_handbook(LIBRARY) != first
-    assert made == [2, len(LIBRARY)]
+    first = cached_handbook(few)
+    assert cached_handbook(few) == first
     assert content_mark(few) == first.name.removeprefix("handbook-")
     assert sorted(path.name for path in first.iterdir()) == [MARK, "index.html"]
+    second = cached_handbook(LIBRARY)
+    assert made == [2, len(LIBRARY)]
+    assert list(first.parent.iterdir()) == [second]
 
 
 def test_what_cannot_be_written_is_one_line(tmp_path, monkeypatch):
