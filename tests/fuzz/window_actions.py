@@ -385,22 +385,6 @@ class NewerActions:
         elif self.random.random() < 0.2:
             self.window.runs.report_to(str(self.folder / "report.html"))
 
-    def do_tour(self):
-        """The first tour, some of its steps, and out of it: only on what may be thrown away."""
-        if self.random.random() < 0.9:
-            return
-        self.check_saved()
-        self.window.actions_by_name["first_tour"].trigger()
-        QApplication.processEvents()
-        for _ in range(self.random.randrange(8)):
-            button = self.window.tour.card.buttons[self.random.choice(["next", "next", "back"])]
-            if button.isVisible():
-                button.click()
-            QApplication.processEvents()
-        self.window.tour.leave()
-        self.window.show_canvas()
-        self.do_reopen()
-
     def do_pin(self):
         """Pin or unpin a panel by the button on its head."""
         panels = [one for one in self.window.panels.panels.values() if one.isVisible()]

@@ -47,7 +47,6 @@ from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.documents.welcome import WelcomePage
 from app.editor.window.pages import Pages
 from app.editor.window.status import StatusBar
-from app.editor.window.tour.first_tour import FirstTour
 from core.errors import ImagechainError
 from core.modules.library_type import Library
 
@@ -92,16 +91,6 @@ class MainWindow(QMainWindow):
         self.panels.sets_folder = self.shelf.folder / "parameters"
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.full_screen = FullScreen(self.viewers, self.session, self)
-        self.tour = FirstTour(
-            self.session,
-            self.files,
-            settings,
-            self.viewers,
-            self,
-            {"library": self.library_dock, "canvas": self.canvas, "panels": self.panel_dock},
-            self.show_welcome,
-            self.canvas.frame_all,
-        )
         self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
         self.viewers.set_picture_actions(
             self.actions_by_name["full_screen"], self.actions_by_name["export"]
@@ -188,8 +177,8 @@ class MainWindow(QMainWindow):
         beside = (self.viewers.plot, self.viewers.tradeoff, self.kept.view)
         viewers = [*self.viewers.images.values(), *beside, self.runs.view, self.measuring.view]
         viewers += [self.fitting.view, self.history]
-        card, sides = self.tour.card, (self.library_view, self.panels)
-        go_to_next([self.welcome, self.canvas, card, *sides, *viewers], step)
+        sides = self.library_view, self.panels
+        go_to_next([self.welcome, self.canvas, *sides, *viewers], step)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Close, unless work would be lost: then ask first, and change nothing until answered."""
@@ -235,7 +224,6 @@ class MainWindow(QMainWindow):
         if self._ended:
             return
         self._ended = True
-        self.tour.close()
         self.full_screen.close()
         self.pages.show_docks()
         if self._remembered:
@@ -406,11 +394,10 @@ class MainWindow(QMainWindow):
         self.evaluator.generate()
 
     def cancel(self) -> None:
-        """Stop the computation, and leave the tour."""
+        """Stop the computation."""
         self.evaluator.cancel()
         self.measuring.cancel()
         self.fitting.cancel()
-        self.tour.leave()
 
     def _warn(self, text: str) -> None:
         self.status.report("error", text)

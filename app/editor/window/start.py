@@ -22,6 +22,8 @@ from core.errors import FileError, ImagechainError
 from nodes.library import standard_library
 from nodes.plug_ins import missing_modules
 
+FIRST = "first_steps"  # opened at the very first start
+
 _WAKE_MS = 200  # Python handles a signal only while its code runs
 
 
@@ -56,7 +58,7 @@ def start(options: Options, stop_requested: threading.Event) -> None:
     _only_note(stop_requested)
     settings = Settings()
     with nothing_collected():
-        window = _built(options, settings)
+        window = built(options, settings)
     sys.excepthook = _Reporter(window)
     app.commitDataRequest.connect(lambda _manager: window.autosaver.write())
     ending = _Ending(window, stop_requested)
@@ -65,8 +67,6 @@ def start(options: Options, stop_requested: threading.Event) -> None:
     wake.start(_WAKE_MS)
     with nothing_collected():
         window.show()
-    if settings.first and not settings.toured and not options.network:
-        QTimer.singleShot(0, window.tour.begin)
     for line in missing_modules(window.session.library):
         window.session.message.emit("error", line)
     app.exec()
@@ -75,15 +75,16 @@ def start(options: Options, stop_requested: threading.Event) -> None:
         raise FileError(f"unsaved work is lost: {ending.problem}") from ending.problem
 
 
-def _built(options: Options, settings: Settings) -> MainWindow:
+def built(options: Options, settings: Settings) -> MainWindow:
+    """The window, with a network in it where one is named or no settings are there yet."""
     recovery = data_folder() / "recovery"
     window = MainWindow(library=standard_library(), settings=settings, recovery=recovery)
     if options.look is not None:
         window.set_theme(THEMES[options.look])
     if options.window_size is not None:
         window.resize(*options.window_size)
-    if options.network:
-        window.open_first(options.network)
+    if network := options.network or (FIRST if settings.first else ""):
+        window.open_first(network)
     return window
 
 

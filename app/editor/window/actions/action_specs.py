@@ -294,7 +294,6 @@ ACTIONS: tuple[ActionSpec, ...] = (
     ActionSpec("shortcuts", "&Help", "&Shortcuts", "List every shortcut", ("?", "Ctrl+/")),
     ActionSpec("handbook", "&Help", "&Handbook", "Open the handbook in the browser"),
     ActionSpec("module_help", "&Help", "&Module", "Show what the selected module does", ("F1",)),
-    ActionSpec("first_tour", "&Help", "First &Tour", "Build the network First steps, step by step"),
     ActionSpec("about", "&Help", "&About", "Version and sources"),
 )
 

@@ -25,7 +25,6 @@ from app.editor.window.docks.snapshot_dock import SnapshotDock
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.preset_shelf import PresetShelf
-from app.editor.window.tour.first_tour import FirstTour
 from core.editing.layout import EDGES, WAYS
 
 Target = Callable[[], object]
@@ -46,7 +45,6 @@ class Window(Protocol):
     full_screen: FullScreen
     shelf: PresetShelf
     kept: SnapshotDock
-    tour: FirstTour
     history: HistoryList
     runs: BackgroundRuns
     measuring: MeasureDock
@@ -71,7 +69,7 @@ class Window(Protocol):
         """Compute what is held back."""
 
     def cancel(self) -> None:
-        """Stop what runs: the computation, the tour."""
+        """Stop what runs."""
 
 
 def targets(window: Window) -> dict[str, Target]:
@@ -141,7 +139,6 @@ def targets(window: Window) -> dict[str, Target]:
         "shortcuts": window.help.shortcuts,
         "module_help": window.help.module,
         "handbook": window.help.handbook.open,
-        "first_tour": window.tour.begin,
         "about": window.help.about,
     }
     for number in VIEWER_NUMBERS:

@@ -46,16 +46,6 @@ class Settings:
         self._stored.setValue("look", look)
 
     @property
-    def toured(self) -> bool:
-        """Whether the first tour has been begun."""
-        return str(self._stored.value("toured", "")).lower() == "true"
-
-    @toured.setter
-    def toured(self, toured: bool) -> None:
-        self._stored.setValue("toured", toured)
-        self._stored.sync()
-
-    @property
     def recent(self) -> tuple[Path, ...]:
         """The ten files opened or saved last that are there, the last one first."""
         there = (path for path in map(Path, self._stored_recent()) if path.is_file())

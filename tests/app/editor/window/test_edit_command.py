@@ -138,18 +138,3 @@ def test_a_network_that_cannot_be_opened_leaves_a_window_that_says_so(tmp_path, 
 def test_without_words_the_first_page_opens(tmp_path, screen):
     run = started([sys.executable, "-m", "app.command.cli"], tmp_path, screen)
     assert ended(run, signal.SIGTERM) == (0, "", "")
-
-
-def test_only_the_very_first_start_without_a_network_begins_the_tour(tmp_path, screen):
-    """What begins it is remembered at once, in the settings."""
-    settings = tmp_path / "imagechain" / "editor.ini"
-    run = started(words("first_steps"), tmp_path, screen)
-    assert ended(run, signal.SIGTERM) == (0, "", "")
-    assert "toured" not in settings.read_text()
-    run = started(words(), tmp_path, screen)  # there are settings now
-    assert ended(run, signal.SIGTERM) == (0, "", "")
-    assert "toured" not in settings.read_text()
-    settings.unlink()
-    run = started(words(), tmp_path, screen)
-    wait_for(lambda: settings.exists() and "toured=true" in settings.read_text(), "it begins")
-    assert ended(run, signal.SIGTERM) == (0, "", "")

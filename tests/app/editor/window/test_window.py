@@ -15,6 +15,8 @@ from app.editor.recovery.recovery_files import recoverable
 from app.editor.theme import DARK, LIGHT
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.main_window import MainWindow
+from app.editor.window.start import built
+from app.options.command_options import Options
 from app.run.shipped import shipped_networks
 from core.editing.operations import set_parameter
 from window_hands import add, answer
@@ -356,3 +358,12 @@ def test_a_signal_to_end_keeps_unsaved_work(make_window, qtbot, tmp_path):
     window.stop()
     left = list((tmp_path / "recovery").glob("*"))
     assert any(b"test_scene" in path.read_bytes() for path in left)
+
+
+def test_the_very_first_start_opens_a_network(qtbot, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    for first in (True, False):
+        window = built(Options("edit"), Settings(tmp_path / "editor.ini"))
+        qtbot.addWidget(window)
+        assert bool(window.session.network.nodes) is first
+        window.close_for_good()

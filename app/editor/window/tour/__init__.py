@@ -1,1 +1,0 @@
-"""The first tour of the window."""
