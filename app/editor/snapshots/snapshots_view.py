@@ -1,38 +1,48 @@
-"""The dock of snapshots: their list, what is done with them, and the figures of A beside B's."""
+"""The dock of snapshots: their list, what is done with them, and which figures have changed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
-from PySide6.QtCore import QSize, Qt, QTimer
-from PySide6.QtWidgets import QHBoxLayout, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import (
+    QAbstractItemDelegate,
+    QAbstractItemView,
+    QHBoxLayout,
+    QHeaderView,
+    QListWidget,
+    QSplitter,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
 
+from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
-from app.editor.snapshots.all_figures import AllFiguresQuery, NodeFigure
-from app.editor.snapshots.changes import changes
-from app.editor.snapshots.comparing import Comparing
-from app.editor.snapshots.difference_table import DifferenceTable
-from app.editor.snapshots.figure_differences import FigureDifference, figure_differences
-from app.editor.snapshots.snapshot_list import SnapshotList
-from app.editor.snapshots.snapshots import Snapshots
+from app.editor.snapshots.changes import NOTHING, changes, in_short
+from app.editor.snapshots.snapshots import Comparing, Snapshots
+from app.editor.snapshots.states import AllFiguresQuery, KeptState, NodeFigure, changed_figures
 from app.editor.theme import Theme
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets.buttons import toggle_button, tool_button
 from app.editor.widgets.elided_label import ElidedLabel
-from app.run.figures import SENSOR_FIGURES
 from core.modules.declaration import Declaration
 from core.network.network import Network, Node
 
+_NUMBER = Qt.ItemDataRole.UserRole
+_NAME, _TIME, _CHANGED = range(3)
+_MARK = "A  "
 _HINT = "nothing is kept yet: Ctrl+K keeps the present state"
-_ALWAYS = frozenset(name for shown in SENSOR_FIGURES.values() for name, _ in shown)
 
 
 class SnapshotsView(Viewer):
-    """Lists snapshots, and shows the figures of the one that is A beside the present ones.
+    """Lists snapshots, and the figures that differ from those of the one that is A.
 
     Parameters
     ----------
@@ -61,14 +71,13 @@ class SnapshotsView(Viewer):
         self._soon = QTimer(self, singleShot=True, interval=30)
         self._soon.timeout.connect(self._fill_list)
         self._freshness = Freshness(session, evaluator, self)
-        self._freshness.changed.connect(self.table.mark_old)
+        self._freshness.changed.connect(self.figures.setDisabled)
         snapshots.changed.connect(self._follow_snapshots)
         self.keep.clicked.connect(comparing.keep)
         self.flip.clicked.connect(snapshots.flip)
         self.wipe.clicked.connect(snapshots.wipe)
         self.back.clicked.connect(self._go_back)
         self.remove.clicked.connect(self._remove)
-        self.every.toggled.connect(self._fill_table)
         self.list.chosen.connect(snapshots.choose)
         self.list.renamed.connect(snapshots.rename)
         self.list.removed.connect(snapshots.remove)
@@ -80,19 +89,18 @@ class SnapshotsView(Viewer):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
-        for button in (self.flip, self.wipe, self.every):
+        for button in (self.flip, self.wipe):
             button.set_theme(theme)
-        self.table.set_theme(theme)
 
     def queries(self) -> Sequence[Query]:
         """The present figures, where there is something to compare them with."""
         return () if self._snapshots.chosen is None else (AllFiguresQuery(),)
 
     def take(self, answer: Answer) -> None:
-        """Show the present figures beside those of A."""
+        """Show which figures differ."""
         self._now = answer.value if isinstance(answer.value, tuple) else None
         self._freshness.catch_up(answer.generation)
-        self._fill_table()
+        self._fill_figures()
 
     def follow(self, before: Network, after: Network) -> None:  # noqa: ARG002
         """Say anew what has changed since; a drag has many changes."""
@@ -113,7 +121,7 @@ class SnapshotsView(Viewer):
         """Show what has changed meanwhile."""
         super().showEvent(event)
         self._fill_list()
-        self._fill_table()
+        self._fill_figures()
 
     def _build(self) -> None:
         name = self.owner
@@ -128,11 +136,12 @@ class SnapshotsView(Viewer):
             f"{name}.back", "Go Back", "Make the network what it was in A; can be undone", self
         )
         self.remove = tool_button(f"{name}.remove", "Remove", "Keep A no longer (Del)", self)
-        self.every = toggle_button(
-            f"{name}.every", "All Figures", "Show figures that are the same, too", self
-        )
         self.list = SnapshotList(self)
-        self.table = DifferenceTable(self.theme, self)
+        self.figures = QListWidget(self)
+        self.figures.setObjectName(f"{name}.figures")
+        self.figures.setAccessibleName("Figures that have changed; Ctrl+C copies one")
+        self.figures.setToolTip("Figures of the snapshot, A → of the network now, B")
+        self.figures.setWordWrap(True)
         self.title = ElidedLabel(f"{name}.title", "How many figures differ", self)
         bar = QHBoxLayout()
         bar.setContentsMargins(2, 2, 2, 0)
@@ -144,12 +153,9 @@ class SnapshotsView(Viewer):
         figures = QVBoxLayout(below)
         figures.setContentsMargins(0, 0, 0, 0)
         figures.setSpacing(1)
-        head = QHBoxLayout()
-        head.setContentsMargins(6, 0, 2, 0)
-        head.addWidget(self.title, 1)
-        head.addWidget(self.every)
-        figures.addLayout(head)
-        figures.addWidget(self.table, 1)
+        self.title.setContentsMargins(6, 0, 2, 0)
+        figures.addWidget(self.title)
+        figures.addWidget(self.figures, 1)
         self.parts = QSplitter(Qt.Orientation.Vertical, self)
         self.parts.setChildrenCollapsible(False)
         self.parts.addWidget(self.list)
@@ -172,7 +178,7 @@ class SnapshotsView(Viewer):
         for button in (self.flip, self.wipe, self.back, self.remove):
             button.setEnabled(chosen is not None)
         self._fill_list()
-        self._fill_table()
+        self._fill_figures()
         self.ask()
 
     def _declared(self, node: Node) -> Declaration | None:
@@ -185,22 +191,19 @@ class SnapshotsView(Viewer):
         changed = [changes(state.nodes, now, self._declared) for state in states]
         self.list.fill(states, self._snapshots.chosen, changed)
 
-    def _fill_table(self, *_: object) -> None:
+    def _fill_figures(self) -> None:
         if not self.isVisible():
             return
         state, now = self._snapshots.chosen, self._now
+        self.figures.clear()
         if state is None:
-            self.table.show_rows(())
             self.title.show_text(_HINT)
-            return
-        if state.results.figures is None or now is None:
-            self.table.show_rows(())
+        elif state.results.figures is None or now is None:
             self.title.show_text(f"the figures of A {state.name} and of now are being computed")
-            return
-        rows = figure_differences(state.results.figures, now)
-        differing = sum(row.differs for row in rows)
-        self.table.show_rows([row for row in rows if self.every.isChecked() or _is_shown(row)])
-        self.title.show_text(f"A {state.name}, B now: {differing} of {len(rows)} figures differ")
+        else:
+            lines, count = changed_figures(state.results.figures, now)
+            self.figures.addItems(lines)
+            self.title.show_text(f"A {state.name}, B now: {len(lines)} of {count} figures differ")
 
     def _go_back(self) -> None:
         self._snapshots.go_back()
@@ -211,6 +214,128 @@ class SnapshotsView(Viewer):
             self._snapshots.remove(state.number)
 
 
-def _is_shown(row: FigureDifference) -> bool:
-    """Whether it is shown while not all are: what differs, and the figures of the sensor."""
-    return row.differs or row.name in _ALWAYS
+class SnapshotList(QTreeWidget):
+    """One row for each state, the newest first; the current row is A.
+
+    F2 or a double click renames, Del removes, Enter goes back.
+
+    Signals
+    -------
+    chosen(number)
+        Another state is to be A.
+    renamed(number, name)
+        The person has given one another name.
+    removed(number)
+        One is to be removed.
+    went_back(number)
+        The document is to be as it was in that state.
+    typed
+        No name is being typed any more.
+    """
+
+    chosen = Signal(int)
+    renamed = Signal(int, str)
+    removed = Signal(int)
+    went_back = Signal(int)
+    typed = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("snapshots.list")
+        self.setAccessibleName("Snapshots: F2 renames, Del removes, Enter goes back")
+        self.setToolTip("The current one is A. F2 renames, Del removes, Enter goes back to it")
+        self.setHeaderLabels(["Snapshot", "Kept", "Changed since"])
+        self.setRootIsDecorated(False)
+        self.setUniformRowHeights(True)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setTextElideMode(Qt.TextElideMode.ElideRight)
+        head = self.header()
+        head.setSectionResizeMode(_NAME, QHeaderView.ResizeMode.ResizeToContents)
+        head.setSectionResizeMode(_TIME, QHeaderView.ResizeMode.ResizeToContents)
+        head.setStretchLastSection(True)
+        self.currentItemChanged.connect(self._current_changed)
+        self.itemChanged.connect(self._item_changed)
+        self.itemDoubleClicked.connect(self._double_clicked)
+
+    def fill(
+        self,
+        states: Sequence[KeptState],
+        chosen: KeptState | None,
+        changed: Sequence[tuple[str, ...]],
+    ) -> None:
+        """Show these states, which is A, and what has changed since each of them."""
+        if self.state() is QAbstractItemView.State.EditingState:
+            return  # what is typed stays; the list is filled again after it
+        blocker = QSignalBlocker(self)
+        numbers = [state.number for state in reversed(states)]
+        if numbers != [self._number(self.topLevelItem(row)) for row in range(self._count())]:
+            self.clear()
+            self.addTopLevelItems([QTreeWidgetItem() for _ in states])
+        rows = zip(reversed(states), reversed(changed), strict=True)
+        for row, (state, texts) in enumerate(rows):
+            item = self.topLevelItem(row)
+            assert item is not None
+            is_a = chosen is not None and state.number == chosen.number
+            item.setFlags(item.flags() | Qt.ItemFlag.ItemIsEditable)
+            item.setData(_NAME, _NUMBER, state.number)
+            item.setText(_NAME, _MARK + state.name if is_a else state.name)
+            item.setText(_TIME, state.time)
+            item.setText(_CHANGED, in_short(texts))
+            item.setToolTip(_CHANGED, tip("\n".join(texts) or NOTHING))
+            if is_a:
+                self.setCurrentItem(item)
+        del blocker
+
+    def rename_current(self) -> None:
+        """Type another name for the current one."""
+        self._edit(self.currentItem())
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Rename, remove, go back."""
+        item = self.currentItem()
+        key = event.key()
+        if item is None or self.state() is QAbstractItemView.State.EditingState:
+            super().keyPressEvent(event)
+        elif key == Qt.Key.Key_F2:
+            self._edit(item)
+        elif key in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace):
+            self.removed.emit(self._number(item))
+        elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.went_back.emit(self._number(item))
+        else:
+            super().keyPressEvent(event)
+
+    def closeEditor(self, editor: QWidget, hint: QAbstractItemDelegate.EndEditHint) -> None:
+        """Show the names as they are taken."""
+        super().closeEditor(editor, hint)
+        self.typed.emit()
+
+    def keyboardSearch(self, search: str) -> None:
+        """Letters are shortcuts here, and look nothing up."""
+
+    def _count(self) -> int:
+        return self.topLevelItemCount()
+
+    @staticmethod
+    def _number(item: QTreeWidgetItem | None) -> int:
+        number = item.data(_NAME, _NUMBER) if item is not None else None
+        return int(number) if number is not None else 0
+
+    def _edit(self, item: QTreeWidgetItem | None) -> None:
+        if item is None:
+            return
+        blocker = QSignalBlocker(self)
+        item.setText(_NAME, item.text(_NAME).removeprefix(_MARK))
+        del blocker
+        self.editItem(item, _NAME)
+
+    def _double_clicked(self, item: QTreeWidgetItem, _column: int) -> None:
+        self._edit(item)
+
+    def _current_changed(self, item: QTreeWidgetItem | None, _before: object) -> None:
+        if item is not None:
+            self.chosen.emit(self._number(item))
+
+    def _item_changed(self, item: QTreeWidgetItem, column: int) -> None:
+        if column == _NAME:
+            self.renamed.emit(self._number(item), item.text(_NAME))

@@ -10,8 +10,7 @@ from PySide6.QtWidgets import QMainWindow
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
-from app.editor.snapshots.comparing import Comparing
-from app.editor.snapshots.snapshots import Snapshots
+from app.editor.snapshots.snapshots import Comparing, Snapshots
 from app.editor.snapshots.snapshots_view import SnapshotsView
 from app.editor.theme import Theme
 from app.editor.window.docks.dock_places import add_dock
@@ -75,6 +74,6 @@ class SnapshotDock(QObject):
         """Let the keys work on pictures, curves and the list, too; mark what is shown."""
         keys = [actions[name] for name in _KEYS]
         self._viewers.add_compare_actions(keys)
-        for widget in (self.view.list, self.view.table):
+        for widget in (self.view.list, self.view.figures):
             widget.addActions(keys)
         self.dock.visibilityChanged.connect(actions["snapshots"].setChecked)

@@ -1,11 +1,21 @@
 """The bound on what snapshots hold: pictures of the oldest go, what is shared counts once."""
 
+import math
 from datetime import datetime
 from pathlib import Path
 
 import numpy as np
+import pytest
 
-from app.editor.snapshots.kept_state import KeptResults, KeptState, Source, bounded, held_bytes
+from app.editor.snapshots.states import (
+    KeptResults,
+    KeptState,
+    NodeFigure,
+    Source,
+    bounded,
+    changed_figures,
+    held_bytes,
+)
 from app.editor.viewers.pixels.grey_levels import spread_of
 from app.editor.viewers.pixels.kept_picture import KeptPicture
 from app.editor.viewers.pixels.picture_facts import Axis, Facts
@@ -75,3 +85,29 @@ def test_of_curves_the_last_few_are_kept():
 def test_within_the_bound_nothing_is_dropped():
     states = tuple(state(number, samples()) for number in (1, 2, 3))
     assert bounded(states, 3 * EACH, None) == (states, ())
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "line"),
+    [
+        (0.1, 0.125, "100 mK → 125 mK"),
+        (0.25, 0.25, None),
+        (1.0, 1.0 + 1e-9, None),  # nothing that six digits show
+        (1.0, 1.00002, "1 K → 1.00002 K"),
+        (math.nan, math.nan, None),
+        (1.0, math.nan, "1 K → nan K"),
+        (None, 1.0, "— → 1 K"),
+        (True, False, "yes → no"),
+        ("day", "night", "day → night"),
+    ],
+)
+def test_figures_that_differ(a, b, line):
+    one, other = (NodeFigure("camera", "netd_K", "NETD", value, "K", "") for value in (a, b))
+    lines, count = changed_figures([one], [other])
+    assert (lines, count) == ((() if line is None else (f"camera NETD: {line}",)), 1)
+
+
+def test_what_rounding_leaves_of_zero_is_no_difference():
+    one, other = (NodeFigure("camera", "share", "share", value, "", "") for value in (1e-17, 3e-17))
+    assert changed_figures([one], [other]) == ((), 1)
+    assert changed_figures([one], [])[0] == ("camera share: 1e−17 → —",)

@@ -1,13 +1,9 @@
 """The list of snapshots: named, removed, gone back to, with curves and figures of both sides."""
 
 import pytest
-from PySide6.QtCore import Qt
-from PySide6.QtGui import QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QTabBar
 
-from app.editor.theme import THEMES
-from colour_sight import contrast
 from core.editing.operations import Remove, Rewire, set_parameter
 from snapshot_hands import PORT
 from window_hands import CTRL, KEY, add, give_focus
@@ -176,42 +172,24 @@ def test_what_a_has_not_is_looked_for_once(person, qtbot):
     assert window.evaluator.generation == generation
 
 
-@pytest.mark.parametrize("look", ["dark", "light"])
-def test_figures_stand_side_by_side_with_differences_in_colour_and_sign(person, look):
+def test_the_figures_that_differ_are_listed(person):
     window = person.window
     window.files.open_now("kodak_kir310")
     person.idle()
-    window.set_theme(THEMES[look])
     person.keep()
     window.session.do(set_parameter("init", "f_number", 4.0))
     person.idle()
     person.open_list()
     person.idle()
-    table, strip = person.kept.view.table, window.figures
-    rows = {}
-    for row in range(table.rowCount()):
-        if table.item(row, 4) is not None:
-            rows[table.item(row, 0).text().strip()] = row
-    row = rows["G#"]
-    a, b = (float(table.item(row, column).text()) for column in (1, 2))
-    assert f"{b:g} 1/sr" in strip.text("g_number")
+    figures = person.kept.view.figures
+    lines = [figures.item(row).text() for row in range(figures.count())]
+    (line,) = (line for line in lines if " G#: " in line)
+    a, b = (float(side.split()[0]) for side in line.partition(": ")[2].split(" → "))
+    assert f"{b:g} 1/sr" in window.figures.text("g_number")
     # G# = (1 + 4 F#²) / (π τ): from F/2 to F/4 it grows as 65 to 17.
     assert b / a == pytest.approx(65 / 17, rel=1e-3)
-    assert table.item(row, 3).text() == "1/sr"
-    assert table.item(row, 4).text() == "▲ +282 %"
-    assert table.item(rows["Bandwidth"], 4).text() == "="
-    assert table.item(rows["SNR"], 4).text().startswith("▼ −")
-    inks = {}
-    ground = table.palette().color(QPalette.ColorRole.Base).name()
-    for name in ("G#", "Bandwidth", "SNR"):
-        inks[name] = table.item(rows[name], 4).foreground().color().name()
-        assert contrast(inks[name], ground) >= 4.5
-    assert len(set(inks.values())) == 3
-    differing = sum(table.item(n, 4).text() != "=" for n in rows.values())
-    assert person.kept.view.title.text().startswith(f"A Snapshot 1, B now: {differing} of ")
-    seen = len(rows)
-    QTest.mouseClick(person.kept.view.every, Qt.MouseButton.LeftButton)
-    assert table.rowCount() > seen
+    assert not any("Bandwidth" in line for line in lines)
+    assert person.kept.view.title.text().startswith(f"A Snapshot 1, B now: {len(lines)} of ")
 
 
 def test_pictures_beyond_the_bound_are_dropped_said_and_computed_again(person):
