@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from PySide6.QtGui import QColor, QPalette
+from PySide6.QtWidgets import QWidget
 
 Look = Literal["dark", "light"]
 
@@ -186,3 +187,23 @@ LIGHT = Theme(
 )
 
 THEMES: Mapping[Look, Theme] = MappingProxyType({"dark": DARK, "light": LIGHT})
+
+
+_INK = (QPalette.ColorRole.WindowText, QPalette.ColorRole.Text)
+
+
+def set_ink(widget: QWidget, colour: str) -> None:
+    """Write in that colour."""
+    palette = widget.palette()
+    if palette.color(QPalette.ColorRole.WindowText) != QColor(colour):
+        for role in _INK:
+            palette.setColor(role, QColor(colour))
+        widget.setPalette(palette)
+
+
+def set_ground(widget: QWidget, colour: str) -> None:
+    """Fill the background with that colour."""
+    palette = widget.palette()
+    palette.setColor(QPalette.ColorRole.Window, QColor(colour))
+    widget.setPalette(palette)
+    widget.setAutoFillBackground(True)

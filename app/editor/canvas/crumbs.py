@@ -12,8 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QWidget
 
 from app.editor.declared_text import tip
 from app.editor.level import Level
-from app.editor.theme import Theme
-from app.editor.widgets.colours import set_ground, set_ink
+from app.editor.theme import Theme, set_ground, set_ink
 
 _BETWEEN = "›"
 

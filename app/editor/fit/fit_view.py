@@ -22,8 +22,7 @@ from app.editor.measure.measure_worker import Check, MeasureWorker
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.status_line import StatusLine
-from app.editor.widgets.buttons import toggle_button, tool_button
-from app.editor.widgets.flow_layout import FlowLayout
+from app.editor.widgets import FlowLayout, toggle_button, tool_button
 from core.editing.operations import Operation, Together, set_parameter
 from core.errors import ParameterError
 from core.modules.parameters import plain

@@ -9,8 +9,8 @@ from PySide6.QtCore import QEvent, QMimeData, QObject
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QWidget
 
+from app.editor.gestures import accept_copy
 from app.editor.measure.viewer_pictures import ViewerPicture
-from app.editor.widgets.copied_drop import accept_copy
 from nodes.files.common.file_format import JSON
 
 Pictures = tuple[Path, ...] | ViewerPicture

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.declared_text import tip
 from app.editor.theme import Theme
-from app.editor.widgets.copied_table import CopiedTable
+from app.editor.widgets import CopiedTable
 
 if TYPE_CHECKING:
     from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement

@@ -19,8 +19,7 @@ from app.editor.measure.mtf_chart import MtfChart
 from app.editor.measure.viewer_pictures import ViewerPicture
 from app.editor.theme import Theme
 from app.editor.viewers.status_line import StatusLine
-from app.editor.widgets.buttons import menu_button, toggle_button, tool_button
-from app.editor.widgets.flow_layout import FlowLayout
+from app.editor.widgets import FlowLayout, menu_button, toggle_button, tool_button
 from core.errors import UsageError
 
 if TYPE_CHECKING:

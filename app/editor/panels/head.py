@@ -19,12 +19,10 @@ from PySide6.QtWidgets import (
 
 from app.editor.declared_text import breakable, flowing, tip, titled
 from app.editor.evaluation.queries import Badge
+from app.editor.gestures import without_argument
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.theme import Theme
-from app.editor.widgets.colours import set_ground, set_ink
-from app.editor.widgets.flow_layout import FlowLayout
-from app.editor.widgets.outlined import Toggle
-from app.editor.widgets.triggered import without_argument
+from app.editor.theme import Theme, set_ground, set_ink
+from app.editor.widgets import FlowLayout, Toggle
 from core.network.network import Node
 
 

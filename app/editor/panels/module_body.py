@@ -13,8 +13,7 @@ from app.editor.panels.ports_section import PortsView
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
 from app.editor.session import Session
-from app.editor.theme import Theme
-from app.editor.widgets.colours import set_ink
+from app.editor.theme import Theme, set_ink
 from core.editing.operations import ABSENT, set_parameter
 from core.modules.declaration import Declaration
 from core.names import thaw

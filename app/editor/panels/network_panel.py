@@ -10,8 +10,7 @@ from app.editor.declared_text import tip
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.head import TitleBar
 from app.editor.session import Session
-from app.editor.theme import Theme
-from app.editor.widgets.colours import set_ground, set_ink
+from app.editor.theme import Theme, set_ground, set_ink
 from core.editing.operations import set_network_field
 from core.errors import ParameterError
 from core.network.network import SEEDS, Network, check_seed

@@ -12,12 +12,12 @@ from PySide6.QtWidgets import QFrame, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
+from app.editor.gestures import AfterRelease
 from app.editor.panels.network_panel import NetworkPanel
 from app.editor.panels.node_panel import NodePanel
 from app.editor.session import Session, followed_name, renamed_node
 from app.editor.theme import Theme
-from app.editor.widgets.after_release import AfterRelease
-from app.editor.widgets.wheel_scroll import WheelScrollArea
+from app.editor.widgets import WheelScrollArea
 from core.editing.operations import ABSENT, set_node_field
 
 

@@ -16,9 +16,8 @@ from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure
 from app.editor.session import Session
-from app.editor.theme import Theme
-from app.editor.widgets.colours import set_ink
-from app.editor.widgets.steady_width import steady_width
+from app.editor.theme import Theme, set_ink
+from app.editor.widgets import steady_width
 from core.chain.engine import Plan
 from core.modules.declaration import Declaration
 

@@ -12,9 +12,8 @@ from app.editor.panels.fields.choice import ButtonsField
 from app.editor.panels.fields.field import Field, FieldLink
 from app.editor.panels.fields.make import field_for
 from app.editor.session import Session
-from app.editor.theme import Theme
-from app.editor.widgets.colours import set_ink
-from app.editor.widgets.page_tabs import PageTabs
+from app.editor.theme import Theme, set_ink
+from app.editor.widgets import PageTabs
 from core.editing.operations import ABSENT
 from core.modules.declaration import Declaration
 from core.modules.panel_sections import Section

@@ -7,8 +7,7 @@ import json
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from app.editor.theme import Theme
-from app.editor.widgets.colours import set_ink
+from app.editor.theme import Theme, set_ink
 from core.names import shown, thaw
 from core.network.network import Network
 

@@ -30,8 +30,7 @@ from app.editor.theme import Theme
 from app.editor.tradeoff.parameter_choice import ParameterChoice
 from app.editor.tradeoff.ranges import usual_span
 from app.editor.tradeoff.varied import Varied
-from app.editor.widgets.buttons import tool_button
-from app.editor.widgets.outlined import Check
+from app.editor.widgets import Check, tool_button
 from app.run.job import Kind
 from app.run.sequence import MOST_FRAMES
 from app.run.staging import check_folder

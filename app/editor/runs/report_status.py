@@ -14,7 +14,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.runs.run_queue import Entry, RunQueue
-from app.editor.widgets.buttons import tool_button
+from app.editor.widgets import tool_button
 
 
 class ReportStatus(QWidget):

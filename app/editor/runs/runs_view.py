@@ -40,9 +40,7 @@ from app.editor.declared_text import tip
 from app.editor.runs.run_queue import Entry, RunQueue
 from app.editor.runs.run_words import state_text, whole_text
 from app.editor.theme import Theme
-from app.editor.widgets.buttons import tool_button
-from app.editor.widgets.elided_label import ElidedLabel, centred_hint
-from app.editor.widgets.flow_layout import FlowLayout
+from app.editor.widgets import ElidedLabel, FlowLayout, centred_hint, tool_button
 
 _NUMBER, _SHARE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
 _TICK_MS = 1000

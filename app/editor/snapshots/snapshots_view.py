@@ -30,8 +30,7 @@ from app.editor.snapshots.snapshots import Comparing, Snapshots
 from app.editor.snapshots.states import AllFiguresQuery, KeptState, NodeFigure, changed_figures
 from app.editor.theme import Theme
 from app.editor.viewers.viewer import Viewer
-from app.editor.widgets.buttons import toggle_button, tool_button
-from app.editor.widgets.elided_label import ElidedLabel
+from app.editor.widgets import ElidedLabel, toggle_button, tool_button
 from core.modules.declaration import Declaration
 from core.network.network import Network, Node
 

@@ -13,9 +13,7 @@ from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.tradeoff.parameter_choice import ParameterChoice
 from app.editor.tradeoff.ranges import LEAST_COUNT, MOST_COUNT, Span
-from app.editor.widgets.buttons import toggle_button, tool_button
-from app.editor.widgets.flow_layout import FlowLayout
-from app.editor.widgets.outlined import Check
+from app.editor.widgets import Check, FlowLayout, toggle_button, tool_button
 
 
 class TradeOffBar(QWidget):

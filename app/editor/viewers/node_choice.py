@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QComboBox, QWidget
 
 from app.editor.session import Session
 from app.editor.viewers.network_ports import ports_depend_on
-from app.editor.widgets.left_open import require_defined
+from app.editor.widgets import require_defined
 
 VALUE = Qt.ItemDataRole.UserRole
 

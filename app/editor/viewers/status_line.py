@@ -6,7 +6,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from app.editor.theme import Theme
-from app.editor.widgets.elided_label import ElidedLabel
+from app.editor.widgets import ElidedLabel
 
 
 class StatusLine(QWidget):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QMainWindow, QStackedWidget, QWidget
 
-from app.editor.widgets.second_click import SecondClick
+from app.editor.gestures import SecondClick
 from app.editor.window.docks.dock_places import Curtain
 from app.editor.window.docks.layouts import LayoutName
 from app.editor.window.docks.window_layout import WindowLayout

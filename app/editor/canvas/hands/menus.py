@@ -16,7 +16,7 @@ from app.editor.canvas.items.canvas_style import TINTS
 from app.editor.canvas.items.faces import COLOUR
 from app.editor.canvas.items.hits import Hit
 from app.editor.canvas.items.marks import Marks
-from app.editor.widgets.triggered import without_argument
+from app.editor.gestures import without_argument
 from core.editing.backdrops import change
 from core.editing.operations import ABSENT, Rewire, Together, named, set_node_field
 

@@ -26,7 +26,7 @@ from PySide6.QtWidgets import QGraphicsView, QWidget
 
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.nodegraphqt import NodeViewer
-from app.editor.widgets.copied_drop import accept_copy
+from app.editor.gestures import accept_copy
 
 SMALLEST_ZOOM, LARGEST_ZOOM = 0.02, 4.0  # of the natural zoom; 200 nodes in a row are framed
 _SMALLEST_FRAMED = 0.001  # of the natural zoom: a square of 60,000 nodes is 150 pixels wide

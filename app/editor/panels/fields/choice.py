@@ -10,9 +10,7 @@ from PySide6.QtWidgets import QButtonGroup, QComboBox, QSizePolicy
 
 from app.editor.declared_text import choice_text
 from app.editor.panels.fields.field import Field
-from app.editor.widgets.flow_layout import FlowLayout
-from app.editor.widgets.outlined import Radio
-from app.editor.widgets.wheel_scroll import takes_wheel
+from app.editor.widgets import FlowLayout, Radio, takes_wheel
 from core.modules.parameters import Parameter
 
 MOST_BUTTONS = 4

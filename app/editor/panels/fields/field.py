@@ -11,13 +11,12 @@ from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
 from app.editor.declared_text import about, label_of, shown_value, tip
+from app.editor.gestures import AfterRelease
 from app.editor.panels.fields.drag_label import DragLabel
 from app.editor.panels.fields.one_value import add_value_actions, chosen
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.theme import Theme
-from app.editor.widgets.after_release import AfterRelease
-from app.editor.widgets.colours import set_ink
-from app.editor.widgets.left_open import require_defined
+from app.editor.theme import Theme, set_ink
+from app.editor.widgets import require_defined
 from core.editing.operations import ABSENT
 from core.errors import ParameterError
 from core.modules.parameters import Parameter, plain

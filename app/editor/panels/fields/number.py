@@ -13,9 +13,8 @@ from app.editor.number_text import shown_number
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.slider import Slider
 from app.editor.panels.fields.slider_scale import scale_of
-from app.editor.theme import Theme
+from app.editor.theme import Theme, set_ink
 from app.editor.typed_number import typed_number
-from app.editor.widgets.colours import set_ink
 from core.errors import ParameterError
 from core.network.linked_values import expression
 

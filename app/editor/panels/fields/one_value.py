@@ -9,8 +9,8 @@ from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QMenu
 
 from app.editor.declared_text import choice_text, shown_value
+from app.editor.gestures import without_argument
 from app.editor.number_text import shown_number
-from app.editor.widgets.triggered import without_argument
 from core.editing.clipboard import VALUES_FORMAT, read_values
 from core.errors import ImagechainError, ParameterError
 from core.modules.parameters import Parameter

@@ -7,7 +7,7 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QSlider, QWidget
 
 from app.editor.panels.fields.type_in import WHEEL_REST_MS
-from app.editor.widgets.wheel_scroll import takes_wheel
+from app.editor.widgets import takes_wheel
 
 _STEPS = {
     Qt.Key.Key_Right: 1,

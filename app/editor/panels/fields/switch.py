@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QWidget
 
 from app.editor.panels.fields.field import Field
-from app.editor.widgets.outlined import Check
+from app.editor.widgets import Check
 
 
 class SwitchField(Field):

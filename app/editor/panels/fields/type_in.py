@@ -16,7 +16,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QLineEdit, QWidget
 
-from app.editor.widgets.wheel_scroll import takes_wheel
+from app.editor.widgets import takes_wheel
 
 WHEEL_REST_MS = 400
 

@@ -15,7 +15,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.editor.widgets.left_open import require_defined
+from app.editor.widgets import require_defined
 from core.errors import ImagechainError, UnconnectedError
 from core.network.network import Node
 

@@ -7,12 +7,10 @@ from dataclasses import replace
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSlider, QWidget
 
-from app.editor.theme import Theme
+from app.editor.theme import Theme, set_ink
 from app.editor.viewers.bands.wavelength_spin import WavelengthSpin
 from app.editor.viewers.pixels.band_choice import ALL, CHANNELS, BandChoice
-from app.editor.widgets.buttons import tool_button
-from app.editor.widgets.colours import set_ink
-from app.editor.widgets.elided_label import ElidedLabel
+from app.editor.widgets import ElidedLabel, tool_button
 from core.spectrum.band_stack import BandStack
 
 _TEXTS = {"all": "All bands: {whole}", "one": "One band", "colours": "Colours"}

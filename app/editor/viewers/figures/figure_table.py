@@ -13,7 +13,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.widgets.copied_table import CopiedTable
+from app.editor.widgets import CopiedTable
 from app.run.readout_tables import number_text
 from core.chain.results import TableData, TableRow
 

@@ -11,12 +11,11 @@ from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
 from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, PassDone, Query
 from app.editor.session import Session
-from app.editor.theme import Theme
+from app.editor.theme import Theme, set_ink
 from app.editor.viewers.figures.figure_text import NONE, figure_text
 from app.editor.viewers.figures.figures_query import Figure, Figures, FiguresQuery
 from app.editor.viewers.viewer import Viewer
-from app.editor.widgets.colours import set_ink
-from app.editor.widgets.elided_label import ElidedLabel
+from app.editor.widgets import ElidedLabel
 from app.run.figures import ELECTRONICS_FIGURES, SENSOR_FIGURES
 
 if TYPE_CHECKING:

@@ -40,7 +40,7 @@ from app.editor.viewers.pixels.picture_query import Picture, PictureQuery
 from app.editor.viewers.pixels.picture_text import facts_text
 from app.editor.viewers.status_line import StatusLine
 from app.editor.viewers.viewer import Viewer
-from app.editor.widgets.elided_label import centred_hint
+from app.editor.widgets import centred_hint
 from core.errors import UsageError
 from core.network.network import Network
 from nodes.files.formats import PNG

@@ -9,7 +9,7 @@ from app.editor.session import Session
 from app.editor.viewers.network_ports import PICTURE_TYPES
 from app.editor.viewers.picture.picture_menus import CompareMenu, DisplayMenu
 from app.editor.viewers.port_choice import PortChoice
-from app.editor.widgets.buttons import menu_button, toggle_button, tool_button
+from app.editor.widgets import menu_button, toggle_button, tool_button
 
 
 class PictureBar(QWidget):

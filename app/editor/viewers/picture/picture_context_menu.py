@@ -10,7 +10,7 @@ from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QWidget
 
-from app.editor.widgets.triggered import without_argument
+from app.editor.gestures import without_argument
 
 
 class Bar(Protocol):

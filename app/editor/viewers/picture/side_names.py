@@ -7,8 +7,7 @@ from typing import Any
 from PySide6.QtCore import QObject, QRect, QRectF, Qt
 from PySide6.QtWidgets import QGraphicsView, QLabel
 
-from app.editor.theme import Theme
-from app.editor.widgets.colours import set_ground, set_ink
+from app.editor.theme import Theme, set_ground, set_ink
 
 _GAP = 6  # dots between a name and the edge of its picture
 _PAD = 4  # around the text

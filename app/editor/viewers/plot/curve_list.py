@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QListWidget, QListWidgetItem, QWidget
 
 from app.editor.declared_text import tip
 from app.editor.viewers.plot.plotted_lines import Entry
-from app.editor.widgets.outlined import OutlinedItems
+from app.editor.widgets import OutlinedItems
 
 _NAME = Qt.ItemDataRole.UserRole
 _CHECKED = Qt.CheckState.Checked

@@ -9,8 +9,7 @@ from app.editor.declared_text import label_of
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.network_ports import ports_by_node
-from app.editor.widgets.buttons import toggle_button
-from app.editor.widgets.outlined import Toggle
+from app.editor.widgets import Toggle, toggle_button
 
 
 class OutputButtons(QWidget):

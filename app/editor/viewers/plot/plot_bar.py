@@ -10,7 +10,7 @@ from app.editor.theme import Theme
 from app.editor.viewers.network_ports import PLOT_TYPES
 from app.editor.viewers.plot.output_buttons import OutputButtons
 from app.editor.viewers.port_choice import PortChoice
-from app.editor.widgets.buttons import toggle_button, tool_button
+from app.editor.widgets import toggle_button, tool_button
 
 PARTS = {"mtf": "MTF", "ptf": "PTF", "both": "MTF, PTF"}
 

@@ -8,11 +8,11 @@ from typing import Protocol
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.gestures import without_argument
 from app.editor.level import Level
 from app.editor.panels.panel_area import PanelArea
 from app.editor.session import Session
 from app.editor.viewers.network_ports import VIEWER_NUMBERS
-from app.editor.widgets.triggered import without_argument
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.help import Help
 from app.editor.window.background.background_runs import BackgroundRuns

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.widgets.elided_label import centred_hint
+from app.editor.widgets import centred_hint
 from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.actions.shortcut_search import OR, ShortcutRow, rows_for, rows_of_keys
 

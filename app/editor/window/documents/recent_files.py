@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QWidget
 
-from app.editor.widgets.triggered import without_argument
+from app.editor.gestures import without_argument
 from app.editor.window.documents.remembered_settings import Settings
 
 FOLDER_LETTERS = 44

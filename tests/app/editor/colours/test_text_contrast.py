@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.theme import DARK, LIGHT, THEMES
-from app.editor.widgets.elided_label import ElidedLabel
+from app.editor.widgets import ElidedLabel
 from colour_sight import contrast, mixed
 from core.editing.document import Document
 from core.editing.operations import set_node_field

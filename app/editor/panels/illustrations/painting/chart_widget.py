@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme
-from app.editor.widgets.left_open import require_defined
+from app.editor.widgets import require_defined
 
 
 class ChartWidget(QWidget):

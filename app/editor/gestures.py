@@ -1,0 +1,96 @@
+"""What the mouse does, beside what single widgets make of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer
+from PySide6.QtGui import QDropEvent, QMouseEvent
+from PySide6.QtWidgets import QApplication
+
+
+class AfterRelease(QObject):
+    """Calls once the mouse is up; of several calls waiting, each kind is made once.
+
+    Looks at the application's events only while something waits.
+    """
+
+    def __init__(self, owner: QObject) -> None:
+        super().__init__(owner)
+        self._waiting: dict[str, Callable[[], None]] = {}
+
+    def do(self, name: str, call: Callable[[], None]) -> None:
+        """Call at the next release; in the place of what waits under that name."""
+        if not self._waiting:
+            QApplication.instance().installEventFilter(self)
+        self._waiting[name] = call
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """See the release, or that it was missed: the mouse moves with no button down."""
+        released = event.type() == QEvent.Type.MouseButtonRelease or (
+            event.type() == QEvent.Type.MouseMove
+            and isinstance(event, QMouseEvent)
+            and event.buttons() == Qt.MouseButton.NoButton
+        )
+        if released and self._waiting:
+            QApplication.instance().removeEventFilter(self)
+            # What the release itself does comes first.
+            QTimer.singleShot(0, self, self._call)
+        return super().eventFilter(watched, event)
+
+    def _call(self) -> None:
+        waiting, self._waiting = self._waiting, {}
+        for call in waiting.values():
+            call()
+
+
+class SecondClick(QObject):
+    """Keeps that press from what is there now: it was meant for what was there before."""
+
+    def __init__(self, parent: QObject) -> None:
+        super().__init__(parent)
+        self._timer = QTimer(self)
+        self._timer.setSingleShot(True)
+        self._timer.timeout.connect(self._end)
+
+    def drop(self) -> None:
+        """The next one, if it comes as soon as a double-click takes and with no first press."""
+        app = QApplication.instance()
+        if isinstance(app, QApplication):
+            app.installEventFilter(self)
+            self._timer.start(app.doubleClickInterval())
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        """Hold back that one event; a press before it begins a double-click of its own."""
+        second = event.type() == QEvent.Type.MouseButtonDblClick
+        if second or event.type() == QEvent.Type.MouseButtonPress:
+            self._end()
+        return second
+
+    def _end(self) -> None:
+        self._timer.stop()
+        app = QApplication.instance()
+        if app is not None:
+            app.removeEventFilter(self)
+
+
+_ACTIONS = (Qt.DropAction.CopyAction, Qt.DropAction.LinkAction)
+
+
+def accept_copy(event: QDropEvent) -> None:
+    """Accept it as a copy, or a link; refuse what can only be moved.
+
+    What is proposed is a move where a file manager would move on the same disk, and who proposes
+    it may delete the file once it is taken.
+    """
+    for action in _ACTIONS:
+        if event.possibleActions() & action:
+            event.setDropAction(action)
+            event.accept()
+            return
+    event.ignore()
+
+
+def without_argument(target: Callable[..., object], *_: object) -> None:
+    """Call it without the signal's argument, whether the action is checked."""
+    target()

@@ -1,0 +1,486 @@
+"""Small widgets that several parts of the window share: buttons, labels, layouts, tables."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Collection, Sequence
+
+from PySide6.QtCore import (
+    QEvent,
+    QModelIndex,
+    QPersistentModelIndex,
+    QPoint,
+    QRect,
+    QSize,
+    Qt,
+    Signal,
+)
+from PySide6.QtGui import (
+    QColor,
+    QFont,
+    QFontMetricsF,
+    QGuiApplication,
+    QKeyEvent,
+    QKeySequence,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QPen,
+    QResizeEvent,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QButtonGroup,
+    QCheckBox,
+    QHeaderView,
+    QLabel,
+    QLayout,
+    QLayoutItem,
+    QMenu,
+    QRadioButton,
+    QScrollArea,
+    QSizePolicy,
+    QStyle,
+    QStyledItemDelegate,
+    QStyleOptionButton,
+    QStyleOptionViewItem,
+    QTableWidget,
+    QToolButton,
+    QWidget,
+)
+
+from app.editor.theme import Theme
+
+
+def require_defined(kind: type, base: type, *names: str) -> None:
+    """Refuse a class that leaves open what its base does.
+
+    A widget's metaclass is Qt's own, so that `abc` cannot enforce it.
+
+    Raises
+    ------
+    TypeError
+        Naming class and method, when a widget of that class is made.
+    """
+    for name in names:
+        if getattr(kind, name) is getattr(base, name):
+            raise TypeError(f"{kind.__name__} does not define {name}, which {base.__name__} needs")
+
+
+class Toggle(QToolButton):
+    """A button that stays down, in the accent colour."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setCheckable(True)
+        self._theme: Theme | None = None
+        self.toggled.connect(self._colour)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        self._theme = theme
+        self._colour(self.isChecked())
+
+    def _colour(self, on: bool) -> None:
+        if self._theme is None:
+            return
+        palette = QPalette(self._theme.palette())
+        if on:
+            palette.setColor(QPalette.ColorRole.Button, QColor(self._theme.accent))
+            palette.setColor(QPalette.ColorRole.ButtonText, QColor(self._theme.accent_text))
+        self.setPalette(palette)
+
+
+class Radio(QRadioButton):
+    """A radio button with a ring round its indicator."""
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the ring over Qt's own."""
+        super().paintEvent(event)
+        _outline(self, QStyle.SubElement.SE_RadioButtonIndicator, round_=True)
+
+
+class Check(QCheckBox):
+    """A check box with a frame round its indicator."""
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the frame over Qt's own."""
+        super().paintEvent(event)
+        _outline(self, QStyle.SubElement.SE_CheckBoxIndicator, round_=False)
+
+
+class OutlinedItems(QStyledItemDelegate):
+    """Items of a list with a frame round the box to tick."""
+
+    def paint(
+        self,
+        painter: QPainter,
+        option: QStyleOptionViewItem,
+        index: QModelIndex | QPersistentModelIndex,
+    ) -> None:
+        """Draw the frame over Qt's own."""
+        super().paint(painter, option, index)
+        item = QStyleOptionViewItem(option)
+        self.initStyleOption(item, index)
+        widget: QWidget = item.widget
+        box = QStyle.SubElement.SE_ItemViewItemCheckIndicator
+        rect = widget.style().subElementRect(box, item, widget)
+        painter.save()
+        painter.setPen(QPen(widget.palette().color(QPalette.ColorRole.PlaceholderText), 1))
+        painter.drawRect(rect.adjusted(0, 0, -1, -1))
+        painter.restore()
+
+
+def _outline(button: QAbstractButton, element: QStyle.SubElement, *, round_: bool) -> None:
+    option = QStyleOptionButton()
+    option.initFrom(button)
+    rect = button.style().subElementRect(element, option, button)
+    painter = QPainter(button)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(QPen(button.palette().color(QPalette.ColorRole.PlaceholderText), 1))
+    if round_:
+        painter.drawEllipse(rect.adjusted(1, 1, -1, -1))
+    else:
+        painter.drawRect(rect.adjusted(0, 0, -1, -1))
+    painter.end()
+
+
+def tool_button(name: str, text: str, description: str, parent: QWidget) -> QToolButton:
+    """A button that the keyboard reaches."""
+    return _named(QToolButton(parent), name, text, description)
+
+
+def toggle_button(name: str, text: str, description: str, parent: QWidget) -> Toggle:
+    """One that stays down, and shows it in the colours of a theme."""
+    button = Toggle(parent)
+    _named(button, name, text, description)
+    return button
+
+
+def _named(button: QToolButton, name: str, text: str, description: str) -> QToolButton:
+    button.setObjectName(name)
+    button.setText(text)
+    button.setToolTip(description)
+    button.setAccessibleName(description)
+    button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    return button
+
+
+def menu_button(name: str, text: str, description: str, parent: QWidget) -> QToolButton:
+    """One that opens a menu of its own."""
+    button = tool_button(name, text, description, parent)
+    button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+    button.setMenu(QMenu(button))
+    return button
+
+
+class FlowLayout(QLayout):
+    """Places its widgets from left to right, and continues below where the line ends."""
+
+    def __init__(self, parent: QWidget | None = None, *, across: int = 6, down: int = 4) -> None:
+        super().__init__(parent)
+        self._items: list[QLayoutItem] = []
+        self._across, self._down = across, down
+
+    def addItem(self, item: QLayoutItem) -> None:
+        """Put an item at the end."""
+        self._items.append(item)
+
+    def count(self) -> int:
+        """Number of items."""
+        return len(self._items)
+
+    def itemAt(self, index: int) -> QLayoutItem | None:
+        """The item there, if there is one."""
+        return self._items[index] if 0 <= index < len(self._items) else None
+
+    def takeAt(self, index: int) -> QLayoutItem | None:
+        """Take the item out."""
+        return self._items.pop(index) if 0 <= index < len(self._items) else None
+
+    def expandingDirections(self) -> Qt.Orientation:
+        """Takes no more room than it needs."""
+        return Qt.Orientation(0)
+
+    def hasHeightForWidth(self) -> bool:
+        """The narrower, the more lines."""
+        return True
+
+    def heightForWidth(self, width: int) -> int:
+        """Height of all lines at that width."""
+        return self._place(QRect(0, 0, width, 0), really=False)
+
+    def setGeometry(self, rect: QRect) -> None:
+        """Place the widgets."""
+        super().setGeometry(rect)
+        self._place(rect, really=True)
+
+    def sizeHint(self) -> QSize:
+        """All on one line."""
+        shown = [item for item in self._items if not item.isEmpty()]
+        width = sum(item.sizeHint().width() for item in shown)
+        width += self._across * max(0, len(shown) - 1)
+        height = max((item.sizeHint().height() for item in shown), default=0)
+        return self._with_margins(QSize(width, height))
+
+    def minimumSize(self) -> QSize:
+        """The widest widget."""
+        size = QSize()
+        for item in self._items:
+            size = size.expandedTo(item.minimumSize())
+        return self._with_margins(size)
+
+    def _with_margins(self, size: QSize) -> QSize:
+        margins = self.contentsMargins()
+        return size + QSize(margins.left() + margins.right(), margins.top() + margins.bottom())
+
+    def _place(self, rect: QRect, *, really: bool) -> int:
+        margins = self.contentsMargins()
+        inside = rect.marginsRemoved(margins)
+        x, y, line = inside.x(), inside.y(), 0
+        for item in self._items:
+            if item.isEmpty():
+                continue
+            size = item.sizeHint()
+            if x > inside.x() and x + size.width() > inside.x() + inside.width():
+                x, y, line = inside.x(), y + line + self._down, 0
+            if really:
+                item.setGeometry(QRect(QPoint(x, y), size))
+            x += size.width() + self._across
+            line = max(line, size.height())
+        return y + line - rect.y() + margins.bottom()
+
+
+class PageTabs(QWidget):
+    """One button for each page; one of them is down.
+
+    Signals
+    -------
+    turned
+        Another page is to be shown.
+    """
+
+    turned = Signal()
+
+    def __init__(self, pages: tuple[str, ...], theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("pages")
+        self.setAccessibleName("pages of the panel")
+        self._pages = pages
+        self._group = QButtonGroup(self)
+        self.buttons: list[Toggle] = []
+        flow = FlowLayout(self, across=2, down=2)
+        flow.setContentsMargins(0, 4, 0, 0)
+        for number, page in enumerate(pages):
+            button = Toggle(self)
+            button.setObjectName(f"page.{page}")
+            button.setText(page)
+            button.setAccessibleName(f"page {page}")
+            button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+            self._group.addButton(button, number)
+            self.buttons.append(button)
+            flow.addWidget(button)
+        if self.buttons:
+            self.buttons[0].setChecked(True)
+        self._group.idToggled.connect(self._toggled)
+        self.set_theme(theme)
+
+    @property
+    def page(self) -> str:
+        """The page that is shown; empty where there are none."""
+        return self._pages[self._group.checkedId()] if self._pages else ""
+
+    def turn_to(self, page: str) -> None:
+        """Show a page."""
+        if page in self._pages:
+            self.buttons[self._pages.index(page)].setChecked(True)
+
+    def offer(self, pages: Collection[str]) -> None:
+        """Offer only these pages."""
+        for page, button in zip(self._pages, self.buttons, strict=True):
+            button.setVisible(page in pages)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        for button in self.buttons:
+            button.set_theme(theme)
+
+    def _toggled(self, _number: int, on: bool) -> None:
+        if on:
+            self.turned.emit()
+
+
+def steady_width(text: str, font: QFont, had: int) -> int:
+    """The width there was, unless the text needs more, or less than half of it; in dots.
+
+    After a change of a widget's size hint all around it is laid out anew, up to the window: 2.5 ms
+    for each answer of a drag.
+    """
+    needed = math.ceil(QFontMetricsF(font).horizontalAdvance(text))
+    return had if had // 2 <= needed <= had else needed
+
+
+class ElidedLabel(QLabel):
+    """One line that may be narrower than its text.
+
+    It keeps the text itself: a `QLabel` has the window laid out anew for each of its texts.
+    """
+
+    _line = ""
+    _width = 0
+
+    def __init__(self, name: str, description: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName(name)
+        self.setAccessibleName(description)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+
+    def text(self) -> str:
+        """The whole text."""
+        return self._line
+
+    def show_text(self, text: str, about: str = "") -> None:
+        """Show a text; line ends become spaces.
+
+        Parameters
+        ----------
+        text : str
+            What to show.
+        about : str, optional
+            The tooltip, if not the text itself.
+        """
+        line = " ".join(text.split(" ")).replace("\n", " ")
+        if line != self._line:
+            self._line = line
+            self.setAccessibleDescription(line)
+            self._fit(self._width)
+            self.update()
+        if (about or line) != self.toolTip():
+            self.setToolTip(about or line)
+
+    def sizeHint(self) -> QSize:
+        """Room for the text."""
+        margins = self.contentsMargins()
+        return QSize(
+            self._width + margins.left() + margins.right(),
+            self.fontMetrics().height() + margins.top() + margins.bottom(),
+        )
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for a few letters."""
+        hint = self.sizeHint()
+        hint.setWidth(min(hint.width(), self.fontMetrics().averageCharWidth() * 4))
+        return hint
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Follow the font."""
+        super().changeEvent(event)
+        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
+            self._fit(0)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the text, or what there is room for."""
+        painter = QPainter(self)
+        text = self.fontMetrics().elidedText(
+            self._line, Qt.TextElideMode.ElideRight, self.contentsRect().width()
+        )
+        painter.setPen(self.palette().color(self.foregroundRole()))
+        painter.drawText(self.contentsRect(), int(self.alignment()), text)
+        painter.end()
+
+    def _fit(self, had: int) -> None:
+        width = steady_width(self._line, self.font(), had)
+        if width != self._width:
+            self._width = width
+            self.updateGeometry()
+
+
+def centred_hint(text: str, parent: QWidget) -> QLabel:
+    """What to do, in the middle of where nothing is shown yet."""
+    label = QLabel(text, parent)
+    label.setAlignment(Qt.AlignmentFlag.AlignCenter)
+    label.setWordWrap(True)
+    return label
+
+
+class CopiedTable(QTableWidget):
+    """Ctrl+C copies the marked rows; lines are broken anew when its width changes."""
+
+    def __init__(self, rows: int, columns: int, parent: QWidget | None = None) -> None:
+        require_defined(type(self), CopiedTable, "cells")
+        super().__init__(rows, columns, parent)
+
+    def list_figures(self, heads: Sequence[str]) -> None:
+        """Look as a list of figures that is only read: whole rows, the first column the widest."""
+        self.setHorizontalHeaderLabels(list(heads))
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setTabKeyNavigation(False)
+        self.setShowGrid(False)
+        self.setWordWrap(True)
+        self.verticalHeader().hide()
+        self.verticalHeader().setMinimumSectionSize(self.fontMetrics().height() + 4)
+        head = self.horizontalHeader()
+        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        head.setHighlightSections(False)
+
+    def cells(self, row: int) -> Sequence[str]:  # noqa: ARG002 - what a table has
+        """The texts of a row that are copied; none of a heading."""
+        return ()
+
+    def copy(self) -> None:
+        """Put the marked rows, or all, on the clipboard: cells between tabs."""
+        marked = sorted({index.row() for index in self.selectedIndexes()})
+        rows = [self.cells(row) for row in marked or range(self.rowCount())]
+        QGuiApplication.clipboard().setText("\n".join("\t".join(row) for row in rows if row))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Copy."""
+        if event.matches(QKeySequence.StandardKey.Copy):
+            self.copy()
+        else:
+            super().keyPressEvent(event)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Break the lines anew."""
+        super().resizeEvent(event)
+        self.resizeRowsToContents()
+
+
+PAUSE_S = 0.5
+"""Turns of the wheel no further apart are one."""
+
+
+class WheelScrollArea(QScrollArea):
+    """A scroll area in which a turn of the wheel that began as scrolling goes on as scrolling.
+
+    A control that slides under the mouse meanwhile lets it pass, also if it has the focus.
+    """
+
+    _scrolled_at = float("-inf")
+
+    @property
+    def is_scrolling(self) -> bool:
+        """Whether it was scrolled by the wheel just now."""
+        return time.monotonic() - self._scrolled_at < PAUSE_S
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Scroll."""
+        self._scrolled_at = time.monotonic()
+        super().wheelEvent(event)
+
+
+def takes_wheel(control: QWidget) -> bool:
+    """Whether the wheel is meant for a control: it has the focus, and nothing is scrolling."""
+    if not control.hasFocus():
+        return False
+    above = control.parentWidget()
+    while above is not None:
+        if isinstance(above, WheelScrollArea) and above.is_scrolling:
+            return False
+        above = above.parentWidget()
+    return True
