@@ -189,6 +189,9 @@ LIGHT = Theme(
 THEMES: Mapping[Look, Theme] = MappingProxyType({"dark": DARK, "light": LIGHT})
 
 
+FAINT = QPalette.ColorRole.PlaceholderText
+ERROR = QPalette.ColorRole.BrightText
+"""Roles to write in, which follow the window's palette."""
 _INK = (QPalette.ColorRole.WindowText, QPalette.ColorRole.Text)
 
 

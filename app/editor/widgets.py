@@ -17,7 +17,6 @@ from PySide6.QtCore import (
     Signal,
 )
 from PySide6.QtGui import (
-    QColor,
     QFont,
     QFontMetricsF,
     QGuiApplication,
@@ -46,13 +45,12 @@ from PySide6.QtWidgets import (
     QStyle,
     QStyledItemDelegate,
     QStyleOptionButton,
+    QStyleOptionToolButton,
     QStyleOptionViewItem,
     QTableWidget,
     QToolButton,
     QWidget,
 )
-
-from app.editor.theme import Theme
 
 
 def require_defined(kind: type, base: type, *names: str) -> None:
@@ -76,22 +74,15 @@ class Toggle(QToolButton):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setCheckable(True)
-        self._theme: Theme | None = None
-        self.toggled.connect(self._colour)
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self._theme = theme
-        self._colour(self.isChecked())
-
-    def _colour(self, on: bool) -> None:
-        if self._theme is None:
-            return
-        palette = QPalette(self._theme.palette())
-        if on:
-            palette.setColor(QPalette.ColorRole.Button, QColor(self._theme.accent))
-            palette.setColor(QPalette.ColorRole.ButtonText, QColor(self._theme.accent_text))
-        self.setPalette(palette)
+    def initStyleOption(self, option: QStyleOptionToolButton) -> None:
+        """Draw in the colours of what is marked while it is down."""
+        super().initStyleOption(option)
+        if self.isChecked():
+            palette, role = QPalette(option.palette), QPalette.ColorRole
+            palette.setColor(role.Button, palette.color(role.Highlight))
+            palette.setColor(role.ButtonText, palette.color(role.HighlightedText))
+            option.palette = palette
 
 
 class Radio(QRadioButton):
@@ -154,7 +145,7 @@ def tool_button(name: str, text: str, description: str, parent: QWidget) -> QToo
 
 
 def toggle_button(name: str, text: str, description: str, parent: QWidget) -> Toggle:
-    """One that stays down, and shows it in the colours of a theme."""
+    """One that stays down, in the accent colour."""
     button = Toggle(parent)
     _named(button, name, text, description)
     return button
@@ -265,7 +256,7 @@ class PageTabs(QWidget):
 
     turned = Signal()
 
-    def __init__(self, pages: tuple[str, ...], theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, pages: tuple[str, ...], parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName("pages")
         self.setAccessibleName("pages of the panel")
@@ -286,7 +277,6 @@ class PageTabs(QWidget):
         if self.buttons:
             self.buttons[0].setChecked(True)
         self._group.idToggled.connect(self._toggled)
-        self.set_theme(theme)
 
     @property
     def page(self) -> str:
@@ -302,11 +292,6 @@ class PageTabs(QWidget):
         """Offer only these pages."""
         for page, button in zip(self._pages, self.buttons, strict=True):
             button.setVisible(page in pages)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        for button in self.buttons:
-            button.set_theme(theme)
 
     def _toggled(self, _number: int, on: bool) -> None:
         if on:

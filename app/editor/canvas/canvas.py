@@ -119,7 +119,6 @@ class Canvas(QWidget):
         self.adding.set_theme(theme)
         self.minimap.set_theme(theme)
         self._surface.hint.set_theme(theme)
-        self.empty_hint.set_theme(theme)
 
     def set_badges(self, badges: Any) -> None:
         """Show the states of the nodes.

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QWidget
 
 from app.editor.declared_text import tip
 from app.editor.level import Level
-from app.editor.theme import Theme, set_ground, set_ink
+from app.editor.theme import FAINT, Theme, set_ground
 
 _BETWEEN = "›"
 
@@ -56,8 +56,6 @@ class Crumbs(QWidget):
         """Draw in these colours."""
         self._theme = theme
         set_ground(self, theme.raised)
-        for label in self._others:
-            set_ink(label, theme.faint_text)
 
     def _fill(self, *_: object) -> None:
         document = self._level.session.document
@@ -94,7 +92,7 @@ class Crumbs(QWidget):
 
     def _label(self, text: str) -> QLabel:
         label = QLabel(text, self)
-        set_ink(label, self._theme.faint_text)
+        label.setForegroundRole(FAINT)
         self._others.append(label)
         return label
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QObject, Qt
-from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QLabel, QWidget
 
 from app.editor.level import Level
 from app.editor.session import Session
-from app.editor.theme import Theme
+from app.editor.theme import FAINT
 
 TEXT = "Tab or double-click adds a module; drag one from the library; drop a file"
 
@@ -30,18 +29,13 @@ class EmptyHint(QLabel):
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.setWordWrap(True)
+        self.setForegroundRole(FAINT)
         self._session = session
         self._ground = ground
         ground.installEventFilter(self)
         session.opened.connect(self._follow)
         session.changed.connect(self._follow)
         self._follow()
-
-    def set_theme(self, theme: Theme) -> None:
-        """Write in these colours."""
-        palette = theme.palette()
-        palette.setColor(QPalette.ColorRole.WindowText, QColor(theme.faint_text))
-        self.setPalette(palette)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Stay in the middle."""

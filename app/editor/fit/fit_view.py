@@ -170,7 +170,7 @@ class FitView(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
-        for part in (self.table, self.chart, self.status, self.known):
+        for part in (self.table, self.chart, self.status):
             part.set_theme(theme)
 
     def sizeHint(self) -> QSize:

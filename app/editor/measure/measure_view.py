@@ -215,7 +215,6 @@ class MeasureView(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
-        self.unused.set_theme(theme)
         for part in (self.canvas, self.chart, self.table, self.figures, self.status):
             part.set_theme(theme)
 

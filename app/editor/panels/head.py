@@ -21,7 +21,7 @@ from app.editor.declared_text import breakable, flowing, tip, titled
 from app.editor.evaluation.queries import Badge
 from app.editor.gestures import without_argument
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.theme import Theme, set_ground, set_ink
+from app.editor.theme import ERROR, FAINT, Theme, set_ground, set_ink
 from app.editor.widgets import FlowLayout, Toggle
 from core.network.network import Node
 
@@ -135,6 +135,7 @@ class PanelHead(QWidget):
         self.text.setTextFormat(Qt.TextFormat.PlainText)
         self.text.setWordWrap(True)
         self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.text.setForegroundRole(FAINT)
         self.text.hide()
         self.more = QLabel('<a href="handbook">More in the handbook</a>', self)
         self.more.setObjectName("module_more")
@@ -163,6 +164,7 @@ class PanelHead(QWidget):
         self.name_problem.setObjectName("name_problem")
         self.name_problem.setTextFormat(Qt.TextFormat.PlainText)
         self.name_problem.setWordWrap(True)
+        self.name_problem.setForegroundRole(ERROR)
         self.name_problem.hide()
         label = QLabel("Name", self.below)
         label.setBuddy(self.name)
@@ -234,10 +236,6 @@ class PanelHead(QWidget):
         """Draw in these colours."""
         self._theme = theme
         set_ground(self.bar, theme.groups.get(self._group, theme.raised))
-        set_ink(self.text, theme.faint_text)
-        set_ink(self.name_problem, theme.error)
-        for button in self.findChildren(Toggle):
-            button.set_theme(theme)
         self._colour_problem()
 
     def _colour_problem(self) -> None:

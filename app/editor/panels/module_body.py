@@ -13,7 +13,7 @@ from app.editor.panels.ports_section import PortsView
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
 from app.editor.session import Session
-from app.editor.theme import Theme, set_ink
+from app.editor.theme import FAINT, Theme
 from core.editing.operations import ABSENT, set_parameter
 from core.modules.declaration import Declaration
 from core.names import thaw
@@ -51,7 +51,6 @@ class ModuleBody(QWidget):
         self.setObjectName("body")
         self._session = session
         self._node = node
-        self._rules: list[QWidget] = []
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(8, 4, 8, 8)
         self._column.setSpacing(4)
@@ -103,8 +102,6 @@ class ModuleBody(QWidget):
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
-        for title in self._rules:
-            set_ink(title, theme.faint_text)
         for part in (self.illustration, self.sections, self.readouts, self.ports):
             draw = getattr(part, "set_theme", None)
             if draw is not None:
@@ -117,7 +114,7 @@ class ModuleBody(QWidget):
         font = title.font()
         font.setBold(True)
         title.setFont(font)
-        self._rules.append(title)
+        title.setForegroundRole(FAINT)
         for part in (line, title, widget):
             self._column.addWidget(part)
 

@@ -10,7 +10,7 @@ from app.editor.declared_text import tip
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.head import TitleBar
 from app.editor.session import Session
-from app.editor.theme import Theme, set_ground, set_ink
+from app.editor.theme import ERROR, FAINT, Theme, set_ground
 from core.editing.operations import set_network_field
 from core.errors import ParameterError
 from core.network.network import SEEDS, Network, check_seed
@@ -57,13 +57,14 @@ class NetworkPanel(QFrame):
         self.seed_problem.setObjectName("seed_problem")
         self.seed_problem.setTextFormat(Qt.TextFormat.PlainText)
         self.seed_problem.setWordWrap(True)
+        self.seed_problem.setForegroundRole(ERROR)
         self.seed_problem.hide()
         self.count = QLabel(self.below)
         self.count.setObjectName("network_count")
         self.count.setWordWrap(True)
         hint = QLabel("Select a node to see its control panel here.", self.below)
         hint.setWordWrap(True)
-        self._hint = hint
+        hint.setForegroundRole(FAINT)
         form = QFormLayout()
         form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
         form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
@@ -92,8 +93,6 @@ class NetworkPanel(QFrame):
         """Draw in these colours."""
         self._theme = theme
         set_ground(self.bar, theme.raised)
-        set_ink(self.seed_problem, theme.error)
-        set_ink(self._hint, theme.faint_text)
 
     def finish_typing(self) -> None:
         """Take what was typed and not taken yet."""

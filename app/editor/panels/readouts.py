@@ -16,7 +16,7 @@ from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure
 from app.editor.session import Session
-from app.editor.theme import Theme, set_ink
+from app.editor.theme import FAINT, Theme, set_ink
 from app.editor.widgets import steady_width
 from core.chain.engine import Plan
 from core.modules.declaration import Declaration
@@ -152,7 +152,6 @@ class ReadoutsView(QWidget):
         self.values: dict[str, ReadoutValue] = {}
         self.units: dict[str, QLabel] = {}
         self._meanings: dict[str, str] = {}
-        self._quiet: list[QLabel] = []
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 2, 0, 2)
         grid.setHorizontalSpacing(6)
@@ -173,7 +172,8 @@ class ReadoutsView(QWidget):
             self.values[readout.name] = value
             self.units[readout.name] = unit
             value.setAccessibleName(_spoken(readout.name, readout.unit))
-            self._quiet += [name, unit]
+            name.setForegroundRole(FAINT)
+            unit.setForegroundRole(FAINT)
         self.title = QLabel(TITLE, self)
         self.title.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self._is_held_back = False
@@ -205,8 +205,6 @@ class ReadoutsView(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
         self._theme = theme
-        for label in self._quiet:
-            set_ink(label, theme.faint_text)
         self._mark()
 
     def set_held_back(self, on: bool) -> None:

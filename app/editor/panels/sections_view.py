@@ -12,7 +12,7 @@ from app.editor.panels.fields.choice import ButtonsField
 from app.editor.panels.fields.field import Field, FieldLink
 from app.editor.panels.fields.make import field_for
 from app.editor.session import Session
-from app.editor.theme import Theme, set_ink
+from app.editor.theme import FAINT, Theme
 from app.editor.widgets import PageTabs
 from core.editing.operations import ABSENT
 from core.modules.declaration import Declaration
@@ -50,10 +50,9 @@ class SectionsView(QWidget):
         self._theme = theme
         self.sections = declaration.panel
         self._boxes: list[QWidget] = []
-        self._titles: list[QLabel] = []
         self.fields: list[Field] = []
         self.pages = tuple(dict.fromkeys(s.page for s in self.sections if s.page))
-        self.tabs = PageTabs(self.pages, theme, self)
+        self.tabs = PageTabs(self.pages, self)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(4)
@@ -102,9 +101,6 @@ class SectionsView(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
         self._theme = theme
-        self.tabs.set_theme(theme)
-        for title in self._titles:
-            set_ink(title, theme.faint_text)
         for field in self.fields:
             field.set_theme(theme)
 
@@ -133,7 +129,7 @@ class SectionsView(QWidget):
             title.setFont(font)
             title.setWordWrap(True)
             title.setContentsMargins(0, 6, 0, 0)
-            self._titles.append(title)
+            title.setForegroundRole(FAINT)
             inside.addWidget(title)
         for name in section.parameters:
             parameter = self._declaration.parameter(name)

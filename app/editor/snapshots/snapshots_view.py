@@ -82,14 +82,7 @@ class SnapshotsView(Viewer):
         self.list.removed.connect(snapshots.remove)
         self.list.went_back.connect(snapshots.go_back)
         self.list.typed.connect(self._fill_list)
-        self.set_theme(theme)
         self._follow_snapshots()
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self.theme = theme
-        for button in (self.flip, self.wipe):
-            button.set_theme(theme)
 
     def queries(self) -> Sequence[Query]:
         """The present figures, where there is something to compare them with."""

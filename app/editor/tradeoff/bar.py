@@ -83,7 +83,6 @@ class TradeOffBar(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
         self.theme = theme
-        self.figures.set_theme(theme)
 
     def show_span(self, span: Span | None) -> None:
         """Show a range, without a signal."""

@@ -134,7 +134,6 @@ class MainWindow(QMainWindow):
         for part in (*parts, self.history, self.status):
             part.set_theme(theme)
         self.viewers.set_theme(theme)
-        self.kept.set_theme(theme)
         self.runs.set_theme(theme)
         self.measuring.set_theme(theme)
         self.fitting.set_theme(theme)

@@ -15,7 +15,7 @@ from app.editor.gestures import AfterRelease
 from app.editor.panels.fields.drag_label import DragLabel
 from app.editor.panels.fields.one_value import add_value_actions, chosen
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.theme import Theme, set_ink
+from app.editor.theme import ERROR, FAINT, Theme, set_ink
 from app.editor.widgets import require_defined
 from core.editing.operations import ABSENT
 from core.errors import ParameterError
@@ -87,7 +87,9 @@ class Field(QWidget):
         self.unit = QLabel(parameter.param.unit, self)
         self.unit.setObjectName(f"unit.{parameter.name}")
         self.unit.setTextFormat(Qt.TextFormat.PlainText)
+        self.unit.setForegroundRole(FAINT)
         self.message = QLabel(self)
+        self.message.setForegroundRole(ERROR)
         self.message.setObjectName(f"message.{parameter.name}")
         self.message.setWordWrap(True)
         self.message.setTextFormat(Qt.TextFormat.PlainText)
@@ -222,8 +224,6 @@ class Field(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
         self.theme = theme
-        set_ink(self.unit, theme.faint_text)
-        set_ink(self.message, theme.error)
         self._mark_changed()
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:

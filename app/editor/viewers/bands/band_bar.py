@@ -7,7 +7,7 @@ from dataclasses import replace
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSlider, QWidget
 
-from app.editor.theme import Theme, set_ink
+from app.editor.theme import FAINT, Theme, set_ink
 from app.editor.viewers.bands.wavelength_spin import WavelengthSpin
 from app.editor.viewers.pixels.band_choice import ALL, CHANNELS, BandChoice
 from app.editor.widgets import ElidedLabel, tool_button
@@ -66,6 +66,7 @@ class BandBar(QWidget):
         self._letters = tuple(QLabel(name[0].upper(), self) for name in CHANNELS)
         self.even = tool_button(f"{owner}.even", "Even", "Take three evenly spaced bands", self)
         self.about = ElidedLabel(f"{owner}.band.about", "The bands", self)
+        self.about.setForegroundRole(FAINT)
         letter = self.fontMetrics().averageCharWidth()
         for widget in (self.shown, self.one, *self.colours):  # a narrow viewer cuts their texts
             widget.setMinimumWidth(_NARROWEST * letter)
@@ -90,7 +91,6 @@ class BandBar(QWidget):
         """Write in other colours."""
         for letter, colour in zip(self._letters, theme.channels, strict=True):
             set_ink(letter, colour)
-        set_ink(self.about, theme.faint_text)
 
     def show_bands(self, bands: BandStack | None, choice: BandChoice) -> None:
         """Show which of these bands are chosen; hidden without bands."""

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
 
 from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, PassDone, Query
 from app.editor.session import Session
-from app.editor.theme import Theme, set_ink
+from app.editor.theme import FAINT, Theme, set_ink
 from app.editor.viewers.figures.figure_text import NONE, figure_text
 from app.editor.viewers.figures.figures_query import Figure, Figures, FiguresQuery
 from app.editor.viewers.viewer import Viewer
@@ -83,10 +82,6 @@ class FiguresStrip(Viewer):
     def set_theme(self, theme: Theme) -> None:
         """Write in other colours."""
         self.theme = theme
-        for label, _ in self._slots:
-            palette = self.palette()
-            palette.setColor(label.foregroundRole(), QColor(theme.faint_text))
-            label.setPalette(palette)
         self._mark()
 
     def _mark(self, _old: bool = False) -> None:
@@ -131,6 +126,7 @@ class FiguresStrip(Viewer):
         cell.addWidget(head)
         cell.addWidget(value)
         self._layout.addLayout(cell)
+        head.setForegroundRole(FAINT)
         self._slots.append((head, value))
 
     def _name_slots(self, shown: Sequence[tuple[str, str]]) -> None:

@@ -171,7 +171,6 @@ class ImageViewer(Viewer):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
-        self.bar.region.set_theme(theme)
         self.canvas.set_theme(theme)
         self.bands.set_theme(theme)
         self.status.set_theme(theme)

@@ -7,7 +7,6 @@ from PySide6.QtWidgets import QAbstractButton, QButtonGroup, QHBoxLayout, QWidge
 
 from app.editor.declared_text import label_of
 from app.editor.session import Session
-from app.editor.theme import Theme
 from app.editor.viewers.network_ports import ports_by_node
 from app.editor.widgets import Toggle, toggle_button
 
@@ -42,7 +41,6 @@ class OutputButtons(QWidget):
         self._session = session
         self._types = types
         self._owner = owner
-        self._theme: Theme | None = None
         self.buttons: dict[str, Toggle] = {}
         self._group = QButtonGroup(self)
         self._group.buttonClicked.connect(self._clicked)
@@ -58,12 +56,6 @@ class OutputButtons(QWidget):
         if port in self.buttons:
             self.buttons[port].setChecked(True)
         self.setVisible(bool(ports))
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self._theme = theme
-        for button in self.buttons.values():
-            button.set_theme(theme)
 
     def _beside(self, port: str | None) -> tuple[str, ...]:
         if port is None:
@@ -84,8 +76,6 @@ class OutputButtons(QWidget):
     def _button(self, port: str) -> Toggle:
         name = port.rpartition(".")[2]
         button = toggle_button(f"{self._owner}.output.{name}", label_of(name), f"Show {port}", self)
-        if self._theme is not None:
-            button.set_theme(self._theme)
         self._group.addButton(button)
         self._row.addWidget(button)
         return button

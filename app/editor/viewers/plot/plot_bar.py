@@ -6,7 +6,6 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QWidget
 
 from app.editor.session import Session
-from app.editor.theme import Theme
 from app.editor.viewers.network_ports import PLOT_TYPES
 from app.editor.viewers.plot.output_buttons import OutputButtons
 from app.editor.viewers.port_choice import PortChoice
@@ -78,11 +77,6 @@ class PlotBar(QWidget):
         self.angle.valueChanged.connect(self.angle_chosen)
         self.parts.activated.connect(self._choose_parts)
         self.log.clicked.connect(self._choose_log)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self.log.set_theme(theme)
-        self.outputs.set_theme(theme)
 
     def show_choices(self, port: str | None, angle_deg: float, parts: str) -> None:
         """Show what is chosen, without a signal."""

@@ -119,7 +119,6 @@ class PlotViewer(Viewer):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
-        self.bar.set_theme(theme)
         self.canvas.set_theme(theme)
         self.bars.set_theme(theme)
         self.status.set_theme(theme)

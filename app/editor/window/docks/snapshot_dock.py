@@ -57,10 +57,6 @@ class SnapshotDock(QObject):
         self.dock.hide()
         self.dock.visibilityChanged.connect(viewers.name_tabs)
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self.view.set_theme(theme)
-
     def toggle(self) -> None:
         """Show the snapshots, or hide them where they are in front."""
         if self.view.isVisible():

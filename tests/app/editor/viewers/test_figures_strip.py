@@ -191,7 +191,7 @@ def test_another_document(bench, strip, opened):
 
 
 def test_captions_have_the_themes_colour(strip):
-    strip.set_theme(LIGHT)
+    strip.setPalette(LIGHT.palette())
     label = strip._slots[0][0]
     assert label.palette().color(label.foregroundRole()).name() == LIGHT.faint_text
 

@@ -4,6 +4,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QStyleOptionToolButton
 
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.plot.plot_viewer import PlotViewer
@@ -71,10 +72,13 @@ def test_the_buttons_stand_where_the_line_of_the_chain_is_chosen(bench, viewer):
 
 @pytest.mark.parametrize("theme", [DARK, LIGHT])
 def test_what_is_chosen_wears_the_accent(viewer, theme):
-    viewer.set_theme(theme)
-    down, up = buttons(viewer)["Noise"], buttons(viewer)["Blur"]
-    assert down.palette().button().color().name() == theme.accent
-    assert up.palette().button().color().name() == theme.button
+    viewer.setPalette(theme.palette())
+    colours = []
+    for name in ("Noise", "Blur"):
+        option = QStyleOptionToolButton()
+        buttons(viewer)[name].initStyleOption(option)
+        colours.append(option.palette.button().color().name())
+    assert colours == [theme.accent, theme.button]
 
 
 def test_a_table_is_copied_with_all_digits(bench, viewer):
