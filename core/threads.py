@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import re
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 ForEach = Callable[[Callable[[Any], None], Sequence[Any]], None]
@@ -98,3 +101,116 @@ class _Shared:
         """Give nothing more: an item failed."""
         with self._lock:
             self._stopped = True
+
+
+# How much memory the process may use, and how much of it computed values may keep.
+
+LEAST_BYTES = 1 << 27
+WITHOUT_KNOWLEDGE = 1 << 29
+"""Where the system does not report how much memory there is."""
+
+
+def amount_text(size: float) -> str:
+    """Bytes in words."""
+    for unit, bytes_of in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if size >= 0.1 * bytes_of:
+            return f"{size / bytes_of:.3g} {unit}"
+    return f"{size:.0f} bytes"
+
+
+def store_bytes() -> int:
+    """How much a store may keep: a quarter of the memory, or half of what is free if that is less.
+
+    Both are of what the process may use, where a container or a limit gives it less than the
+    machine has. 128 MiB at least.
+    """
+    whole = usable_bytes()
+    if whole is None:
+        return WITHOUT_KNOWLEDGE
+    free = [size for size in (_available(), *_left_in_groups()) if size is not None]
+    return max(LEAST_BYTES, min(whole // 4, min(free, default=whole) // 2))
+
+
+def usable_bytes() -> int | None:
+    """The memory that the process may use; None where the system does not report it.
+
+    That of the machine, or less where a container or a limit of the process leaves it less.
+    """
+    whole = [size for size in (physical_bytes(), *_limits()) if size is not None]
+    return min(whole, default=None)
+
+
+def physical_bytes() -> int | None:
+    """The machine's memory; None where the system does not report it."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):  # not on every system
+        return None
+
+
+def _limits() -> list[int]:
+    """What containers and limits of the process leave of the machine's memory."""
+    limits = [limit for folder in _groups() if (limit := _group_limit(folder)) is not None]
+    try:
+        import resource
+
+        soft, _ = resource.getrlimit(resource.RLIMIT_AS)
+        limits += [soft] if soft != resource.RLIM_INFINITY else []
+    except (ImportError, AttributeError, OSError, ValueError):  # not on every system
+        pass
+    return limits
+
+
+def _available() -> int | None:
+    """Memory that can be had without swapping."""
+    try:
+        text = Path("/proc/meminfo").read_text()
+    except OSError:
+        return None
+    match = re.search(r"^MemAvailable:\s+(\d+) kB", text, re.MULTILINE)
+    return None if match is None else int(match[1]) << 10
+
+
+def _left_in_groups() -> list[int]:
+    sizes = []
+    for folder in _groups():
+        limit = _group_limit(folder)
+        used = _number(folder / "memory.current", folder / "memory.usage_in_bytes")
+        if limit is not None and used is not None:
+            sizes.append(max(0, limit - used))
+    return sizes
+
+
+def _group_limit(folder: Path) -> int | None:
+    return _number(folder / "memory.max", folder / "memory.limit_in_bytes")
+
+
+def _number(*files: Path) -> int | None:
+    """What the first readable file holds; None for `max`, no limit."""
+    for file in files:
+        try:
+            text = file.read_text().strip()
+        except OSError:
+            continue
+        return int(text) if text.isdigit() else None
+    return None
+
+
+def _groups(root: Path = Path("/sys/fs/cgroup")) -> list[Path]:
+    """The control groups of the process that count memory, inwards; none outside Linux."""
+    try:
+        lines = Path("/proc/self/cgroup").read_text().splitlines()
+    except OSError:
+        return []
+    folders: list[Path] = []
+    for line in lines:
+        _, kinds, path = line.split(":", 2)
+        if kinds and "memory" not in kinds.split(","):
+            continue
+        base = root / "memory" if kinds else root
+        folder = base
+        for part in ["", *path.strip("/").split("/")]:
+            folder = folder / part
+            if folder.is_dir() and folder not in folders:
+                folders.append(folder)
+    return folders

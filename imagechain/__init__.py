@@ -44,13 +44,12 @@ if TYPE_CHECKING:
         UnconnectedError,
         UsageError,
     )
-    from core.modules.caution import Caution
+    from core.modules.panel_sections import Caution
     from imagechain import modules
     from imagechain.building.chain import Chain, networks, open
     from imagechain.building.chain_node import ChainNode
     from imagechain.building.chain_study import study
-    from imagechain.building.fit_pictures import fit
-    from imagechain.building.fitted_chain import FittedChain
+    from imagechain.building.fitted_chain import FittedChain, fit
     from imagechain.building.measure_pictures import measure
     from imagechain.parts.module_functions import part
     from imagechain.parts.module_part import Expression, Part
@@ -114,7 +113,7 @@ _PLACES = {
         ),
         "core.errors",
     ),
-    "Caution": "core.modules.caution",
+    "Caution": "core.modules.panel_sections",
     "Chain": "imagechain.building.chain",
     "ChainNode": "imagechain.building.chain_node",
     "CurveData": "core.chain.results",
@@ -128,7 +127,7 @@ _PLACES = {
     "StageCurves": "imagechain.results.stage_curves",
     "StudyTable": "imagechain.results.study_table",
     "TableData": "core.chain.results",
-    "fit": "imagechain.building.fit_pictures",
+    "fit": "imagechain.building.fitted_chain",
     "measure": "imagechain.building.measure_pictures",
     "networks": "imagechain.building.chain",
     "open": "imagechain.building.chain",

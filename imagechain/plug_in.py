@@ -10,17 +10,15 @@ from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.work import Work
 from core.lineage.linear_change import Linear
-from core.lineage.step_lineage import picture_step, source_step
-from core.lineage.step_noise import AtStep, Noise
-from core.modules.caution import Caution
+from core.lineage.step_lineage import AtStep, Noise, picture_step, source_step
 from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from core.noise.noise_power import NoisePower
 from core.noise.random_fields import Stream, normal_field
 from core.transfer.factors import Law, Planar, Separable
 from nodes.shared.factor_helpers import radial, separable
+from nodes.shared.flicker_deviates import SeededModule
 from nodes.shared.module_ports import (
     Apply,
     ImageOutput,
@@ -29,7 +27,6 @@ from nodes.shared.module_ports import (
     PtfModule,
     PtfOutputs,
 )
-from nodes.shared.noise_seed import SeededModule
 
 __all__ = [
     "Apply",

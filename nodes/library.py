@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from core.modules.declaration import Module
-from core.modules.library_type import PackagedLibrary, library_of
+from core.modules.declaration import Module, PackagedLibrary, library_of
 from nodes.analysis.camera.camera_geometry import CameraGeometry
 from nodes.analysis.camera.line_by_line import LineByLine
 from nodes.analysis.merit.figures_of_merit import FiguresOfMerit

@@ -18,8 +18,14 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from core.evaluation.float_guard import PLUG_INS, with_place
-from core.modules.declaration import Module, declaration
-from core.modules.library_type import Library, PackagedLibrary, local_key, package_of
+from core.modules.declaration import (
+    Library,
+    Module,
+    PackagedLibrary,
+    declaration,
+    local_key,
+    package_of,
+)
 from core.names import in_line
 
 

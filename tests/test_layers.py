@@ -106,8 +106,8 @@ def test_of_scipy_only_fft_and_special(layer):
     # The fit's optimizer, and its splines; imported in functions, as test_loaded_modules sees to.
     assert wrong <= {
         "app/fit/chain_fit.py: scipy.optimize.least_squares",
-        "app/fit/errors/even_profile.py: scipy.optimize.least_squares",
-        "app/fit/known_scene/moved_scene.py: scipy.ndimage",
+        "app/fit/parameter_search.py: scipy.optimize.least_squares",
+        "app/fit/scene_fit.py: scipy.ndimage",
     }
 
 

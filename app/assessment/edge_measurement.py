@@ -9,23 +9,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.assessment.expected_edge_mtf import Waves, expected_mtf
-from app.assessment.expected_row_average import edge_row
 from app.run.evaluation import Evaluation
+from core.chain.engine import PlannedNode
 from core.chain.frame_sequence import Remaking
 from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
+from core.lineage.linear_change import Axis, Linear, PlaceDependent
 from core.lineage.step_lineage import lineage_of, source_step
+from core.modules.declaration import NodeContext
 from core.physics.measurement.edges.slanted_edge import falls_to
-from core.physics.measurement.levels.row_average import row_average
-from nodes.analysis.lineage import transfer_of
+from core.physics.measurement.levels.flat_field import row_average
+from core.physics.numerics.quadrature import sinc
+from core.physics.sampling.interpolation import folded
+from core.transfer.factors import factor_at
+from nodes.analysis.lineage import ImageTransfer, transfer_of
 from nodes.analysis.mtf.mtf_measuring import (
     Figure,
     Measured,
@@ -33,6 +38,8 @@ from nodes.analysis.mtf.mtf_measuring import (
     measured_rows,
     measured_slanted,
 )
+from nodes.detector.focal_plane import FocalPlane
+from nodes.detector.spectral_response import SpectralResponse
 from nodes.scenes.scene_targets import slanted_edge
 
 Array = NDArray[Any]
@@ -295,3 +302,142 @@ def _middle(image: Image, direction: Direction) -> Rectangle:
         for size, share in zip((image.columns, image.rows), shares, strict=True)
     )
     return Rectangle((image.columns - width) // 2, (image.rows - height) // 2, width, height)
+
+
+# The MTF that a slanted edge in the final picture should show: every step from the scene to it.
+#
+# The stages' product is not all there is to it. A sample of the scene is a mean over its area,
+# pixels
+# are combined, a frame grabber interpolates: each blurs too.
+
+
+@dataclass(frozen=True)
+class Waves:
+    """Frequencies in cycles per sample of the final picture, and where in it they are looked at.
+
+    `seen_x` and `seen_y` are the shares of the frame's width and height, about its middle.
+    """
+
+    x: Vector
+    y: Vector
+    seen_x: float
+    seen_y: float
+
+
+def expected_mtf(passed: ImageTransfer, work: Work, waves: Waves) -> Vector:
+    """Modulus of all steps at these pairs of frequencies.
+
+    An interpolated picture differs from place to place: what counts is the mean over what is seen.
+    """
+    xi, eta = waves.x / passed.grid.interval_x_mrad, waves.y / passed.grid.interval_y_mrad
+    scene = passed.source_grid
+    fx, fy = xi * scene.interval_x_mrad, eta * scene.interval_y_mrad
+    total = sinc(fx) * sinc(fy)  # samples of the scene are means over their area
+    # A filter of samples repeats itself beyond their Nyquist frequency.
+    within = folded(fx) / scene.interval_x_mrad, folded(fy) / scene.interval_y_mrad
+    for factor in passed.factors:
+        if factor.part != "mtf":
+            continue
+        work.check()
+        if isinstance(factor, PlaceDependent):
+            if factor.x is not None:
+                total = total * factor.mean_over(factor.x, xi, waves.seen_x)
+            if factor.y is not None:
+                total = total * factor.mean_over(factor.y, eta, waves.seen_y)
+        else:
+            total = total * factor_at(work, factor, *within)
+    return np.asarray(np.abs(total), np.float64)
+
+
+# What the thesis' row average of an upright edge should show, computed in one dimension.
+#
+# The edge lies at one place among the samples. What they cannot show of it beyond their Nyquist
+# frequency is folded back, and an interpolated picture differs from place to place: no product of
+# MTFs gives what is measured. But all rows are alike, so that one of them is soon followed
+# through
+# every step, and measured in the same way.
+
+
+def edge_row(work: Work, recipe: Recipe, source: Recipe, axis: Axis, samples: int) -> Vector:
+    """A row, or column, of a picture whose source is an edge through the middle of `samples`.
+
+    Raises
+    ------
+    DataError
+        Where a step of the picture is not known as a transfer function.
+    """
+    changes: list[Linear] = []
+    while recipe.key != source.key:
+        lineage = lineage_of(recipe)
+        if lineage is None or lineage.picture is None:
+            raise DataError(f"what {recipe.node} does to the picture is not known")
+        changes.append(lineage.linear)
+        recipe = lineage.picture
+    row = np.clip(np.arange(samples) + 1.0 - samples / 2, 0.0, 1.0)
+    for change in reversed(changes):
+        row = change.row(work, row, axis)
+    return np.asarray(row, np.float64)
+
+
+# The response of a planned node over wavelength, as it is drawn.
+
+Band = tuple[float, float]
+_POINTS = 241
+_BESIDE = 1e-9  # of a wavelength, on both sides of where a response may jump
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnResponse:
+    """A response over wavelength.
+
+    Parameters
+    ----------
+    name : str
+        What it is of every wavelength.
+    band_um : (float, float)
+        Wavelengths shown: the picture's band, and what lies within the response beside it.
+    wavelength_um, values : ndarray, shape (points,)
+        The curve.
+    """
+
+    name: str
+    band_um: Band
+    wavelength_um: Vector
+    values: Vector
+
+
+def response_over_band(planned: PlannedNode, folder: Path) -> DrawnResponse | None:
+    """Response of a Focal Plane or Spectral Response; None of any other node, or without a band.
+
+    Parameters
+    ----------
+    planned : PlannedNode
+        The node, without an error.
+    folder : Path
+        The network's, from which its files are named.
+    """
+    image: Image | None = planned.inputs.get("image")
+    module = planned.module
+    if image is None or planned.node.disabled:
+        return None
+    if isinstance(module, FocalPlane):
+        efficiency = module.efficiency(planned.result)
+        filter_um = efficiency.cut_on_um, efficiency.cut_off_um
+        knots = [place for place, _ in efficiency.points]
+        return _drawn(
+            "quantum efficiency", image.band_um or filter_um, filter_um, knots, efficiency
+        )
+    if isinstance(module, SpectralResponse) and image.band_um is not None:
+        curve = module.response(image.band_um, NodeContext(planned.node.id, folder=folder))
+        knots = [place for place, _ in curve.points] or list(curve.ends_um)
+        return _drawn("response", image.band_um, image.band_um, knots, curve)
+    return None
+
+
+def _drawn(name: str, band: Band, own: Band, knots: list[float], response: Any) -> DrawnResponse:
+    low, high = min(band[0], own[0]), max(band[1], own[1])
+    ends = np.array([*own, *knots])
+    ends = ends[(ends >= low) & (ends <= high)]
+    beside = np.concatenate([ends * (1 - _BESIDE), ends, ends * (1 + _BESIDE)])
+    places = np.unique(np.concatenate([np.linspace(low, high, _POINTS), beside]))
+    return DrawnResponse(name, (low, high), places, np.asarray(response.at(places)))

@@ -25,7 +25,7 @@ from nodes.analysis.noise.budget_shares import (
     noise_shares,
     unknown_before,
 )
-from nodes.input_output.sample_statistics import statistics
+from nodes.input_output.sample_unit import statistics
 
 Found = TypeVar("Found")
 _NO_PICTURE = "the network has no final picture"

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from app.bench.tables import Chart, Row, Table, figure_text
-from app.report.drawing.picture_drawing import figure
-from app.report.drawing.plain_matplotlib import load_matplotlib
+from app.report.drawing.picture_drawing import figure, load_matplotlib
 
 WIDTH, HEIGHT = 8.2, 4.9  # inches
 # Distinct in every kind of colour vision (Okabe and Ito 2008), their light ones darkened for

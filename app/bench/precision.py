@@ -22,8 +22,7 @@ from core.network.network import Network
 from core.noise.random_fields import Stream, normal_field, poisson_field
 from core.physics.detector.charge_transfer import MODELS, charge_transfer_mtf, charge_transfer_ptf
 from core.threads import ForEach
-from core.transfer.factors import Planar
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid, Planar
 from core.transfer.planar_blocks import Planes
 from core.transfer.product import Product
 

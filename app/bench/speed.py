@@ -26,8 +26,8 @@ from app.bench.chains import (
 )
 from app.bench.tables import Chart, Table, judged
 from app.bench.timing import Settings, environment, paired, repeated, round_trip, seconds
-from app.run.own_process import command
-from app.run.sequence import save_frames
+from app.run.saving import save_frames
+from app.run.shipped import command
 from nodes.files.frames.frame_writing import FRAME_FORMATS
 
 Array = NDArray[Any]

@@ -18,10 +18,10 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from app.options.command_options import version
-from app.run import own_process
+from app.run import shipped as own_process
 from core.errors import UsageError
-from core.filtering.fft_backend import backend
-from core.memory import physical_bytes
+from core.filtering.periodic import backend
+from core.threads import physical_bytes
 
 Array = NDArray[Any]
 Seconds = Callable[[], float]

@@ -7,14 +7,13 @@ from functools import partial
 
 from app.command.run import input_files, open_network, policy_of
 from app.fit.free_parameter import free_parameters
-from app.fit.page.fit_json import fit_json
-from app.fit.page.fit_text import fit_text
+from app.fit.page.fit_page import fit_json, fit_text
 from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
 from app.options.command_options import Options
 from app.options.progress import Progress
 from app.run.shipped import find_network
 from app.run.staging import Staging
-from app.tradeoff.evaluated_points import with_value
+from app.tradeoff.tradeoff_results import with_value
 from core.atomic import write_text
 from core.chain.engine import Engine
 from core.editing.document import rebased

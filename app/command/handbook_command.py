@@ -95,6 +95,6 @@ class _Titles:
 
 
 def _page_count() -> int:
-    from app.handbook.contents import PARTS
+    from app.handbook.module_examples import PARTS
 
     return sum(len(part.pages) for part in PARTS) + len(standard_library())

@@ -10,8 +10,7 @@ from typing import Any
 from app.options.terminal_streams import print_error
 from app.run.readout_tables import columns
 from core.errors import UsageError
-from core.modules.declaration import Declaration, Port, declaration
-from core.modules.library_type import package_of, where_absent
+from core.modules.declaration import Declaration, Port, declaration, package_of, where_absent
 from core.modules.parameters import Parameter, plain
 from core.names import alike, shown
 from nodes.library import standard_library

@@ -28,8 +28,7 @@ from core.physics.measurement.levels.thermal_response import (
     filled,
     thermal_response,
 )
-from core.physics.noise.noise_components import COMPONENTS
-from core.physics.noise.noise_cube import NoiseCube
+from core.physics.noise.noise_components import COMPONENTS, NoiseCube
 from nodes.files.common.file_format import JSON
 from nodes.files.common.table_cells import csv_lines
 from nodes.files.frames.frame_reading import FrameFile, check_one_camera, open_frames

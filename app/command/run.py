@@ -21,11 +21,21 @@ from app.options.stopping import too_late
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
 from app.run.figures import Figure, main_figures
 from app.run.output import find_output
-from app.run.png import encode_png, grey_levels, robust_limits
 from app.run.readout_tables import jsonable
 from app.run.responses import mtf_csv
-from app.run.saving import check_suffix, cube_of, is_cube, save_value
-from app.run.sequence import MOST_FRAMES, format_for_frames, save_frames, series_of
+from app.run.saving import (
+    MOST_FRAMES,
+    check_suffix,
+    cube_of,
+    encode_png,
+    format_for_frames,
+    grey_levels,
+    is_cube,
+    robust_limits,
+    save_frames,
+    save_value,
+    series_of,
+)
 from app.run.shipped import Place, find_network
 from app.run.staging import Staging, check_folder, existing_folder
 from app.run.way_of_running import (
@@ -46,9 +56,8 @@ from core.errors import ImagechainError, NetworkError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 from core.evaluation.store import Store
-from core.modules.caution import Caution
-from core.modules.declaration import NodeContext
-from core.modules.library_type import Library
+from core.modules.declaration import Library, NodeContext
+from core.modules.panel_sections import Caution
 from core.names import close, in_line, printable, shown
 from core.network.file import read_network
 from core.network.network import Network

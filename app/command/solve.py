@@ -13,16 +13,14 @@ from app.options.overrides import listed, named_parameter
 from app.options.progress import Progress
 from app.run.readout_tables import warning_lines
 from app.run.shipped import find_network
-from app.solving.parameter_range import search_range
-from app.solving.solve_readout import Sample, Solution, solve
-from app.tradeoff.evaluated_points import with_value
+from app.solving.solve_readout import Sample, Solution, search_range, solve
 from app.tradeoff.tradeoff_figures import Figure, computed, figures_of
-from app.tradeoff.tradeoff_results import shown_value
+from app.tradeoff.tradeoff_results import shown_value, with_value
 from core.chain.engine import Engine, Plan
 from core.errors import DataError, ParameterError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.work import Work
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.modules.parameters import Parameter
 from core.names import close, in_line, shown
 from core.network.network import Network

@@ -15,13 +15,12 @@ from app.run.readout_tables import warned_points
 from app.run.shipped import find_network
 from app.study.carrying_out import StudyRows, Workers, carry_out
 from app.study.run_study import sampled
-from app.study.study_axes import Axis, files_axis
-from app.study.study_files import check_installed
-from app.study.study_points import Point
+from app.study.study_journal import check_installed
+from app.study.study_points import Axis, Point, files_axis
 from app.study.study_request import Study, make_study
 from app.tradeoff.values import FORM, OPTION
 from core.errors import DataError, UsageError
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.names import in_line
 from core.network.network import Network
 from nodes.files.common.file_format import CSV
@@ -113,7 +112,7 @@ def _where(wanted: Study, done: int) -> str:
 
 def _summarise(rows: StudyRows, paths: Sequence[Path]) -> None:
     for path in paths:
-        from app.study.study_page import write_summary
+        from app.study.study_drawing import write_summary
 
         write_summary(rows, path)
 

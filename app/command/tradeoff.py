@@ -17,17 +17,22 @@ from app.options.stopping import too_late
 from app.run.readout_tables import warned_points
 from app.run.shipped import find_network
 from app.run.staging import Staging
-from app.tradeoff.evaluated_points import PointEvaluator
-from app.tradeoff.sweep import Point
-from app.tradeoff.texts import csv_text, failures, json_text, table
+from app.tradeoff.tradeoff_drawing import csv_text, failures, json_text, table
 from app.tradeoff.tradeoff_figures import Figure, chosen_figures
-from app.tradeoff.tradeoff_results import Curve, Results, changing_figures, shown_value
+from app.tradeoff.tradeoff_results import (
+    Curve,
+    Point,
+    PointEvaluator,
+    Results,
+    changing_figures,
+    shown_value,
+)
 from app.tradeoff.values import MOST, OPTION, Variation, variation
 from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, UsageError
 from core.evaluation.policy import Policy
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.names import in_line, printable
 from core.network.network import Network
 from nodes.files.common.file_format import CSV, JSON
@@ -161,7 +166,7 @@ def write_results(results: Results, path: Path) -> None:
 
         write_bytes(path, trade_off_png(results))
     else:
-        from app.tradeoff.tradeoff_page import page
+        from app.tradeoff.tradeoff_drawing import page
 
         write_text(path, printable(page(results)))
 

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from app.editor.number_text import shown_number, shown_numbers
+from core.errors import ImagechainError, ParameterError
 from core.modules.parameters import Parameter
 
 # Ends of names that are the unit, which stands beside the value.
@@ -170,3 +171,24 @@ def breakable(text: str) -> str:
 def flowing(text: str) -> str:
     """Paragraphs without the line breaks they have in the source."""
     return "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))
+
+
+# Errors in the words of the window: the node's name and the panel's label, not the file's keys.
+
+
+def error_text(error: ImagechainError, *, on_node: bool = False) -> str:
+    """The error in one line: ``σ y of blur = -1 mrad is not allowed: …``.
+
+    Parameters
+    ----------
+    error : ImagechainError
+        What is wrong.
+    on_node : bool
+        Whether the text stands on the node itself, which needs no name then.
+    """
+    text = error.message
+    named = error.node is not None and not on_node
+    if isinstance(error, ParameterError) and text.startswith(error.parameter):
+        rest = text[len(error.parameter) :]
+        return f"{label_of(error.parameter)}{f' of {error.node}' if named else ''}{rest}"
+    return f"{error.node}: {text}" if named else text

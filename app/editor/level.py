@@ -14,8 +14,7 @@ from PySide6.QtCore import QObject, Signal
 from app.editor.session import Session, renamed_node
 from core.editing.macros import at_level
 from core.editing.operations import Operation
-from core.modules.declaration import Declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Declaration, Library
 from core.network.macro import SEPARATOR
 from core.network.network import Network
 

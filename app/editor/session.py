@@ -9,16 +9,14 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
-from app.editor.chosen_outputs import ChosenOutputs
-from app.editor.error_text import error_text
-from app.editor.free_numbers import FreeNumbers
+from app.editor.declared_text import error_text
+from app.editor.number_text import FreeNumbers
+from app.run.write_rules import read_record, remember_chosen
 from core.editing.document import Document
 from core.editing.macros import addressed
 from core.editing.operations import Operation, set_parameter
 from core.errors import ImagechainError
-from core.modules.declaration import Declaration
-from core.modules.library_type import Library
-from core.network.expansion import expanded, unfolded
+from core.modules.declaration import Declaration, Library
 from core.network.linked_values import (
     LinkError,
     ResolvedNetwork,
@@ -26,7 +24,7 @@ from core.network.linked_values import (
     resolved,
     with_values,
 )
-from core.network.macro import SEPARATOR, declared_node, path_of
+from core.network.macro import SEPARATOR, declared_node, expanded, path_of, unfolded
 from core.network.network import Network, Node
 
 
@@ -280,3 +278,46 @@ def _outermost(names: Iterable[str]) -> list[str]:
         if not (outermost and name.startswith(outermost[-1] + SEPARATOR)):
             outermost.append(name)
     return outermost
+
+
+# Files to be written that the person has chosen in a dialog: a later run may write them.
+
+
+class ChosenOutputs:
+    """Choices made for one document, kept in the user's record of its file."""
+
+    def __init__(self) -> None:
+        self._files: set[Path] = set()
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """What was chosen while this document was open."""
+        return tuple(sorted(self._files))
+
+    def forget(self) -> None:
+        """Another document has been opened."""
+        self._files.clear()
+
+    def add(self, file: Path, network: Path | None) -> None:
+        """A file was chosen; `network` is the document's file, None where it has none yet.
+
+        Raises
+        ------
+        FileError
+            If that cannot be remembered.
+        """
+        self._files.add(file)
+        if network is not None:
+            remember_chosen(network, [file])
+
+    def saved(self, before: Path | None, now: Path) -> None:
+        """The document is saved, perhaps in another file than before.
+
+        Raises
+        ------
+        FileError
+            If the choices cannot be remembered for it.
+        """
+        known = read_record(before).chosen if before is not None else frozenset()
+        if known or self._files:
+            remember_chosen(now, [*known, *self._files])

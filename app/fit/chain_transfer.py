@@ -26,8 +26,8 @@ from core.errors import DataError, UsageError
 from core.evaluation.work import Work
 from core.lineage.linear_change import PlaceDependent
 from core.lineage.step_lineage import lineage_of
-from core.physics.detector.detector_aperture import aperture_mtf
-from core.physics.numerics.sinc import sinc
+from core.physics.detector.charge_transfer import aperture_mtf
+from core.physics.numerics.quadrature import sinc
 from core.physics.sampling.interpolation import block_mean_mtf
 from core.transfer.factors import Factor, Planar, Separable
 from nodes.analysis.lineage import ImageTransfer, transfer_of
@@ -225,7 +225,7 @@ class ChainAt:
         ImagechainError
             If a value is not allowed.
         """
-        from app.tradeoff.evaluated_points import with_value
+        from app.tradeoff.tradeoff_results import with_value
 
         network = self._last.network
         for (node, name), value in zip(self._names, values, strict=True):

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.chain_fit import ChainFit
-from app.fit.errors.even_profile import Refit, profiled_spread
 from app.fit.identifiability import Combination, Identified, identified
 from app.fit.known_scene.scene_match import SceneFit
+from app.fit.parameter_search import Refit, profiled_spread
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
 Vector = NDArray[np.float64]

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from app.options.option_values import Assignment, assignment
 from app.options.overrides import behind, named_parameter
 from core.errors import UsageError
-from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter
 from core.network.network import EXPRESSION, Network
 

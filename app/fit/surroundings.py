@@ -14,9 +14,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from app.fit.edge_fit import EdgesAt
-from app.fit.patch import Patch
+from app.fit.patch import MARGIN, Patch, Window
 from app.fit.spread_table import SpreadTable
-from app.fit.window import MARGIN, Window
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

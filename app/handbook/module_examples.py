@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import networks
-from core.modules.declaration import Declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Declaration, Library
 from core.network.network import Link, Network, Node
 
 Nodes = Mapping[str, tuple[str, Mapping[str, Any]]]
@@ -198,3 +198,54 @@ def _needed(links: list[tuple[str, str]], last: str) -> set[str]:
 
 def _node(port: str) -> str:
     return port.partition(".")[0]
+
+
+# What the handbook holds, in its order.
+
+PAGES = Path(__file__).with_name("pages")
+
+
+@dataclass(frozen=True)
+class Part:
+    """Pages under one title, by the names of their files."""
+
+    title: str
+    pages: tuple[str, ...]
+
+
+PARTS = (
+    Part("Begin", ("index", "getting_started")),
+    Part(
+        "Tutorials",
+        (
+            "infrared_camera",
+            "real_camera",
+            "satellite",
+            "dirsig_scene",
+            "lens_and_mtf",
+            "cluster_study",
+        ),
+    ),
+    Part(
+        "Guides",
+        (
+            "editor",
+            "commands",
+            "network_files",
+            "python_package",
+            "cameras",
+            "judging",
+            "studies",
+            "beyond_memory",
+            "plug_ins",
+        ),
+    ),
+    Part(
+        "Reference",
+        ("reference", "shipped_networks", "speed_and_accuracy", "how_it_works", "extending"),
+    ),
+)
+REFERENCE = "reference"
+"""The page that lists the modules."""
+MODULES = "modules"
+"""Folder of the modules' pages."""

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from app.handbook.contents import PAGES
+from app.handbook.module_examples import PAGES
 from app.handbook.written_pages import module_address, page_titles
-from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Library, declaration
 
 
 def find_page(word: str, library: Library) -> tuple[str | None, list[str]]:

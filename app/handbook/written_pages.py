@@ -2,27 +2,37 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import html
 import json
+import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
-from app.handbook.contents import MODULES, PAGES, PARTS, REFERENCE
-from app.handbook.example_figures import example_of
-from app.handbook.markdown_text import anchor_of, rendered
-from app.handbook.module_page import default, module_page, ports, with_symbols
-from app.handbook.page_figures import page_figure
+import numpy as np
+from numpy.typing import NDArray
+
+from app.handbook.example_figures import curves, example_of, picture
+from app.handbook.markdown_text import FormulaError, anchor_of, formula_svg, rendered
+from app.handbook.module_examples import MODULES, PAGES, PARTS, REFERENCE, SHIPPED
+from app.options.option_values import assignment
+from app.options.overrides import with_settings
+from app.run.shipped import find_network
 from app.user_folders import cache_folder
 from core.chain.engine import Engine
-from core.errors import FileError
-from core.modules.declaration import Declaration, declaration
-from core.modules.library_type import Library
+from core.chain.wires import Curve, Pupil
+from core.errors import FileError, UsageError
+from core.evaluation.policy import Policy
+from core.modules.declaration import Declaration, Library, Port, declaration
+from core.modules.parameters import Parameter, plain
+from core.network.file import load_network
 
 TEMPLATES = Path(__file__).with_name("templates")
 MARK = "handbook.json"
@@ -265,3 +275,232 @@ def _source(name: str) -> str:
 def _plain(text: str) -> str:
     """Words without Markdown's signs."""
     return " ".join(text.replace("`", "").replace("*", "").replace("\\", "").split())
+
+
+# Drawings that a page of Markdown names in a block of `figure`.
+#
+# network mwir_camera            a shipped network, to be run
+# set scene.width=320            a change of it, as --set has it
+# picture scene.image the scene  a picture of a port, with its caption
+# curve slices.curve the MTFs    curves of a port
+# edges pixels.image what is used the edges of a port's picture, as a measurement draws them
+# mtf pixels.image its MTF        and their MTF
+# shipped thumbnail_pupils.png   a picture that comes along, with its caption
+
+
+def page_figure(words: str, engine: Engine) -> str:
+    """The drawings, side by side, as a piece of a page.
+
+    Parameters
+    ----------
+    words : str
+        A line for every drawing, as the module's docstring lists them.
+    engine : Engine
+        Of the library.
+
+    Raises
+    ------
+    UsageError
+        For a line that is none of these.
+    """
+    lines = [line.split(maxsplit=2) for line in words.splitlines() if line.strip()]
+    named = [line[1] for line in lines if line[0] == "network"]
+    settings = [
+        assignment("set", line[1], "NODE.PARAM=VALUE") for line in lines if line[0] == "set"
+    ]
+    shown = [line for line in lines if line[0] not in ("network", "set")]
+    drawings = []
+    if named:
+        place = find_network(named[0])
+        network = load_network(place.path, library=engine.library)
+        network = with_settings(network, settings, library=engine.library)
+        plan, work = engine.plan(network, folder=place.folder), engine.work(Policy())
+    for number, (kind, what, *caption) in enumerate(shown):
+        text = caption[0] if caption else what
+        if kind == "shipped":
+            drawings.append(_shipped(what, text))
+        elif kind == "picture":
+            samples = engine.value(plan, what, work)
+            drawn = np.abs(samples) if isinstance(plan.output(what), Pupil) else samples
+            drawings.append(picture(drawn, text))
+        elif kind in ("edges", "mtf"):
+            samples = engine.value(plan, what, work)
+            drawings.append(_measured(samples, kind, text))
+        elif kind == "curve" and isinstance(plan.output(what), Curve):
+            name = f"{named[0]}-{what}-{number}"
+            drawings.append(curves(name, engine.value(plan, what, work), text))
+        else:
+            raise UsageError(f"a figure of the handbook has the line {kind} {what}")
+    return f'<div class="figures">\n{"".join(drawings)}\n</div>\n'
+
+
+def _shipped(name: str, caption: str) -> str:
+    return _png((SHIPPED / "pictures" / name).read_bytes(), caption)
+
+
+def _measured(samples: NDArray[Any], kind: str, caption: str) -> str:
+    """A measurement's drawing of a picture: its edges, or their MTF."""
+    # Imported only where a page has one: all that measures.
+    from app.measure.measurement_page import edges_png, mtf_png
+    from app.measure.measuring import Source, measure_pictures
+    from app.measure.picture_measurement import MeasuredFile
+
+    picture = np.asarray(samples, np.float64)
+    source = Source((MeasuredFile("picture", 1, ""),), [picture], *picture.shape)
+    measured = measure_pictures(source)
+    if kind == "edges":
+        return _png(edges_png(measured, measured.previews[0]), caption, kind)
+    return _png(mtf_png(measured), caption, kind)
+
+
+def _png(content: bytes, caption: str, kind: str = "shipped") -> str:
+    data, text = base64.b64encode(content).decode(), html.escape(caption)
+    return (
+        f'<figure class="{kind}"><img alt="{text}" src="data:image/png;base64,{data}">'
+        f"<figcaption>{text}</figcaption></figure>"
+    )
+
+
+# What stands on a module's page, from its declaration.
+
+_NONE: Mapping[str, str] = MappingProxyType({})
+_MARKS = re.compile(r"\b(Sources?|Erratum|Errata): ")
+_SYMBOL = re.compile(r"(?<![\w_])([^\W\d_]{1,3})_([^\W_]{1,5})(?![\w_])")
+
+
+@dataclass(frozen=True)
+class ShownFormula:
+    """A formula, drawn, with its words as pieces of a page."""
+
+    drawing: str
+    where: str
+    when: str
+
+
+@dataclass(frozen=True)
+class ModulePage:
+    """The parts of the page, as pieces of it."""
+
+    declared: Declaration
+    paragraphs: tuple[str, ...]
+    sources: tuple[str, ...]
+    errata: tuple[str, ...]
+    formulas: tuple[ShownFormula, ...]
+
+    @property
+    def words(self) -> str:
+        """All that can be searched for."""
+        declared = self.declared
+        parts = [declared.key, declared.text]
+        parts += [f"{p.name} {p.param.text}" for p in declared.parameters]
+        parts += [f"{r.name} {r.meaning}" for r in declared.readouts]
+        return " ".join(parts)
+
+
+def module_page(declared: Declaration, addresses: Mapping[str, str] = _NONE) -> ModulePage:
+    """What stands on the page.
+
+    Parameters
+    ----------
+    declared : Declaration
+        Of the module.
+    addresses : mapping
+        Where the pages of modules lie, from this one, by their titles.
+    """
+    others = {title: at for title, at in addresses.items() if title != declared.title}
+    paragraphs, sources, errata = parted(declared.text)
+    names = {parameter.name for parameter in declared.parameters}
+    return ModulePage(
+        declared,
+        tuple(with_links(with_symbols(text, names), others) for text in paragraphs),
+        tuple(prose(text, names) for text in sources),
+        tuple(prose(text, names) for text in errata),
+        tuple(
+            ShownFormula(
+                drawn(formula.tex),
+                with_symbols(formula.where, names),
+                prose(formula.when, names),
+            )
+            for formula in declared.formulas
+        ),
+    )
+
+
+def drawn(tex: str) -> str:
+    """A formula's drawing; its TeX as it is where a plug-in's cannot be typeset."""
+    try:
+        return formula_svg(tex)
+    except FormulaError:
+        return f"<code>{html.escape(tex)}</code>"
+
+
+def parted(text: str) -> tuple[list[str], list[str], list[str]]:
+    """Paragraphs of a module's text, its sources and its errata."""
+    paragraphs: list[str] = []
+    marked: dict[str, list[str]] = {"S": [], "E": []}
+    for paragraph in text.split("\n\n"):
+        words = " ".join(paragraph.split())
+        pieces = _MARKS.split(words)
+        if pieces[0].strip():
+            paragraphs.append(pieces[0].strip())
+        for mark, content in zip(pieces[1::2], pieces[2::2], strict=True):
+            shown = (content[:1].upper() + content[1:]).strip()
+            parts = shown.split("; ") if mark == "Sources" else [shown]
+            marked[mark[0]] += [part.strip().rstrip(".") + "." for part in parts]
+    return paragraphs, marked["S"], marked["E"]
+
+
+def prose(text: str, names: Iterable[str]) -> str:
+    """Plain text as a piece of a page; what stands in backticks, and names, as code."""
+    shown = re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(text, quote=False))
+    words = sorted((name for name in names if "_" in name), key=len, reverse=True)
+    if words:
+        choice = "|".join(re.escape(word) for word in words)
+        shown = re.sub(rf"(?<![\w>])({choice})(?![\w<])", r"<code>\1</code>", shown)
+    return shown
+
+
+def with_symbols(text: str, names: Iterable[str]) -> str:
+    """Words below a formula: `x_k` is a symbol with an index."""
+    pieces = re.split(r"(<code>.*?</code>)", prose(text, names))
+    return "".join(
+        piece if piece.startswith("<code>") else _SYMBOL.sub(r"\1<sub>\2</sub>", piece)
+        for piece in pieces
+    )
+
+
+def with_links(piece: str, addresses: Mapping[str, str]) -> str:
+    """A piece of a page in which titles of modules, of two words or more, lead to their pages."""
+    titles = {
+        html.escape(title, quote=False): at for title, at in addresses.items() if " " in title
+    }
+    if not titles:
+        return piece
+    names = "|".join(re.escape(title) for title in sorted(titles, key=len, reverse=True))
+    parts = re.split(r"(<code>.*?</code>)", piece)
+    return "".join(
+        part
+        if part.startswith("<code>")
+        else re.sub(rf"\b({names})\b", lambda m: f'<a href="{titles[m[1]]}">{m[1]}</a>', part)
+        for part in parts
+    )
+
+
+def ports(declared: tuple[Port, ...]) -> str:
+    """Ports in words."""
+    return ", ".join(
+        f"{port.name} ({' or '.join(port.types)}{'' if port.required else ', optional'})"
+        for port in declared
+    )
+
+
+def default(parameter: Parameter) -> str:
+    """The default in words."""
+    if parameter.required:
+        return "required"
+    value = plain(parameter.default)
+    if value is None:
+        return "empty"
+    if isinstance(value, float):
+        return f"{value:g}"
+    return value or "empty" if isinstance(value, str) else json.dumps(value)

@@ -2,22 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-from app.measure.measurement_drawing import edges_png, levels_png, mtf_png
+import numpy as np
+
 from app.measure.measurement_text import (
+    REFUSED,
+    USED,
+    counted,
     figure_rows,
     flat_rows,
     frame_rows,
     remarks,
     with_error,
 )
-from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
-from app.measure.refused_edges import counted
+from app.measure.picture_measurement import (
+    MeasuredEdge,
+    MtfCurve,
+    NoiseFigures,
+    PictureMeasurement,
+    Preview,
+)
 from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
+from app.report.drawing.picture_drawing import COLOURS, figure
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
-from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG
+from app.run.saving import robust_limits
+from core.physics.measurement.edges.edge_mtf import LARGEST_ANGLE_DEG
 
 _MOST_REFUSED = 60
 _LEAST_LEVELS = 3
@@ -203,3 +216,164 @@ def _strength(edge: MeasuredEdge) -> tuple[str, str]:
 def _half(edge: MeasuredEdge) -> str:
     curve = edge.curve
     return "–" if curve is None else with_error(curve.mtf50, edge.mtf50_sigma)
+
+
+# Figures of a measurement: edges drawn on the pictures, and the MTF with its error.
+
+NYQUIST = 0.5
+_MOST_NUMBERED = 60
+_MOST_CURVES = 40
+_UNSURE = 0.25  # standard error from which on a single edge's MTF is not drawn
+
+
+def edges_png(measured: PictureMeasurement, preview: Preview) -> bytes:
+    """One picture with its edges: used ones in full lines with their numbers, others dashed."""
+    rows, columns = (size * preview.factor for size in preview.samples.shape)
+    width = 10.0 if columns >= 0.9 * rows else 6.5
+    with figure(width, min(width * rows / columns, 12.0) + 0.5) as (drawn, out):
+        axis = drawn.subplots()
+        low, high = robust_limits(preview.samples)
+        axis.imshow(
+            preview.samples, cmap="gray", vmin=low, vmax=high if high > low else low + 1.0,
+            extent=(-0.5, columns - 0.5, rows - 0.5, -0.5), interpolation="nearest",
+        )  # fmt: skip
+        axis.grid(visible=False)
+        axis.set_xlabel("column")
+        axis.set_ylabel("row")
+        own = [
+            (number, edge)
+            for number, edge in enumerate(measured.edges, 1)
+            if edge.picture == preview.picture
+        ]
+        for number, edge in sorted(own, key=lambda one: one[1].used):
+            _draw_edge(axis, edge, number if len(own) <= _MOST_NUMBERED or edge.used else None)
+        axis.set_xlim(-0.5, columns - 0.5)
+        axis.set_ylim(rows - 0.5, -0.5)
+        _legend(drawn, own)
+    return out.getvalue()
+
+
+def _draw_edge(axis: Any, edge: MeasuredEdge, number: int | None) -> None:
+    from matplotlib.patheffects import withStroke
+
+    xs, ys = zip(*edge.found.ends, strict=True)
+    dark = [withStroke(linewidth=3.0 if edge.used else 2.0, foreground="#000000a0")]
+    look: Any = (
+        {"color": USED, "lw": 1.8, "ls": "-", "zorder": 3}
+        if edge.used
+        else {"color": REFUSED, "lw": 1.0, "ls": (0, (3, 2)), "zorder": 2}
+    )
+    axis.plot(xs, ys, path_effects=dark, **look)
+    if number is not None:
+        axis.annotate(
+            str(number), (edge.found.x, edge.found.y), xytext=(3, 3), textcoords="offset points",
+            fontsize=8 if edge.used else 6.5, color=look["color"], clip_on=True,
+            path_effects=[withStroke(linewidth=2.0, foreground="#000000c0")], zorder=4,
+        )  # fmt: skip
+
+
+def _legend(drawn: Any, edges: Sequence[tuple[int, MeasuredEdge]]) -> None:
+    from matplotlib.lines import Line2D
+
+    used = sum(edge.used for _, edge in edges)
+    lines = [
+        Line2D([], [], color=USED, lw=2.0, label=f"used ({used})"),
+        Line2D(
+            [], [], color="#2b8cc4", lw=1.4, ls=(0, (3, 2)), label=f"not used ({len(edges) - used})"
+        ),
+    ]
+    drawn.legend(handles=lines, loc="outside lower center", ncols=2, fontsize=8.5)
+
+
+def mtf_png(measured: PictureMeasurement) -> bytes:
+    """Pooled MTF across and along, each with its error and the edges that it is made of."""
+    with figure(10.0, 4.4) as (drawn, out):
+        axes = drawn.subplots(1, 2, sharey=True)
+        for axis, direction in zip(axes, ("x", "y"), strict=True):
+            curve = measured.x if direction == "x" else measured.y
+            words = "a. Across (x)" if direction == "x" else "b. Along (y)"
+            axis.set_title(words, pad=4 if measured.interval_x_mrad else 12)
+            axis.set_xlabel("frequency (cycles/sample)")
+            axis.axhline(0.0, color="#555555", lw=0.8)
+            axis.axvline(NYQUIST, color="#999999", ls=":", lw=1.2)
+            axis.annotate(
+                "Nyquist", (NYQUIST, 0.98), xycoords=("data", "axes fraction"), xytext=(3, 0),
+                textcoords="offset points", va="top", fontsize=7, color="#666666",
+            )  # fmt: skip
+            _mtf_panel(axis, measured, direction, curve)
+            axis.set_xlim(0.0, 1.0)
+            axis.set_ylim(-0.03, 1.25)
+            _second_scale(axis, measured.interval_mrad(direction))
+        axes[0].set_ylabel("MTF")
+    return out.getvalue()
+
+
+def levels_png(noise: NoiseFigures, unit: str) -> bytes:
+    """Variance against level, with the line that the gain and read noise stand for."""
+    with figure(6.6, 3.6) as (drawn, out):
+        axis = drawn.subplots()
+        level = np.array([one.level for one in noise.levels])
+        variance = np.array([one.variance for one in noise.levels])
+        error = np.array([one.variance_error for one in noise.levels])
+        axis.errorbar(
+            level, variance, error, fmt="o", ms=4, color=COLOURS[0], mfc="none", elinewidth=0.9,
+            label="measured, with standard error",
+        )  # fmt: skip
+        if noise.gain_e_per_dn is not None:
+            ends = np.array([level.min(), level.max()])
+            weight = 1.0 / np.maximum(error, 1e-300) ** 2
+            middle = float(np.sum(weight * level) / np.sum(weight))
+            height = float(np.sum(weight * variance) / np.sum(weight))
+            line = height + (ends - middle) / noise.gain_e_per_dn
+            label = f"1/gain, {noise.gain_e_per_dn:.4g} e⁻/DN"
+            axis.plot(ends, line, color=COLOURS[1], lw=1.6, label=label)
+        axis.set_xlabel(f"level ({unit})" if unit else "level")
+        axis.set_ylabel(f"variance of a sample ({unit})²" if unit else "variance of a sample")
+        axis.set_ylim(bottom=0.0)
+        axis.legend(loc="upper left", fontsize=8)
+    return out.getvalue()
+
+
+def _mtf_panel(
+    axis: Any, measured: PictureMeasurement, direction: str, curve: MtfCurve | None
+) -> None:
+    if curve is None:
+        axis.text(0.5, 0.5, "not measured", transform=axis.transAxes, ha="center", color="#666666")
+        return
+    colour = COLOURS[0] if direction == "x" else COLOURS[1]
+    own = [
+        edge
+        for edge in measured.edges
+        if edge.used and edge.curve is not None and edge.direction == direction
+    ]
+    for place, edge in enumerate(own[:_MOST_CURVES]):
+        assert edge.curve is not None
+        sure = edge.curve.sigma < _UNSURE
+        axis.plot(
+            (edge.curve.frequency * edge.stretch)[sure], edge.curve.mtf[sure],
+            color="#777777", lw=0.6, alpha=0.6,
+            label="single edges" if place == 0 else None,
+        )  # fmt: skip
+    axis.fill_between(
+        curve.frequency, curve.mtf - 2.0 * curve.sigma, curve.mtf + 2.0 * curve.sigma,
+        color=colour, alpha=0.25, lw=0, label="± 2 standard errors",
+    )  # fmt: skip
+    axis.plot(curve.frequency, curve.mtf, color=colour, lw=1.8, label="pooled")
+    if curve.mtf50 is not None:
+        axis.plot([curve.mtf50], [0.5], "o", ms=5, color=colour, mec="white", mew=0.8)
+    axis.legend(loc="upper right", fontsize=8)
+
+
+def _second_scale(axis: Any, interval_mrad: float | None) -> None:
+    """Cycles/mrad above the panel, where the field of view is known."""
+    if interval_mrad is None:
+        return
+    scale = axis.secondary_xaxis(
+        "top",
+        functions=(
+            lambda frequency: np.asarray(frequency) / interval_mrad,
+            lambda frequency: np.asarray(frequency) * interval_mrad,
+        ),
+    )
+    scale.set_xlabel("cycles/mrad", fontsize=7.5, color="#444444")
+    scale.tick_params(labelsize=7.5, colors="#444444")

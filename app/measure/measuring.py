@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.measure.edge_measuring import edges_of, pooled
-from app.measure.noise_measuring import pooled_noise, with_frames
+from app.measure.measurement_text import in_words
 from app.measure.picture_loading import (
     PictureFile,
     common_limits,
@@ -20,19 +21,36 @@ from app.measure.picture_loading import (
 )
 from app.measure.picture_measurement import (
     BY_HAND,
+    FREQUENCIES,
     WITH_LOSS,
     FlatCurve,
     MeasuredEdge,
     MeasuredFile,
+    MtfCurve,
+    NoiseFigures,
     PictureMeasurement,
     Preview,
 )
 from core.errors import DataError, ParameterError
-from core.physics.measurement.edges.picture_suspicions import missing_samples, why_interpolated
+from core.physics.measurement.edges.edge_mtf import (
+    LARGEST_ANGLE_DEG,
+    crossing_error,
+    measure_edge,
+    pooled_mtf,
+)
+from core.physics.measurement.edges.edge_search import find_edges
+from core.physics.measurement.edges.long_tails import LongTails, long_tails
+from core.physics.measurement.edges.picture_suspicions import (
+    FoundEdge,
+    missing_samples,
+    why_interpolated,
+)
+from core.physics.measurement.edges.slanted_edge import falls_to
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import photon_transfer
 from core.physics.measurement.noise.frames_noise import FramesNoise, SceneFrames
 from core.physics.measurement.noise.picture_noise import PictureNoise, noise_of_picture
+from core.physics.measurement.noise.power_parts import LineNoise
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.frames.frame_reading import open_frames
 
@@ -361,3 +379,193 @@ def _field(path: Path, check: Callable[[], None]) -> FlatField:
         check()
         taken.add(frame)
     return taken.measured()
+
+
+# Noise in the flat areas of pictures of one camera, taken together.
+
+_SEVERAL = 2
+_STANDS_OUT = 3.0  # standard errors
+_Figure = tuple[float | None, float | None]
+
+
+def pooled_noise(
+    measured: Sequence[PictureNoise], *, offset_dn: float
+) -> tuple[NoiseFigures | None, str]:
+    """The noise of the pictures that show it, or the reason why none does.
+
+    Parameters
+    ----------
+    measured : sequence of PictureNoise
+        One of each picture.
+    offset_dn : float
+        The level without light that they were measured with.
+
+    Notes
+    -----
+    Variances are averaged; gain and read noise are means weighted by their errors.
+    """
+    known = [(one, one.sigma, one.sigma_error) for one in measured]
+    good = [(one, s, e) for one, s, e in known if s is not None and e is not None]
+    if not good:
+        return None, "; ".join(_once(one.sigma_reason for one in measured))
+    noises = [one for one, _, _ in good]
+    sigma = math.sqrt(math.fsum(s**2 for _, s, _ in good) / len(good))
+    error = math.sqrt(math.fsum((s * e) ** 2 for _, s, e in good)) / (sigma * len(good))
+    gain, gain_error = _weighted((one.gain_e_per_dn, one.gain_error) for one in noises)
+    read, read_error = _weighted((one.read_noise_dn, one.read_noise_error) for one in noises)
+    no_gain = _once(one.gain_reason for one in noises) if gain is None else []
+    no_read = _once(one.read_noise_reason for one in noises) if read is None else []
+    powers = [one.power for one in noises if one.power is not None]
+    steps = [one.step for one in noises if one.step is not None]
+    return NoiseFigures(
+        sigma, error, math.fsum(one.mean_level for one in noises) / len(noises), gain, gain_error,
+        read, read_error, offset_dn, _lines(power.rows for power in powers),
+        _lines(power.columns for power in powers), min(steps) if steps else None,
+        next((power.lines for power in powers if power.lines), ()),
+        tuple(level for one in noises for level in one.levels),
+        _missing(_first(no_gain), _first(no_read)),
+        tuple(_once(line for one in noises for line in one.remarks)),
+    ), ""  # fmt: skip
+
+
+def with_frames(
+    noise: NoiseFigures | None, reason: str, frames: FramesNoise, offset_dn: float
+) -> tuple[NoiseFigures | None, str]:
+    """The noise of what changes in frames of a scene that stands still.
+
+    In one frame, fine texture and a fixed pattern look like noise; of them nothing is left here.
+    Periodic lines are those of the single pictures.
+    """
+    if frames.sigma is None or frames.sigma_error is None:
+        return noise, reason
+    missing = _missing(
+        frames.gain_reason if frames.gain_e_per_dn is None else "",
+        frames.read_noise_reason if frames.read_noise_dn is None else "",
+    )
+    return NoiseFigures(
+        frames.sigma, frames.sigma_error, frames.mean_level, frames.gain_e_per_dn,
+        frames.gain_error, frames.read_noise_dn, frames.read_noise_error, offset_dn, None, None,
+        frames.step, () if noise is None else noise.lines, frames.levels, missing,
+        ("noise is that of what changes from frame to frame, without fixed patterns",),
+    ), ""  # fmt: skip
+
+
+def _missing(no_gain: str, no_read: str) -> str:
+    """Why there is no gain, and no read noise; each empty where there is."""
+    if no_gain and no_gain == no_read:
+        return f"no gain and no read noise: {no_gain}"
+    parts = (("no gain", no_gain), ("no read noise", no_read))
+    return "; ".join(f"{what}: {why}" for what, why in parts if why)
+
+
+def _first(reasons: Sequence[str]) -> str:
+    """The first reason, and that other pictures have others of their own."""
+    if len(reasons) < _SEVERAL:
+        return "".join(reasons)
+    return f"{reasons[0]} (and the like of other pictures)"
+
+
+def _once(texts: Iterable[str]) -> list[str]:
+    return list(dict.fromkeys(text for text in texts if text))
+
+
+def _weighted(figures: Iterable[_Figure]) -> _Figure:
+    """Mean by inverse variances; nothing where no picture has the figure."""
+    known = [(value, error) for value, error in figures if value is not None and error]
+    if not known:
+        return None, None
+    weights = [1.0 / error**2 for _, error in known]
+    total = math.fsum(weights)
+    mean = math.fsum(w * value for w, (value, _) in zip(weights, known, strict=True)) / total
+    return mean, total**-0.5
+
+
+def _lines(lines: Iterable[LineNoise | None]) -> float | None:
+    """Deviation of what rows or columns have of their own, 0 where it does not stand out."""
+    known = [line for line in lines if line is not None]
+    if not known:
+        return None
+    variance = math.fsum(line.variance for line in known) / len(known)
+    error = math.sqrt(math.fsum(line.variance_error**2 for line in known)) / len(known)
+    return math.sqrt(variance) if variance > _STANDS_OUT * error else 0.0
+
+
+# Edges of pictures: searched for, measured one by one, and pooled by direction.
+
+
+def edges_of(
+    *,
+    picture: Matrix,
+    number: int,
+    clip_levels: tuple[float, float] | None = None,
+    check: Callable[[], None] = lambda: None,
+) -> tuple[MeasuredEdge, ...]:
+    """The edges of one picture, measured.
+
+    Parameters
+    ----------
+    picture : ndarray
+        Samples, shape (rows, columns), finite.
+    number : int
+        Of the picture among those measured.
+    clip_levels : tuple of float, optional
+        Lowest and highest number that a sample can have.
+    check : callable
+        Called between steps; may raise to stop.
+    """
+    seen = find_edges(picture=picture, clip_levels=clip_levels, interpolated_too=True, check=check)
+    used = [edge for edge in seen if edge.used]
+    missing = missing_samples(picture=picture) if used else None
+    tails = long_tails(picture=picture, edges=used, missing=missing, check=check)
+    return tuple(_measured(picture, number, edge, tails, check) for edge in seen)
+
+
+def _measured(
+    picture: Matrix,
+    number: int,
+    edge: FoundEdge,
+    tails: LongTails | None,
+    check: Callable[[], None],
+) -> MeasuredEdge:
+    if not edge.used:
+        return MeasuredEdge(number, edge, None, edge.why_not)
+    try:
+        curve = measure_edge(
+            picture=picture, edge=edge, frequency=np.array(FREQUENCIES), tails=tails, check=check
+        )
+    except DataError as error:
+        return MeasuredEdge(number, edge, None, error.message)
+    return MeasuredEdge(number, edge, curve, "")
+
+
+def pooled(
+    edges: Sequence[MeasuredEdge], direction: Literal["x", "y"]
+) -> tuple[MtfCurve | None, str]:
+    """The MTF of all used edges whose normals lie near an axis, or the reason why there is none."""
+    curves = [edge.curve for edge in edges if edge.used and edge.curve is not None]
+    together = pooled_mtf(edges=curves, axis=direction)
+    if together is None:
+        return None, _no_edge([edge for edge in edges if edge.direction == direction], direction)
+    frequency, mtf, sigma = together.frequency, together.mtf, together.sigma
+    half = falls_to(frequency=frequency, mtf=mtf, level=0.5)
+    error = None
+    if half is not None:
+        error = crossing_error(frequency=frequency, mtf=mtf, sigma=sigma, crossing=half)
+    return MtfCurve(frequency, mtf, sigma, half, error, together.edges, together.excess), ""
+
+
+def _no_edge(near: Sequence[MeasuredEdge], direction: str) -> str:
+    """Why there is no MTF in a direction."""
+    across = "across" if direction == "x" else "along"
+    if not near:
+        return (
+            f"no straight edge whose normal lies within {LARGEST_ANGLE_DEG:g}° of {direction} "
+            f"({across}) was seen"
+        )
+    if removed := sum(edge.why_not == BY_HAND for edge in near):
+        many = "1 edge" if removed == 1 else f"{removed} edges"
+        return f"{many} that would give it {'is' if removed == 1 else 'are'} {BY_HAND}"
+    if len(near) == 1:
+        return f"the one edge that would give it cannot be used: {near[0].why_not}"
+    words = in_words(edge.why_not for edge in near)
+    return f"none of the {len(near)} edges that would give it can be used: {words}"

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from core.physics.measurement.levels.emva_figures import EmvaFigures
-from core.physics.measurement.levels.photon_transfer import PhotonTransfer
+from core.physics.measurement.levels.photon_transfer import EmvaFigures, PhotonTransfer
 
 Row = tuple[str, float | None, str, str]
 

@@ -9,9 +9,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.edge_found import FoundEdge
-from core.physics.measurement.edges.edge_mtf import EdgeMtf, crossing_error
-from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG, pooled_mtf
+from core.physics.measurement.edges.edge_mtf import (
+    LARGEST_ANGLE_DEG,
+    EdgeMtf,
+    crossing_error,
+    pooled_mtf,
+)
+from core.physics.measurement.edges.picture_suspicions import FoundEdge
 from core.physics.measurement.levels.flat_field import FlatField
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer
 from core.physics.measurement.noise.frames_noise import FramesNoise

@@ -12,8 +12,7 @@ from typing import Any
 
 from app.options.option_values import Assignment
 from core.errors import ImagechainError, ParameterError, UsageError
-from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown
 from core.network.linked_values import expression

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from typing import Any
 
 from app.report.blocks import Block, Drawn, Grid, Heading, Text, of_many
-from app.report.drawing.picture_drawing import COLOURS, figure, strongest
+from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, strongest
 from app.report.drawing.printed_numbers import number
-from nodes.analysis.noise.budget_tables import source_title
+from nodes.analysis.noise.budget_shares import source_title
 
 Fact = dict[str, Any]
 _ACROSS, _ALONG = COLOURS[0], COLOURS[1]
@@ -185,3 +186,110 @@ def _blur(blur: Fact) -> list[Block]:
         text += "alone."
     heading = Heading(3, "Blur of the stages")
     return [heading, Text(text), Grid(heads, rows, numbers=(2, 3, 4, 5))]
+
+
+# The section on pictures with bands: their mean spectra, under the responses that weight them.
+
+_FEW = 40  # bands up to which every one has a dot
+
+
+def spectrum(facts: Fact) -> list[Block]:
+    """The section; empty where no picture has bands."""
+    spectra, responses = facts["spectra"]["means"], facts["spectra"]["responses"]
+    if not spectra:
+        return []
+    caption = "Mean of every band of the pictures, left."
+    if responses:
+        caption += " Response to every wavelength, right, from 0 to 1."
+    drawn = Drawn(
+        spectra_png(spectra, responses),
+        caption + of_many(len(spectra), "spectra"),
+        "mean spectra and responses",
+    )
+    return [Heading(2, "Spectrum"), drawn, _table(spectra), *_transformed(facts)]
+
+
+def spectra_png(spectra: list[Fact], responses: list[Fact]) -> bytes:
+    """Mean spectra against the left axis, responses against the right one."""
+    with figure(9.0, 3.9) as (drawn, out):
+        axis = drawn.subplots()
+        colours = cycle(COLOURS)
+        units = list(dict.fromkeys(one["unit"] for one in spectra))
+        for one, colour in zip(spectra[:MOST_DRAWN], colours, strict=False):
+            dot = "o" if one["bands"] <= _FEW else None
+            label = _ports(one)
+            axis.plot(
+                one["centres_um"], one["mean"], color=colour, lw=1.6, marker=dot, ms=3, label=label
+            )
+        axis.set_xlabel("wavelength (µm)")
+        axis.set_ylabel(f"mean ({', '.join(units)})" if any(units) else "mean")
+        lowest = min(min(one["mean"]) for one in spectra)
+        axis.set_ylim(bottom=min(0.0, lowest))
+        if responses:
+            beside = axis.twinx()
+            beside.spines["right"].set_visible(True)
+            beside.grid(visible=False)
+            beside.set_ylim(0.0, 1.05)
+            beside.set_ylabel("response")
+            for one, colour in zip(responses, colours, strict=False):
+                beside.plot(
+                    one["wavelength_um"],
+                    one["values"],
+                    color=colour,
+                    ls="--",
+                    lw=1.6,
+                    label=f"{one['name']} of {one['node']}",
+                )
+        drawn.legend(loc="outside lower center", ncols=2, fontsize=8.5)
+    return out.getvalue()
+
+
+def _ports(one: Fact) -> str:
+    """The first of the ports with that mean, and the last."""
+    ports = one["ports"]
+    return ports[0] if len(ports) == 1 else f"{ports[0]} to {ports[-1]}"
+
+
+def _table(spectra: list[Fact]) -> Block:
+    rows = []
+    for one in spectra:
+        low, high = one["band_um"]
+        highest = max(range(one["bands"]), key=one["mean"].__getitem__)
+        rows.append(
+            (
+                ", ".join(one["ports"]),
+                number(one["bands"]),
+                f"{number(_short(low))} to {number(_short(high))}",
+                number(_short(sum(one["widths_um"]) / one["bands"])),
+                number(_short(one["centres_um"][highest])),
+                number(_short(one["mean"][highest])),
+                one["unit"],
+            )
+        )
+    heads = (
+        *("picture", "bands", "from, to (µm)", "mean width (µm)"),
+        *("highest at (µm)", "mean there", "unit"),
+    )
+    return Grid(heads, rows, numbers=(1, 3, 4, 5))
+
+
+def _transformed(facts: Fact) -> list[Block]:
+    rows = [
+        (
+            ", ".join(one["ports"]),
+            f"{one['wavelengths']} of {one['bands']}",
+            number(_short(one["bound"])),
+        )
+        for one in facts["spectra"]["transformed"]
+    ]
+    if not rows:
+        return []
+    heads = ("filtered picture", "wavelengths transformed", "changes at most, of the contrast")
+    words = (
+        "Wavelengths that are not transformed are made of the others, where the optics allow it."
+    )
+    return [Text(words), Grid(heads, rows, numbers=(1, 2))]
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.4g}")

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from app.report.blocks import Block, Drawn, Grid, Heading, Text
-from app.report.drawing.drawn_as import named
-from app.report.drawing.picture_drawing import COLOURS, figure
+from app.report.drawing.picture_drawing import COLOURS, figure, named
 from app.report.drawing.printed_numbers import number
 
 Fact = dict[str, Any]

@@ -17,21 +17,22 @@ from app.report.blocks import (
     Items,
     Text,
     Warnings,
+    of_many,
 )
-from app.report.budget_section import budget
-from app.report.data_sheet_section import data_sheet
+from app.report.budget_section import budget, spectrum
+from app.report.drawing.curves import Part, product_png, stages_png
 from app.report.drawing.node_curves import MOST, curves_png, node_curves
-from app.report.drawing.picture_drawing import noise_png, panels_png, pictures_png
+from app.report.drawing.picture_drawing import named, noise_png, panels_png, pictures_png
 from app.report.drawing.printed_numbers import number
 from app.report.drawing.pupils import pupil_panels
 from app.report.economy_section import economy, state
 from app.report.edge_section import judged
-from app.report.facts.published import DIFFERENT, REPRODUCED
+from app.report.facts.data_sheet_facts import DIFFERENT, REPRODUCED, TIMES
 from app.report.html_page import html_page
-from app.report.spectrum_section import spectrum
-from app.report.transfer_section import transfer
 from app.run.evaluation import Evaluation
 from app.run.figures import Figure, figure_rows
+from app.run.readout_tables import four_digits, sized
+from app.run.responses import Responses
 from app.run.way_of_running import reduced, way_in_words
 from core.chain.realize import realize
 
@@ -332,3 +333,131 @@ def _nodes(facts: dict[str, Any]) -> list[Block]:
     )
     heads = ("node", "module", "set", "", "time")
     return [Heading(2, "Nodes"), Grid(heads, rows, numbers=(4,)), Text(words)]
+
+
+# The section that reads as a camera's data sheet.
+
+Fact = dict[str, Any]
+
+
+def data_sheet(facts: Fact) -> list[Block]:
+    """The section; empty of a network without a camera of today."""
+    sheet = facts["data_sheet"]
+    if sheet is None:
+        return []
+    blocks: list[Block] = [Heading(2, "Data sheet")]
+    for group in sheet["groups"]:
+        rows = [
+            (row["label"], *_values(row["values"], row["unit"], row["between"]))
+            for row in group["rows"]
+        ]
+        if rows:
+            blocks.append(Heading(3, group["title"], group["node"]))
+            blocks.append(Grid(("figure", "value", "unit"), rows, numbers=(1,)))
+    for noise in sheet["noises"]:
+        rows = [
+            (row["label"], *(" ".join(_quantity(row[unit], unit)) for unit in ("e-", "K")))
+            for row in noise["rows"]
+        ]
+        blocks.append(Heading(3, "Noise by source", noise["node"]))
+        blocks.append(Grid(("noise", "electrons", "kelvin"), rows, numbers=(1, 2)))
+    mtf = sheet["mtf"]
+    if mtf is not None:
+        where = f"{_rounded(mtf['nyquist_x'])} cyc/mrad across, {_rounded(mtf['nyquist_y'])} along"
+        blocks.append(Heading(3, "MTF at the pixels' Nyquist frequency"))
+        blocks.append(Text(f"At {where}: half a cycle in a pixel of the delivered picture."))
+        shown = [(r["label"], r["node"], _rounded(r["x"]), _rounded(r["y"])) for r in mtf["rows"]]
+        blocks.append(Grid(("stage", "node", "across", "along"), shown, numbers=(2, 3)))
+    return blocks
+
+
+def _values(values: list[Any], unit: str, between: str) -> tuple[str, str]:
+    """One value, or both with what stands between them, and the unit.
+
+    Values across × along that are alike are one, unless they are counts of pixels.
+    """
+    if len(values) == 1:
+        return _quantity(values[0], unit)
+    written = {_quantity(value, unit)[1] for value in values}
+    shown = [_rounded(value) for value in values]
+    if len(written) == 1:
+        shown = [_quantity(value, unit)[0] for value in values]
+        (unit,) = written
+    if between == TIMES and shown[0] == shown[1] and not isinstance(values[0], int):
+        return shown[0], unit
+    return between.join(shown), unit
+
+
+def _quantity(value: Any, unit: str) -> tuple[str, str]:
+    value, unit = sized(value, unit)
+    return number(value), unit
+
+
+def _rounded(value: Any) -> str:
+    return number(four_digits(value))
+
+
+# The section on transfer functions: figures of every stage and of their product, and a table.
+
+
+def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
+    """The section; empty where nothing has a transfer function."""
+    responses, chain = evaluation.responses, evaluation.chain
+    acting = any(stage.acts for stage in responses.stages)
+    if not acting and not responses.beside:
+        return []
+    blocks: list[Block] = [Heading(2, "Transfer functions")]
+    drawn_as = facts["drawn_as"]
+    if acting:
+        caption = (
+            "MTF of every stage, signed, at the frequencies of the picture's FFT, a. across and b. "
+            "along. "
+        )
+        caption += (
+            "Total: the product before pixels are combined."
+            if chain.cascade
+            else f"The stages stand side by side and have no product (total): {chain.missing}."
+        )
+        blocks += _stages(
+            evaluation, responses, named(caption, drawn_as.get("stages")), "every stage"
+        )
+    if acting and responses.products:
+        caption = "The product of all stages, across and along."
+        if responses.products[1:]:
+            caption = "The product of all stages with the electronics, across and along."
+        drawn = product_png(responses, chain)
+        blocks.append(Drawn(drawn, named(caption, drawn_as.get("total")), "product of the MTFs"))
+    if responses.beside:
+        alone = replace(responses, stages=responses.beside, products=())
+        caption = "Transfer functions that do not lead to the output shown."
+        blocks += _stages(evaluation, alone, caption, "further stages")
+    return [*blocks, _at_nyquist(responses, facts["transfer"]["at_nyquist"])]
+
+
+def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -> list[Block]:
+    """MTFs, and PTFs where there are any."""
+    blocks: list[Block] = []
+    captions: tuple[tuple[Part, str], ...] = (("mtf", caption), ("ptf", "Their PTFs in radians."))
+    for part, text in captions:
+        acting = sum(s.has_phase if part == "ptf" else s.has_blur for s in shown.stages)
+        if acting:
+            drawn = stages_png(shown, evaluation.chain, part)
+            blocks.append(Drawn(drawn, text + of_many(acting), f"{part.upper()} of {what}"))
+    return blocks
+
+
+def _at_nyquist(responses: Responses, nyquist: Fact) -> Block:
+    rows = [
+        (
+            stage.title,
+            "" if stage.is_product else stage.name,
+            *(
+                number(nyquist[f"{stage.name}.{part}_nyquist_{axis}"], unit="rad")
+                for axis in ("x", "y")
+                for part in ("mtf", "ptf")
+            ),
+        )
+        for stage in (*responses.stages, *responses.beside, *responses.products)
+    ]
+    heads = ("at Nyquist of the FFT", "node", "MTF x", "PTF x (rad)", "MTF y", "PTF y (rad)")
+    return Grid(heads, rows, numbers=(2, 3, 4, 5))

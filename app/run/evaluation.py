@@ -21,10 +21,10 @@ from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.modules.caution import Caution, PendingCheck
+from core.modules.panel_sections import Caution, PendingCheck
 from core.network.network import Network
 from core.network.validation import NetworkProblems
-from core.scratch.block_run import BlockRun
+from core.scratch.scratch_disk import BlockRun
 from core.threads import Workers
 from nodes.files.read import check_finite
 

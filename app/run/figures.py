@@ -13,12 +13,12 @@ from app.run.evaluation import Evaluation
 from app.run.output import Output, ancestors, find_output
 from app.run.readout_tables import four_digits, number_text, sized
 from app.run.responses import Axis, response
-from app.run.sound_plan import sound_part
+from app.run.shipped import sound_part
 from core.chain.engine import Plan
 from core.chain.realize import realize
 from core.chain.wires import Image
 from core.errors import ImagechainError
-from nodes.input_output.sample_statistics import statistics
+from nodes.input_output.sample_unit import statistics
 
 ELECTRONICS_FIGURES = (
     ("g_number", "G#"),

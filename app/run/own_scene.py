@@ -17,8 +17,7 @@ from core.chain.wires import Image
 from core.editing.operations import fresh_name
 from core.errors import DataError, FileError, ImagechainError, UsageError
 from core.evaluation.policy import Policy
-from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Library, declaration
 from core.names import close, shown
 from core.network.linked_values import naming
 from core.network.network import Link, Network, Node
@@ -27,9 +26,8 @@ from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.headers.envi_bands import band_ends_um
 from nodes.files.read import read_info, read_pixels
-from nodes.input_output.held_samples import HeldSamples
 from nodes.input_output.sample_unit import is_spectral
-from nodes.input_output.source_file import LUMINANCE, luminance
+from nodes.input_output.source_file import LUMINANCE, HeldSamples, luminance
 from nodes.shared.shared_warnings import is_radiance, is_temperature
 
 READ_IMAGE = "read_image"

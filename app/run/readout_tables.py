@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from app.run.evaluation import Evaluation
-from core.modules.caution import Caution
+from core.modules.panel_sections import Caution
 from core.names import printable
 
 MOST_WARNINGS = 5

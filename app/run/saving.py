@@ -3,34 +3,47 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable
+import gc
+import math
+import struct
+import zlib
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.png import encode_png, grey_levels
 from core.atomic import atomic_file, write_bytes, write_text
+from core.chain.frame_sequence import at_frame
 from core.chain.realize import realize
 from core.chain.results import CurveData, TableData
 from core.chain.wires import Context, Curve, Image, Table
 from core.errors import UsageError
 from core.evaluation.policy import Policy
+from core.evaluation.recipes import number_bits
 from core.evaluation.region import Region
 from core.evaluation.work import Work
+from core.scratch.scratch_disk import is_on_disk
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.digital_numbers import integer_type
 from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.common.table_cells import csv_lines
 from nodes.files.curve_text import columns_text, is_plain
-from nodes.files.formats import PNG, SAVED, WRITTEN, written_format
+from nodes.files.formats import PNG, SAVED, TIFF, WRITTEN, written_format
 from nodes.files.frames.frame_series import FrameSeries
-from nodes.files.frames.frame_writing import frame_format, header_beside_frames, write_frames
+from nodes.files.frames.frame_writing import (
+    FrameFormat,
+    frame_format,
+    frame_suffixes,
+    header_beside_frames,
+    write_frames,
+)
+from nodes.files.frames.tiled_tiff import write_tiled_tiff
 from nodes.files.read import check_finite
 from nodes.files.stores.zarr_array import check_zarr, write_store
 from nodes.files.write import write_picture
-from nodes.input_output.cube_output import Cube
+from nodes.input_output.write_image import Cube
 
 Array = NDArray[Any]
 _TABLES = (CSV,)
@@ -234,3 +247,139 @@ def _cell(value: Any) -> Any:
     if isinstance(value, float):
         return repr(float(value))
     return "" if value is None else value
+
+
+# The picture every run writes: 8-bit grey PNG, without loading a picture library.
+
+Grey = NDArray[np.uint8]
+_BLOCK_SAMPLES = 1 << 18
+_SAMPLES_READ = 1 << 22
+
+
+def grey_levels(low: float, high: float, samples: NDArray[Any]) -> Grey:
+    """Samples as 0 (`low` and below) to 255 (`high` and above); mid grey where these are equal."""
+    if not high > low:
+        return np.full(samples.shape, 128, np.uint8)
+    levels = np.empty(samples.shape, np.uint8)
+    # The difference of the largest numbers overflows, halves of the smallest ones vanish.
+    part = 1.0 if math.isfinite(high - low) else 0.5
+    # By rows, so that a large picture is never held in double precision as a whole.
+    step = max(1, _BLOCK_SAMPLES // samples.shape[1])
+    for start in range(0, samples.shape[0], step):
+        rows = slice(start, start + step)
+        clipped = np.clip(samples[rows].astype(np.float64), low, high)
+        shares = (clipped * part - low * part) / (high * part - low * part)
+        levels[rows] = np.rint(shares * 255.0)
+    return levels
+
+
+def robust_limits(samples: NDArray[Any]) -> tuple[float, float]:
+    """Values for black and white that a few odd samples do not move: the 0.1 % quantiles.
+
+    Where all but a few samples are alike, as in a picture of a point, the extremes. Of a large
+    picture every n-th row and column is read.
+    """
+    every = max(1, round((samples.size / _SAMPLES_READ) ** 0.5))
+    sampled = samples[::every, ::every]
+    low, high = (float(limit) for limit in np.percentile(sampled, (0.1, 99.9)))
+    if not high > low:
+        low, high = float(samples.min()), float(samples.max())
+    return low, high
+
+
+def encode_png(levels: Grey) -> bytes:
+    """Bytes of a grey PNG file (ISO/IEC 15948)."""
+    rows, columns = levels.shape
+    header = struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0)
+    # Each row is stored as differences to the row above (filter 2): half the size of plain rows.
+    above = np.zeros_like(levels)
+    above[1:] = levels[:-1]
+    lines = np.empty((rows, columns + 1), np.uint8)
+    lines[:, 0] = 2
+    np.subtract(levels, above, out=lines[:, 1:])
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        (
+            _chunk(b"IHDR", header),
+            _chunk(b"IDAT", zlib.compress(lines.tobytes(), 3)),
+            _chunk(b"IEND", b""),
+        )
+    )
+
+
+def _chunk(name: bytes, content: bytes) -> bytes:
+    check = zlib.crc32(name + content)
+    return struct.pack(">I", len(content)) + name + content + struct.pack(">I", check)
+
+
+# Writing frames of a picture, each with temporal noise of its own, into one file.
+
+MOST_FRAMES = 1_000_000
+
+
+_COLLECTED = 256  # frames between two collections of what refers to itself: 4 MB of small ones
+
+
+def format_for_frames(port: str, path: Path) -> FrameFormat:
+    """The format of the frames' file.
+
+    Raises
+    ------
+    UsageError
+        Saying which there are.
+    """
+    kind = frame_format(path)
+    if kind is None:
+        words = " ".join(frame_suffixes())
+        raise UsageError(f"--save {port}={path}: --frames of an image are written as {words}")
+    return kind
+
+
+def series_of(
+    image: Image, kind: FrameFormat, policy: Policy, *, frames: int, region: Region | None
+) -> FrameSeries:
+    """The frames of a picture, or of a region of it, as that format stores them."""
+    shape = region.shape if region else image.shape
+    stored = kind.stored_type(policy.dtype, number_bits(image.recipe))
+    return FrameSeries(frames, *shape, stored, metadata_of(image, shape))
+
+
+def save_frames(
+    image: Image,
+    path: Path,
+    work: Work,
+    *,
+    port: str,
+    frames: int,
+    region: Region | None = None,
+    done: Callable[[int], None] | None = None,
+) -> None:
+    """Write frames one after the other: they take the memory of a few, whatever their number.
+
+    `done` is called after each with the number of frames that are written.
+
+    Raises
+    ------
+    ImagechainError
+        From computing, or if the file cannot be written.
+    """
+    kind = format_for_frames(port, path)
+    series = series_of(image, kind, work.policy, frames=frames, region=region)
+    recipes = (at_frame(image.recipe, number) for number in range(frames))
+
+    def made() -> Iterator[NDArray[Any]]:
+        for number, value in enumerate(work.one_by_one(recipes, region, forgetting=True)):
+            if number % _COLLECTED == _COLLECTED - 1:
+                gc.collect()  # the recipes of a frame refer to one another
+            work.check()
+            frame = real_array(value, work)
+            check_finite(frame, port)
+            yield frame
+
+    if frames == 1 and TIFF.matches(path):
+        (frame,) = made()
+        if is_on_disk(frame):
+            write_tiled_tiff(path, series, frame)
+            return
+        write_frames(path, kind, series, [frame], done)
+        return
+    write_frames(path, kind, series, made(), done)

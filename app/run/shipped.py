@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import shlex
-from dataclasses import dataclass
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import networks
+from core.chain.engine import Plan
 from core.errors import FileError
 from core.names import alike, shown, shown_path
 from nodes.files.formats import PICTURES
@@ -81,3 +85,47 @@ def _is_there(path: Path) -> bool:
     except ValueError:
         return False
     return True
+
+
+# Starting our own modules in processes of their own.
+
+
+def command(module: str, *words: str) -> list[str]:
+    """Words that run one of our modules in a new process, wherever that starts."""
+    return [sys.executable, "-P", "-m", module, *words]
+
+
+def environment(variables: Mapping[str, str] | None = None) -> dict[str, str]:
+    """Environment of a child as a user would have it, but able to find our packages.
+
+    Parameters
+    ----------
+    variables : mapping, optional
+        What it is to have otherwise; default this process's.
+    """
+    root = str(Path(__file__).resolve().parents[2])
+    known = dict(os.environ if variables is None else variables)
+    path = [root, *filter(None, [known.get("PYTHONPATH")])]
+    return {**known, "PYTHONPATH": os.pathsep.join(path)}
+
+
+# The part of a plan without errors, for what concerns the network as a whole.
+
+
+def sound_part(plan: Plan) -> Plan:
+    """The plan without its failed nodes and what would name them; itself where none has failed."""
+    failed = {name for name, node in plan.nodes.items() if node.error is not None}
+    if not failed:
+        return plan
+    network = plan.network
+    final = network.extra.get("final")
+    lost = isinstance(final, str) and final.rpartition(".")[0] in failed
+    sound = replace(
+        network,
+        nodes={name: node for name, node in network.nodes.items() if name not in failed},
+        links=tuple(link for link in network.links if not {link.source, link.target} & failed),
+        layout={},
+        extra={} if lost else network.extra,
+    )
+    nodes = {name: node for name, node in plan.nodes.items() if name not in failed}
+    return Plan(sound, nodes, plan.folder)

@@ -10,8 +10,7 @@ from core.chain.back_transformed import Delivered
 from core.chain.engine import Plan
 from core.chain.wires import Image, Transfer
 from core.lineage.step_lineage import lineage_of
-from core.transfer.factors import Factor
-from core.transfer.grid import Grid
+from core.transfer.factors import Factor, Grid
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ from typing import Any
 
 from app.options.stopping import Stopped, too_late
 from app.study.point_rows import Row, RowMaker, Setting, Task, tasks_of
-from app.study.study_files import Column, write_columns
-from app.study.study_journal import Journal
+from app.study.study_journal import Column, Journal, write_columns
 from app.study.study_request import Study
 from app.study.worker_processes import process_rows
 from core.errors import Cancelled, ImagechainError, Suspended, UsageError, how_to_install

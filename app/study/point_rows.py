@@ -13,20 +13,19 @@ from typing import Any
 from app.options.option_values import Save
 from app.run.output import source_images
 from app.run.saving import save_value
-from app.tradeoff.evaluated_points import PointEvaluator
 from app.tradeoff.tradeoff_figures import Figure
+from app.tradeoff.tradeoff_results import PointEvaluator
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import Cancelled, FileError, ImagechainError
-from core.evaluation.content_key import content_key
 from core.evaluation.policy import Policy
+from core.evaluation.recipes import content_key
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.memory import store_bytes
-from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Library, declaration
 from core.names import in_line
 from core.network.network import Network, Node
+from core.threads import store_bytes
 from nodes.files.read import check_finite
 
 KEPT_BYTES = 256_000_000

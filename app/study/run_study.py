@@ -10,13 +10,22 @@ from typing import Any
 from app.options.option_values import save_target, study_path, summary_path
 from app.run.shipped import find_network
 from app.study.carrying_out import StudyRows, Workers, carry_out
-from app.study.study_axes import Axis, files_axis, grid_axis, span_axis, values_axis
-from app.study.study_files import check_installed
-from app.study.study_points import Point, grid_points, latin_points, listed_points
+from app.study.study_journal import check_installed
+from app.study.study_points import (
+    Axis,
+    Point,
+    files_axis,
+    grid_axis,
+    grid_points,
+    latin_points,
+    listed_points,
+    span_axis,
+    values_axis,
+)
 from app.study.study_request import make_study
 from core.errors import UsageError
 from core.evaluation.policy import Policy
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.network.file import load_network
 from core.network.network import Network
 from core.network.validation import check_network, plain_network
@@ -121,7 +130,7 @@ def run_study(
     study.check_places([*([] if path is None else [path]), *pages], read)
 
     def summarise(rows: StudyRows) -> None:
-        from app.study.study_page import write_summary
+        from app.study.study_drawing import write_summary
 
         for page in pages:
             write_summary(rows, page)

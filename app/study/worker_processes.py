@@ -12,11 +12,11 @@ from collections import Counter
 from collections.abc import Generator, Sequence
 from typing import Any
 
-from app.run.own_process import command, environment
-from app.study.lanes import Lanes
+from app.run.shipped import command, environment
+from app.study.dask_study import Lanes
 from app.study.point_rows import Row, Setting, Task
 from core.errors import Cancelled, FileError
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.network.network import Network
 
 MOST_DEATHS = 3

@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 
 from app.study.point_rows import Row, RowMaker, Setting, Task
 from core.errors import Cancelled, UsageError
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 
 Plain = tuple[Any, ...]
 _NAME = "imagechain_studies"

@@ -11,13 +11,12 @@ import numpy as np
 
 from app.options.overrides import listed
 from app.run.responses import SYSTEM, TOTAL, Axis, response
-from app.run.sound_plan import sound_part
+from app.run.shipped import sound_part
 from app.run.transfer_chain import Chain, find_chain
 from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, DataError, ImagechainError, NetworkError, UsageError
 from core.evaluation.work import Work
-from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Library, declaration
 from core.names import close, shown
 from core.network.linked_values import following
 from core.network.network import Network

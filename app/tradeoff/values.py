@@ -11,7 +11,7 @@ import numpy as np
 from app.options.option_values import Assignment, assignment
 from app.options.overrides import behind, from_here, named_parameter, readings
 from core.errors import ParameterError, UsageError
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.modules.parameters import Parameter, plain
 from core.network.network import Network
 

@@ -9,9 +9,10 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-from core.chain.bands_lost import sum_caution
-from core.chain.realize import realize
-from core.chain.wires import SpectrumWire, Transfer
+import numpy as np
+
+from core.chain.realize import realize, transfer_plane
+from core.chain.wires import Image, SpectrumWire, Transfer
 from core.errors import ImagechainError, NetworkError, UnconnectedError
 from core.evaluation.float_guard import watched
 from core.evaluation.policy import Policy
@@ -19,18 +20,19 @@ from core.evaluation.recipes import Recipe, Step
 from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.modules.caution import Caution, PendingCheck, checked
 from core.modules.declaration import (
     GIVEN,
     Declaration,
+    Library,
     Module,
     NodeContext,
     Readout,
     declaration,
 )
-from core.modules.library_type import Library
+from core.modules.panel_sections import Caution, PendingCheck, checked
 from core.network.linked_values import with_values
 from core.network.network import Link, Network, Node, passed_through
+from core.spectrum.band_stack import BandStack
 from core.threads import Workers
 
 
@@ -389,3 +391,55 @@ def _passed(described: Declaration, inputs: Mapping[str, Any]) -> dict[str, Any]
         if port.name in ("mtf", "ptf") and port.name not in passed and grids:
             passed[port.name] = Transfer(grids[0], "ptf" if port.name == "ptf" else "mtf")
     return {name: value for name, value in passed.items() if value is not None}
+
+
+# The warning of a module that takes the sum of a picture's bands, as it knows none.
+
+
+def bands_of(value: Any) -> BandStack | None:
+    """Bands of the picture on a wire."""
+    image = value.image if isinstance(value, SpectrumWire) else value
+    return image.bands if isinstance(image, Image) else None
+
+
+def sum_caution(
+    inputs: Mapping[str, Any], outputs: Mapping[str, Any], *, node: str
+) -> Caution | None:
+    """What to say where a picture comes in with bands and goes on without."""
+    bands = next((one for one in map(bands_of, inputs.values()) if one is not None), None)
+    made = [value for value in outputs.values() if isinstance(value, Image | SpectrumWire)]
+    if bands is None or not made or any(bands_of(value) is not None for value in made):
+        return None
+    low, high = bands.band_um
+    return Caution(
+        f"works on the sum of the picture's {bands.count} bands, {low:.4g} to {high:.4g} µm: "
+        "behind it there are none",
+        "count them by a detector first, with Focal Plane or Spectral Response, or leave it out",
+        node,
+    )
+
+
+# One value of a transfer function, for read-outs.
+
+
+@dataclass(frozen=True, eq=False)
+class TransferAt(Recipe):
+    """MTF or PTF (rad) at one frequency pair, cycles/mrad."""
+
+    transfer: Transfer
+    xi: float
+    eta: float
+    node: str | None = None
+
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """What its laws are made of."""
+        return tuple(self.transfer.recipes)
+
+    def _content(self) -> tuple[object, ...]:
+        return self.transfer.key, self.xi, self.eta
+
+    def compute(self, work: Work) -> float:
+        """Evaluate the factors at that point alone."""
+        xi, eta = np.array([self.xi]), np.array([self.eta])
+        return float(transfer_plane(work, self.transfer, xi, eta)[0, 0])

@@ -12,11 +12,10 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 from core.chain.back_transformed import Delivered
-from core.chain.delivered_bands import DeliveredBands
+from core.chain.results import DeliveredBands
 from core.chain.wires import Magnitude, Phase
 from core.evaluation.recipes import Recipe, Step
-from core.noise.frame_number import FrameNumber
-from core.noise.random_fields import Stream
+from core.noise.random_fields import FrameNumber, Stream
 from core.spectrum.band_stack import AttenuatedBands, BandStack, SteppedBands
 from core.transfer.factors import Law, Planar, Separable
 

@@ -15,9 +15,9 @@ from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.filtering.fft_backend import fourier
+from core.filtering.periodic import fourier
 from core.transfer.factors import Factor, Separable
-from core.transfer.nyquist_lines import nyquist_lines
+from core.transfer.product import nyquist_lines
 
 Array = NDArray[Any]
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from core.evaluation.recipes import Recipe
+from core.spectrum.band_stack import BandStack, Row, Rows, stacked
 
 
 @dataclass(frozen=True)
@@ -75,3 +78,106 @@ class SampledTransfer:
     values: NDArray[Any]
     interval_x: float
     interval_y: float
+
+
+# A camera's data as its sheet gives them: entered once, and carried by the image.
+
+
+@dataclass(frozen=True)
+class CameraSheet:
+    """What is known of the camera that takes an image; empty fields are None.
+
+    Parameters
+    ----------
+    pixels_x, pixels_y : int or None
+        Pixels of the detector.
+    pitch_x_um, pitch_y_um : float or None
+        From one pixel to the next.
+    focal_length_mm : float or None
+        Effective focal length.
+    f_number : float or None
+        Focal length over aperture, as the radiometry takes it.
+    aperture_mm : float or None
+        Diameter of the entrance pupil, as diffraction takes it.
+    obscuration_ratio : float
+        Inner over outer diameter of the aperture, 0 where it is clear.
+    fill_x, fill_y : float or None
+        Sensitive share of the pitch.
+    range_m : float or None
+        Distance of the scene.
+    """
+
+    pixels_x: int | None = None
+    pixels_y: int | None = None
+    pitch_x_um: float | None = None
+    pitch_y_um: float | None = None
+    focal_length_mm: float | None = None
+    f_number: float | None = None
+    aperture_mm: float | None = None
+    obscuration_ratio: float = 0.0
+    fill_x: float | None = None
+    fill_y: float | None = None
+    range_m: float | None = None
+
+    @property
+    def pitch_x_mrad(self) -> float | None:
+        """Angle from one pixel to the next across."""
+        return _angle(self.pitch_x_um, self.focal_length_mm)
+
+    @property
+    def pitch_y_mrad(self) -> float | None:
+        """Angle from one pixel to the next along."""
+        return _angle(self.pitch_y_um, self.focal_length_mm)
+
+
+def _angle(pitch_um: float | None, focal_length_mm: float | None) -> float | None:
+    return pitch_um / focal_length_mm if pitch_um and focal_length_mm else None
+
+
+# The bands of a filtered image: each sum of them is filtered as one picture.
+
+Filtered = Any
+"""A `core.chain.back_transformed.Delivered`, whose file imports this one."""
+
+
+@dataclass(frozen=True)
+class DeliveredBands(BandStack):
+    """Bands behind a back transform.
+
+    Parameters
+    ----------
+    before : BandStack
+        Those of the image before it.
+    delivered : Delivered
+        The filtered image, of which a sum of bands has the weights.
+    """
+
+    before: BandStack
+    delivered: Filtered
+
+    @classmethod
+    def of(cls, before: BandStack, delivered: Filtered) -> DeliveredBands:
+        """Bands at the wavelengths of those before."""
+        plain = replace(delivered, weights=None)
+        return cls(before.centres_um, before.widths_um, before, plain, density=before.density)
+
+    @property
+    def in_blocks(self) -> bool:
+        """Where both the filter and the bands before are."""
+        return self.before.in_blocks and self.picture(self.whole).in_blocks
+
+    def _content(self) -> tuple[object, ...]:
+        return self.before.key, self.delivered.key
+
+    def picture(self, weights: Row) -> Recipe:
+        """The filtered sum."""
+        filtered: Recipe = replace(self.delivered, weights=weights)
+        return filtered
+
+    def sums(self, weights: Rows) -> Recipe:
+        """Several of them."""
+        return stacked(tuple(self.picture(row) for row in weights))
+
+    def means(self) -> Recipe:
+        """Means of the bands before: no transfer function changes them."""
+        return self.before.means()

@@ -14,8 +14,7 @@ from core.editing.layout import Box, Point, Sizes, boxes_of, is_in_reach, placed
 from core.editing.operations import ABSENT, Move, Operation, Together, set_network_field
 from core.errors import NetworkError
 from core.names import thaw
-from core.network.graph import cycles
-from core.network.network import Network
+from core.network.network import Network, cycles
 
 FIELD = "backdrops"
 NOTE = "note"  # of the field `kind`; a program that does not know it shows a backdrop

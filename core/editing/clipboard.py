@@ -25,15 +25,13 @@ from core.editing.room import free_places
 from core.editing.wire_dots import dots_along, dots_among, joined_fields
 from core.errors import ImagechainError, NetworkError
 from core.expressions.grammar import ExpressionError
-from core.modules.declaration import Declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Declaration, Library
 from core.modules.parameters import Parameter, plain
 from core.names import shown, thaw
 from core.network.file import format_network
-from core.network.json_reading import read_json
 from core.network.linked_values import LinkError, named_nodes, naming, resolved, with_names
 from core.network.network import EXPRESSION, Link, Network, Node
-from core.network.parsing import FORMAT, parse_network
+from core.network.parsing import FORMAT, parse_network, read_json
 
 NODES_FORMAT = "imagechain-nodes"
 _VALUES = "values"  # of parameters that follow nodes which are not copied: the network pasted into

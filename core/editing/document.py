@@ -15,11 +15,10 @@ from core.editing.layout import is_in_reach
 from core.editing.links import check_new_wires
 from core.editing.operations import Operation, Together, set_parameter
 from core.errors import ChangedFileError, NetworkError
-from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Library, declaration
 from core.network.file import format_network, save_network
-from core.network.json_reading import LARGEST
 from core.network.network import Network
+from core.network.parsing import LARGEST
 
 Listener = Callable[[Network, Network], None]
 

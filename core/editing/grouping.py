@@ -15,22 +15,22 @@ from core.editing.references import of_nodes, renamed, without_dots
 from core.editing.wire_dots import dots_among, dots_of, joined_fields, shifted
 from core.errors import NetworkError
 from core.expressions.grammar import ExpressionError
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.names import shown, thaw
-from core.network.expansion import unfolded
-from core.network.graph import cycles
-from core.network.interface import End, Interface
 from core.network.linked_values import named_nodes, new_name, resolved, with_references
 from core.network.macro import (
     SEPARATOR,
+    End,
+    Interface,
     checked_depth,
     declared_node,
     depth,
     face_of_macro,
     opened,
+    unfolded,
     with_face,
 )
-from core.network.network import EXPRESSION, MACRO, Link, Network, Node, cycle_error
+from core.network.network import EXPRESSION, MACRO, Link, Network, Node, cycle_error, cycles
 
 
 @dataclass(frozen=True)

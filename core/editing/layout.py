@@ -7,8 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from core.network.graph import topological
-from core.network.network import Network
+from core.network.network import Network, topological
 
 Point = tuple[float, float]
 Size = tuple[float, float]

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections import Counter
 
 from core.errors import NetworkError
-from core.modules.declaration import Declaration, Port
-from core.modules.library_type import Library
+from core.modules.declaration import Declaration, Library, Port
 from core.names import close, shown
-from core.network.graph import cycles
 from core.network.macro import declared_node
-from core.network.network import Link, Network, cycle_error
+from core.network.network import Link, Network, cycle_error, cycles
 
 _MOST_NAMED = 8
 

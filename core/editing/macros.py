@@ -25,8 +25,6 @@ from core.editing.references import dropped, renamed
 from core.errors import NetworkError
 from core.expressions.grammar import ExpressionError, Reference, readable
 from core.names import close, shown, thaw
-from core.network.expansion import unfolded
-from core.network.interface import PARAMETERS, End, Interface, interface_of, text
 from core.network.linked_values import (
     naming,
     references_in,
@@ -34,11 +32,17 @@ from core.network.linked_values import (
     with_references,
 )
 from core.network.macro import (
+    PARAMETERS,
     SEPARATOR,
+    End,
+    Interface,
     checked_depth,
     depth,
     face_of_macro,
+    interface_of,
     path_of,
+    text,
+    unfolded,
     with_face,
 )
 from core.network.network import Link, Network, Node
@@ -154,7 +158,7 @@ def at_level(path: tuple[str, ...], operation: Operation) -> Operation:
 
 
 def addressed(network: Network, operation: Operation) -> Operation:
-    """An operation that names nodes as `core.network.expansion.unfolded` does, made to fit.
+    """An operation that names nodes as `core.network.macro.unfolded` does, made to fit.
 
     A parameter that a macro shows is set inside, and no longer by the macro: what was set last
     holds.

@@ -8,8 +8,7 @@ from typing import Any
 
 from core.errors import NetworkError
 from core.names import thaw
-from core.network.expansion import unfolded
-from core.network.interface import FIELDS, Interface, interface_of
+from core.network.macro import FIELDS, Interface, interface_of, unfolded
 from core.network.network import Link, Network, Node
 
 WIRE_DOTS = "wire_dots"  # points that wires are bent through

@@ -19,8 +19,14 @@ from core.editing.operations import (
     named,
 )
 from core.errors import NetworkError
-from core.modules.declaration import Declaration, Port, declaration
-from core.modules.library_type import Library, local_key, where_absent
+from core.modules.declaration import (
+    Declaration,
+    Library,
+    Port,
+    declaration,
+    local_key,
+    where_absent,
+)
 from core.names import close, shown
 from core.network.network import Link, Network, Node, passed_through
 

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
-from core.filtering.fft_backend import fourier
-from core.transfer.factors import Separable
-from core.transfer.grid import Edges, Grid
+from core.filtering.periodic import fourier
+from core.transfer.factors import Edges, Grid, Separable
 from core.transfer.product import Product
 
 Array = NDArray[Any]

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from core.errors import DataError
 from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
-from core.filtering.scan_chain import ScanChain
-from core.filtering.scan_lines import MirroredLines, Parts, PeriodicLines, ScanLines
-from core.physics.motion.line_scanner import scale_nodes_mrad, scale_weights
-from core.transfer.low_rank import thin_product
+from core.filtering.scan_lines import MirroredLines, Parts, PeriodicLines, ScanChain, ScanLines
+from core.physics.motion.platform_motion import scale_nodes_mrad, scale_weights
+from core.transfer.planar_blocks import thin_product
 
 Array = NDArray[Any]
 Vector = NDArray[np.float64]

@@ -7,20 +7,22 @@ and −Nyquist, for a separable factor the real part of its axis.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 import numpy as np
+import scipy.fft
 from numpy.typing import NDArray
 
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.filtering.cosine_transforms import column_blocks, row_blocks
-from core.filtering.fft_backend import backend, fourier
-from core.filtering.mirrored import BLOCK_SAMPLES, MeanFree
-from core.scratch.strip_array import StripArray
-from core.transfer.grid import Grid
+from core.filtering.mirrored import BLOCK_SAMPLES, MeanFree, column_blocks, row_blocks
+from core.scratch.scratch_disk import StripArray
+from core.transfer.factors import Grid
 from core.transfer.planar_blocks import Planes
 from core.transfer.product import Product
 
@@ -313,3 +315,28 @@ class PeriodicResponse:
 def _narrow(values: Array, real: np.dtype[Any]) -> Array:
     kind = np.result_type(real, np.complex64) if np.iscomplexobj(values) else real
     return np.asarray(values.astype(kind))
+
+
+# The Fourier transforms in use: those of scipy, or Intel's where they are installed.
+#
+# With `mkl_fft` (extra `fast`) periodic frames take 0.8 of scipy's time at 1024², 0.7 at 4096²,
+# measured on one thread of an AMD processor. It has no cosine transforms: mirrored frames stay as
+# they are.
+
+
+@cache
+def fourier() -> Any:
+    """A module with the functions of scipy.fft that periodic frames need."""
+    return _intel() or scipy.fft
+
+
+def backend() -> str:
+    """What `fourier` has found, for reports."""
+    return "scipy.fft" if fourier() is scipy.fft else "mkl_fft"
+
+
+def _intel() -> ModuleType | None:
+    try:
+        return import_module("mkl_fft.interfaces.scipy_fft")
+    except (ImportError, OSError, AttributeError):  # not there, or its libraries are not
+        return None

@@ -17,7 +17,7 @@ from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
 from core.filtering.mirrored import MeanFree, MirroredTerms
 from core.filtering.periodic import PeriodicResponse
-from core.transfer.grid import Edges, Grid
+from core.transfer.factors import Edges, Grid
 from core.transfer.product import Product
 
 Array = NDArray[Any]

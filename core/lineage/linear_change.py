@@ -18,8 +18,7 @@ from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.noise.noise_power import NoisePower
 from core.physics.sampling.interpolation import block_mean_mtf
-from core.transfer.factors import Factor, Law, Separable, factor_at
-from core.transfer.grid import Edges, Grid
+from core.transfer.factors import Edges, Factor, Grid, Law, Separable, factor_at
 from core.transfer.planar_blocks import Axes
 
 Vector = NDArray[np.float64]

@@ -11,9 +11,8 @@ from core.evaluation.work import Work
 from core.filtering.sampled_waves import sampled_columns
 from core.lineage.linear_change import Axis, Linear, Vector
 from core.noise.noise_power import NoisePower
-from core.physics.sampling.pixel_places import pixel_count, pixel_places, shifted_samples_ptf
-from core.transfer.factors import Factor, Law, Separable
-from core.transfer.grid import Edges, Grid
+from core.physics.sampling.interpolation import pixel_count, pixel_places, shifted_samples_ptf
+from core.transfer.factors import Edges, Factor, Grid, Law, Separable
 from core.transfer.planar_blocks import Axes
 
 

@@ -12,15 +12,13 @@ from typing import Any
 
 from core.atomic import write_text
 from core.errors import FileError, NetworkError, ParameterError
-from core.modules.declaration import Declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Declaration, Library
 from core.modules.parameters import plain
 from core.names import SCALARS, thaw
-from core.network.json_reading import LARGEST
 from core.network.macro import declared_node
 from core.network.migrations import least_version
 from core.network.network import EXPRESSION, Network, Node
-from core.network.parsing import FORMAT, parse_network
+from core.network.parsing import FORMAT, LARGEST, parse_network
 from core.network.validation import check_network
 
 __all__ = [

@@ -20,14 +20,11 @@ from core.expressions.grammar import (
     parse_expression,
     rewritten,
 )
-from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown, thaw
-from core.network.expansion import expanded
-from core.network.graph import cycles, topological
-from core.network.macro import SEPARATOR
-from core.network.network import EXPRESSION, Network, Node
+from core.network.macro import SEPARATOR, expanded
+from core.network.network import EXPRESSION, Network, Node, cycles, topological
 
 _Place = tuple[str, str]  # node and parameter
 

@@ -7,9 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from core.errors import NetworkError
-from core.modules.declaration import Module, declaration
-from core.modules.library_type import Library
-from core.network.interface import End, Interface, interface_of
+from core.modules.declaration import Library, Module, declaration
+from core.network.macro import End, Interface, interface_of
 from core.network.network import Link, Network, Node
 
 Document = dict[str, Any]

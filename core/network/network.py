@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import heapq
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
 from core.errors import NetworkError, ParameterError
-from core.modules.declaration import Declaration, declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Declaration, Library, declaration
 from core.modules.parameters import LARGEST_INTEGER
 from core.names import check_id, close, freeze, shown, thaw
-from core.network.graph import cycles, topological
 
 NODE_FIELDS = ("module", "params", "auto", "disabled", "final", "noise", "macro")
 NETWORK_FIELDS = ("format", "version", "name", "description", "seed", "nodes", "links", "layout")
@@ -130,7 +129,7 @@ class Network(_Frozen):
     """A document. Its nodes keep their order; that of links means nothing, so it is not kept.
 
     `layout` gives points of the canvas by node, `extra` the file's other fields. Where macros have
-    been written out (`core.network.expansion`), `port_names` and `parameter_names` give for the
+    been written out (`core.network.macro`), `port_names` and `parameter_names` give for the
     ``NODE.NAME`` of a macro that of the inner node it stands for; `aside` has the nodes inside of
     disabled macros, which only give parameters that others may follow.
 
@@ -379,3 +378,85 @@ def _check_extra(extra: Mapping[str, Any], taken: tuple[str, ...]) -> None:
 def _set(target: object, **values: Any) -> None:
     for name, value in values.items():
         object.__setattr__(target, name, value)
+
+
+# Order and cycles of a directed graph given as each node's followers; no recursion.
+
+Followers = Mapping[str, Sequence[str]]
+
+
+def topological(followers: Followers) -> tuple[str, ...]:
+    """Nodes after all they follow; among those that are free, in the order of the mapping.
+
+    Nodes on a cycle, or behind one, are left out.
+    """
+    names = list(followers)
+    place = {name: number for number, name in enumerate(names)}
+    waiting = dict.fromkeys(names, 0)
+    for targets in followers.values():
+        for target in targets:
+            waiting[target] += 1
+    free = [place[name] for name in names if not waiting[name]]
+    ordered = []
+    while free:
+        name = names[heapq.heappop(free)]
+        ordered.append(name)
+        for target in followers[name]:
+            waiting[target] -= 1
+            if not waiting[target]:
+                heapq.heappush(free, place[target])
+    return tuple(ordered)
+
+
+def cycles(followers: Followers) -> list[tuple[str, ...]]:
+    """One cycle of every set of nodes that reach each other, each once round, in order."""
+    place = {name: number for number, name in enumerate(followers)}
+    loops = []
+    for members in _components(followers):
+        first = min(members, key=place.__getitem__)
+        if len(members) > 1 or first in followers[first]:
+            loops.append(_loop(followers, members, place))
+    return sorted(loops, key=lambda loop: place[loop[0]])
+
+
+def _loop(followers: Followers, members: set[str], place: Mapping[str, int]) -> tuple[str, ...]:
+    """Walk inside a strongly connected set until a node comes again."""
+    step: dict[str, int] = {}
+    name = min(members, key=place.__getitem__)
+    while name not in step:
+        step[name] = len(step)
+        name = next(target for target in followers[name] if target in members)
+    loop = list(step)[step[name] :]
+    start = loop.index(min(loop, key=place.__getitem__))
+    return tuple(loop[start:] + loop[:start])
+
+
+def _components(followers: Followers) -> list[set[str]]:
+    """Kosaraju's strongly connected sets."""
+    leaders: dict[str, list[str]] = {name: [] for name in followers}
+    for name, targets in followers.items():
+        for target in targets:
+            leaders[target].append(name)
+    finished = [name for tree in _trees(followers, followers) for name in tree]
+    return [set(tree) for tree in _trees(leaders, reversed(finished))]
+
+
+def _trees(graph: Followers, starts: Iterable[str]) -> Iterable[list[str]]:
+    """Depth-first trees from `starts`, each with its nodes in the order they were finished."""
+    seen: set[str] = set()
+    for start in starts:
+        if start in seen:
+            continue
+        seen.add(start)
+        finished = []
+        path = [(start, iter(graph[start]))]
+        while path:
+            name, targets = path[-1]
+            fresh = next((target for target in targets if target not in seen), None)
+            if fresh is None:
+                finished.append(name)
+                path.pop()
+            else:
+                seen.add(fresh)
+                path.append((fresh, iter(graph[fresh])))
+        yield finished

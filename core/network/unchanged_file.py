@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from pathlib import Path
 
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.network.file import read_network
 from core.network.network import Network
 

@@ -305,3 +305,19 @@ def _poisson_or_normal(generator: Generator, mean: _Array, counts: _Array) -> No
     normal = np.rint(means + np.sqrt(means) * generator.standard_normal(means.size))
     np.minimum(normal, float(np.finfo(counts.dtype).max), out=normal)
     counts[:] = np.where(means > NORMAL_LIMIT, normal, exact)
+
+
+# The number of a frame, for what changes from frame to frame by a law and not by fresh draws.
+
+
+@dataclass(frozen=True)
+class FrameNumber:
+    """Stands among a step's or a law's parameters; a sequence puts each frame's own in its place.
+
+    Parameters
+    ----------
+    frame : int
+        The frame; a single picture is frame 0, those before it are negative.
+    """
+
+    frame: int = 0

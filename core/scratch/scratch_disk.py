@@ -14,16 +14,17 @@ import os
 import tempfile
 import threading
 import weakref
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from core.errors import FileError
-from core.memory import amount_text
-from core.scratch.strip_array import StripArray
+from core.threads import amount_text
 
 Array = NDArray[Any]
 _TRIM_EVERY_S = 0.01
@@ -188,3 +189,95 @@ def _mapped_bytes() -> int | None:
     except (OSError, IndexError):
         return None
     return int(shared) * mmap.PAGESIZE
+
+
+# Who makes an array leaves it to the caller where it lies: in memory, or on disk.
+
+Empty = Callable[[tuple[int, ...], np.dtype[Any]], NDArray[Any]]
+"""Makes an array of a shape and type to be filled in: `numpy.empty`, or `Work.empty`."""
+
+
+# Which pictures of a run lie on disk, and where.
+
+Shape = tuple[int, int]
+
+
+class Made(Protocol):
+    """A `core.evaluation.recipes.Recipe`."""
+
+    @property
+    def key(self) -> str: ...  # noqa: D102
+    @property
+    def by_rows(self) -> bool: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class BlockRun:
+    """A run in blocks.
+
+    Parameters
+    ----------
+    disk : ScratchDisk
+        Where pictures lie that memory is not to hold.
+    shapes : mapping of key to (rows, columns)
+        The pictures among its recipes that lie there.
+    """
+
+    disk: ScratchDisk
+    shapes: Mapping[str, Shape]
+
+    def slabs_of(self, recipe: Made) -> Shape | None:
+        """Size of a picture that is made by blocks of rows; None for every other value."""
+        return self.shapes.get(recipe.key) if recipe.by_rows else None
+
+
+# A 2-D array on disk that is written by rows and transformed by columns, or the other way round.
+#
+# Blocks of columns ("strips") lie together, each by rows. A block of rows is then as many pieces
+# as
+# there are strips, and all rows of a strip are one piece: either way disks read and write long
+# runs.
+
+
+class StripArray:
+    """Rows are read and written by ``array[start:stop]``, strips are views.
+
+    Parameters
+    ----------
+    flat : ndarray, shape (rows·columns,)
+        Where the samples lie.
+    shape : (int, int)
+        Rows and columns.
+    width : int
+        Columns of a strip; the last may have fewer.
+    """
+
+    def __init__(self, flat: Array, shape: tuple[int, int], width: int) -> None:
+        self.shape, self.dtype = shape, flat.dtype
+        rows, columns = shape
+        self.places = [slice(left, min(left + width, columns)) for left in range(0, columns, width)]
+        self.strips = [
+            flat[rows * place.start : rows * place.stop].reshape(rows, place.stop - place.start)
+            for place in self.places
+        ]
+
+    @property
+    def nbytes(self) -> int:
+        """Size on disk."""
+        return self.shape[0] * self.shape[1] * self.dtype.itemsize
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, rows: slice | Array) -> Array:
+        """A copy of some rows."""
+        parts = [strip[rows] for strip in self.strips]
+        return np.concatenate(parts, axis=1)
+
+    def __setitem__(self, rows: slice, block: Array | float) -> None:
+        for place, strip in zip(self.places, self.strips, strict=True):
+            strip[rows] = block[:, place] if isinstance(block, np.ndarray) else block
+
+    def __iter__(self) -> Iterator[tuple[slice, Array]]:
+        """Columns and strip, in order."""
+        return zip(self.places, self.strips, strict=True)

@@ -18,11 +18,10 @@ from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.filtering.mirrored import BLOCK_SAMPLES, MeanFree, mirrored_spectrum
 from core.filtering.periodic import periodic_spectrum
-from core.scratch.strip_array import StripArray
+from core.scratch.scratch_disk import StripArray
 from core.spectrum.band_stack import BandStack, Row, Rows
 from core.spectrum.wavelength_rank import ChosenWavelengths, WavelengthRank
-from core.transfer.factors import Factor, Planar
-from core.transfer.grid import Grid
+from core.transfer.factors import Factor, Grid, Planar
 from core.transfer.planar_blocks import Axes, Planes
 from core.transfer.product import Product
 

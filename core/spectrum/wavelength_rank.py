@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.spectrum.band_stack import Row
-from core.transfer.factors import Factor, Planar
-from core.transfer.grid import Grid
+from core.transfer.factors import Factor, Grid, Planar
 
 Array = NDArray[Any]
 RADII = 1537

@@ -26,12 +26,10 @@ from core.network.file import format_network, load_network
 from core.network.macro import declared_node
 from core.network.network import Link, Network, Node
 from core.network.validation import NetworkProblems
-from imagechain.building.chain_check import Check, checked
 from imagechain.building.chain_node import ChainNode
 from imagechain.building.chain_saving import saved
-from imagechain.building.chain_state import ChainState, opened_state
-from imagechain.common.notebook_html import block, table
-from imagechain.common.plain_errors import plain_errors
+from imagechain.building.chain_state import ChainState, Check, checked, opened_state
+from imagechain.common.plain_errors import block, plain_errors, table
 from imagechain.parts.module_part import Part
 from imagechain.results.chain_result import Result, run_plan
 from imagechain.results.run_options import Origin, RunOptions, current_folder, whole_path

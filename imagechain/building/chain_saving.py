@@ -14,15 +14,15 @@ from core.atomic import atomic_file, write_text
 from core.editing.document import rebased
 from core.editing.operations import ABSENT, set_parameter
 from core.errors import FileError
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.network.file import format_network, parse_network, save_network
 from core.network.network import Network
 from nodes.files.arrays import npy_header, whole_npy, write_npy
 from nodes.files.frames.envi_frames import envi_header_text
 from nodes.files.frames.frame_series import FrameSeries
 from nodes.files.frames.frame_writing import header_beside_frames
-from nodes.input_output.held_samples import HeldSamples
 from nodes.input_output.sample_unit import DEFAULT_UNIT
+from nodes.input_output.source_file import HeldSamples
 
 _PLAIN = re.compile(r"[^\w.-]+")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
@@ -11,25 +11,37 @@ from typing import Any
 
 import numpy as np
 
+from app.run.output import find_output
 from app.run.own_scene import OwnScene, with_own_scene
 from core.chain.engine import Engine, Plan, PlannedNode
+from core.editing.links import declared, reached_from
 from core.editing.macros import Inside
-from core.editing.operations import ABSENT, Operation, Remove, Rename, set_parameter
+from core.editing.operations import (
+    ABSENT,
+    Add,
+    Operation,
+    Placed,
+    Remove,
+    Rename,
+    fresh_name,
+    set_parameter,
+)
+from core.editing.wiring import outputs_of, wires_behind, wires_from_open_end
 from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
 from core.evaluation.recipes import Step
-from core.modules.declaration import Declaration
-from core.modules.library_type import Library, local_key, where_absent
+from core.modules.declaration import Declaration, Library, local_key, where_absent
+from core.modules.panel_sections import Caution
 from core.modules.parameters import Parameter
 from core.names import close, shown
 from core.network.linked_values import resolved, with_values
 from core.network.macro import declared_node, opened, path_of, step_inside
-from core.network.network import Network, Node
-from core.network.validation import check_network, plain_network
-from imagechain.building.chain_wiring import added, node_name
+from core.network.network import Link, Network, Node
+from core.network.validation import NetworkProblems, check_network, plain_network
+from imagechain.common.plain_errors import block, table
 from imagechain.parts.module_part import Part, file_value
 from imagechain.results.run_options import current_folder, whole_path
-from nodes.input_output.held_samples import HeldSamples
 from nodes.input_output.read_image import ReadImage
+from nodes.input_output.source_file import HeldSamples
 
 
 @dataclass(frozen=True)
@@ -293,3 +305,146 @@ def opened_state(network: Network, file: Path) -> ChainState:
     """The state of a chain that has been read from a file."""
     path = whole_path(file)
     return ChainState(network, path.parent, path, order=tuple(network.nodes))
+
+
+# Adding a node to a chain: where it goes on from, and its other wires.
+
+_BESIDE = ("context", "pupil", "magnitude", "phase")
+
+
+def added(
+    network: Network,
+    library: Library,
+    node: Node,
+    *,
+    order: Sequence[str],
+    after: str | None,
+    wired: bool,
+) -> Network:
+    """The network with a node, wired.
+
+    Parameters
+    ----------
+    network, library
+        Where it is added.
+    node : Node
+        The node, of a module in the library.
+    order : sequence of str
+        The nodes as they were added, the last one last.
+    after : str, optional
+        The node to go on from; if not given, the one added last that has what the module takes.
+    wired : bool
+        Whether it is wired at all.
+
+    Raises
+    ------
+    NetworkError
+        If it does not fit there.
+    """
+    taken = declared_node(node, library)
+    assert taken is not None
+    if not wired or not network.nodes or (after is None and not taken.inputs):
+        return Add((Placed(node),)).apply(network)
+    grown = Add((Placed(node),)).apply(network)
+    wiring = _wiring(grown, library, node.id, order, after)
+    if wiring is None and taken.inputs:
+        kinds = " or ".join(dict.fromkeys(kind for port in taken.inputs for kind in port.types))
+        where = f"{shown(after)} gives" if after is not None else "the chain's nodes give"
+        raise NetworkError(
+            f"{shown(node.id)} ({taken.title}) takes {kinds}, and {where} none that leads nowhere "
+            "yet: give after=, or wired=False and link it"
+        )
+    # A module that takes nothing, and that nothing waits for, begins something of its own.
+    return grown if wiring is None else _completed(wiring.apply(grown), library, node.id, order)
+
+
+def _wiring(
+    network: Network, library: Library, name: str, order: Sequence[str], after: str | None
+) -> Operation | None:
+    if after is not None:
+        return wires_behind(network, library, network.node(after).id, name)
+    every = (wires_from_open_end(network, library, one, name) for one in reversed(order))
+    return next((wiring for wiring in every if wiring is not None), None)
+
+
+def _completed(network: Network, library: Library, name: str, order: Sequence[str]) -> Network:
+    """With links for the inputs beside the picture that are still empty, from the nearest node."""
+    known = declared(network, library, name)
+    assert known is not None
+    linked = {link.input for link in network.links_into(name)}
+    behind = reached_from(network, {name})
+    place = {node: index for index, node in enumerate(order)}
+    links = []
+    for port in known.inputs:
+        if port.name in linked or not port.required or port.types[0] not in _BESIDE:
+            continue
+        ends = [end for end in outputs_of(network, library, port.types[0]) if end[0] not in behind]
+        if ends:
+            nearest = max(ends, key=lambda end: place.get(end[0], -1))
+            links.append(Link(*nearest, name, port.name))
+    if not links:
+        return network
+    return Add((), tuple(links)).apply(network)
+
+
+def node_name(wanted: str | None, module: str, network: Network) -> str:
+    """The name of a new node: the one that is wanted, else the module's, with a number if need be.
+
+    Raises
+    ------
+    NetworkError
+        If the one that is wanted is taken.
+    """
+    if wanted is None:
+        return fresh_name(module, network.nodes)
+    if wanted in network.nodes:
+        raise NetworkError(f"there is a node {shown(wanted)} already")
+    return wanted
+
+
+# What is wrong with a chain, without computing it.
+
+
+@dataclass(frozen=True)
+class Check:
+    """Errors that keep a chain from running, and warnings that do not.
+
+    Parameters
+    ----------
+    errors : tuple of ImagechainError
+        One line each, with the node.
+    warnings : tuple of Caution
+        One line each, with what to do about it.
+    """
+
+    errors: tuple[ImagechainError, ...] = ()
+    warnings: tuple[Caution, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        """Whether the chain can run."""
+        return not self.errors
+
+    def __str__(self) -> str:
+        lines = [f"error: {error}" for error in self.errors]
+        lines += [f"warning: {warning}" for warning in self.warnings]
+        return "\n".join(lines) or "no errors, no warnings"
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        rows = [("error", str(error)) for error in self.errors]
+        rows += [("warning", str(warning)) for warning in self.warnings]
+        return block(table(("", "what"), rows or [("", str(self))]))
+
+
+def checked(plan: Callable[[], Plan]) -> Check:
+    """The faults of a network, or of its plan; `plan` raises those of the network itself."""
+    try:
+        made = plan()
+        find_output(made)
+    except NetworkProblems as faults:
+        return Check(tuple(faults.problems))
+    except ImagechainError as error:
+        return Check((error,))
+    return Check(tuple(made.errors()), tuple(made.warnings()))

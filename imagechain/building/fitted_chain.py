@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.fit_result import FitResult, FittedParameter
-from app.fit.page.fit_json import fit_json
-from app.fit.page.fit_text import fit_text
+from app.fit.free_parameter import free_parameters
+from app.fit.page.fit_page import fit_json, fit_text
+from app.fit.picture_fit import FittedPictures, fit_known_scene, fit_pictures, read_pictures
 from core.atomic import write_text
-from core.errors import UsageError
+from core.errors import ParameterError, UsageError
+from core.evaluation.policy import Policy, Precision
 from imagechain.building.chain import Chain
+from imagechain.building.chain import open as open_chain
+from imagechain.building.measure_pictures import frames_of_arrays, limits_of_arrays
 from imagechain.common.plain_errors import plain_errors
 from nodes.files.common.file_format import HTML, JSON, suffixes
 
@@ -99,3 +104,119 @@ class FittedChain:
 
     def __repr__(self) -> str:
         return fit_text(self._result)
+
+
+# Fitting a chain to pictures of a camera: files and arrays.
+
+File = str | PathLike[str]
+Picture = File | NDArray[Any]
+_FREE = "NODE.PARAM, a list of these, or (low, high) or None by NODE.PARAM"
+
+
+@plain_errors
+def fit(
+    chain: Chain | File,
+    *,
+    to: Picture | Sequence[Picture],
+    free: str | Sequence[str] | Mapping[str, tuple[float, float] | None],
+    known_scene: bool = False,
+    band: int | None = None,
+    precision: Precision = "single",
+    tolerance: float | None = None,
+    threads: int = 0,
+) -> FittedChain:
+    """Fit parameters of a chain to pictures of a real camera, as `imagechain fit` does.
+
+    Parameters
+    ----------
+    chain : Chain or path
+        A chain, a file, or the name of a shipped network; it stays as it is.
+    to : path or array, or a sequence of them
+        Pictures of the camera: files, or arrays (rows, columns) or (frames, rows, columns); linear,
+        as the sensor gives them. One sample is one of the chain's final picture.
+    free : str, sequence of str, or mapping
+        What is fitted: ``NODE.PARAM`` in its own range; or ranges (low, high) by that, None for its
+        own.
+    known_scene : bool
+        Whether the chain's source is the scene of the picture, which is fitted as a whole then.
+    band : int, optional
+        Band or colour of files with several.
+    precision : "single" or "double"
+        Of pictures and spectra.
+    tolerance : float, optional
+        Error budget, as of `Chain.run`.
+    threads : int
+        0 takes as many as there are.
+
+    Returns
+    -------
+    FittedChain
+        Values with standard errors, correlations, warnings, and the chain with the fitted values.
+
+    Raises
+    ------
+    ImagechainError
+        No edge of the pictures can be used, a parameter cannot be fitted, or a file cannot be read.
+    """
+    own = chain if isinstance(chain, Chain) else open_chain(chain)
+    engine, plan = own.planned()
+    parameters = free_parameters(_texts(free), plan.network, engine.library, option="free")
+    names, pictures = _pictures(to, band)
+    carried_out = fit_known_scene if known_scene else fit_pictures
+    result = carried_out(
+        engine, plan, engine.work(Policy(precision, tolerance, threads)), free=parameters,
+        pictures=pictures,
+    )  # fmt: skip
+    values = {
+        f"{parameter.node}.{parameter.name}": one.used
+        for parameter, one in zip(parameters, result.parameters, strict=True)
+        if one.used is not None
+    }
+    return FittedChain(result, own.with_(values), names)
+
+
+def _texts(free: Any) -> list[str]:
+    """As the command takes them: ``NODE.PARAM``, or ``NODE.PARAM=LOW:HIGH``."""
+    if isinstance(free, str):
+        return [free]
+    if not isinstance(free, Mapping):
+        if isinstance(free, Sequence) and all(isinstance(one, str) for one in free):
+            return list(free)
+        raise ParameterError("free", free, _FREE)
+    texts = []
+    for name, ends in free.items():
+        if ends is None:
+            texts.append(str(name))
+            continue
+        try:
+            low, high = map(float, ends)
+        except (TypeError, ValueError):
+            raise ParameterError("free", {name: ends}, _FREE) from None
+        texts.append(f"{name}={low!r}:{high!r}")
+    return texts
+
+
+def _pictures(to: Any, band: int | None) -> tuple[tuple[str, ...], FittedPictures]:
+    """Names for a title, and the frames of all files or of all arrays."""
+    one = isinstance(to, str | PathLike | np.ndarray)
+    if not one and not isinstance(to, Sequence):
+        raise UsageError("to: give a picture, a file or an array, or a list of them")
+    given = [to] if one else list(to)
+    if not given:
+        raise UsageError("to: give a picture, a file or an array")
+    if all(isinstance(one, str | PathLike) for one in given):
+        paths = [Path(fspath(one)) for one in given]
+        return tuple(map(str, paths)), read_pictures(paths, band=band)
+    if any(isinstance(one, str | PathLike) for one in given):
+        raise UsageError("to: give files or arrays, not both")
+    if band is not None:
+        raise UsageError("band goes with files: arrays have none")
+    names = tuple(f"array {number}" for number in range(1, len(given) + 1))
+    frames = [
+        (name, frame)
+        for name, own in zip(names, frames_of_arrays(given), strict=True)
+        for frame in own
+    ]
+    limits = limits_of_arrays(given)
+    taken = FittedPictures(tuple(n for n, _ in frames), tuple(f for _, f in frames), limits)
+    return names, taken

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from base64 import b64encode
+from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
+from html import escape
+from importlib import import_module
+from types import ModuleType
 from typing import Any, NoReturn, ParamSpec, TypeVar
 
 from core.errors import ImagechainError, UsageError
+from core.names import printable
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -40,3 +45,69 @@ def stays_here(value: Any) -> NoReturn:
         f"a {type(value).__name__} stays in the process that made it: send the chain, or arrays "
         "and tables of the result: image(), dict(readouts), curves().to_frame()"
     )
+
+
+# Libraries that are used where they are installed, and not needed otherwise.
+
+
+def needed(name: str, purpose: str) -> ModuleType:
+    """The library of that name.
+
+    Raises
+    ------
+    UsageError
+        Saying how it is installed.
+    """
+    try:
+        return import_module(name)
+    except ImportError:
+        raise UsageError(
+            f"{name} is not installed, which {purpose} take: pip install {name}"
+        ) from None
+
+
+# Small pieces of HTML for notebooks; all text is escaped.
+
+
+def text(value: object) -> str:
+    """A value as text that no page takes for its own."""
+    return escape(printable(str(value)))
+
+
+def table(
+    head: Sequence[str], rows: Iterable[Sequence[object]], *, caption: str = "", right: int = -1
+) -> str:
+    """A table; the cells of column `right` end together."""
+    titles = "".join(f'<th style="text-align:left">{text(name)}</th>' for name in head)
+    lines = [f"<tr>{''.join(_cell(v, i == right) for i, v in enumerate(row))}</tr>" for row in rows]
+    above = f'<caption style="text-align:left">{text(caption)}</caption>' if caption else ""
+    return f"<table>{above}<thead><tr>{titles}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
+
+
+def _cell(value: object, right: bool) -> str:
+    return f'<td style="text-align:{"right" if right else "left"}">{text(value)}</td>'
+
+
+def png(content: bytes, *, alt: str, width: int | None = None) -> str:
+    """A picture within the page."""
+    size = f' width="{width}"' if width else ""
+    data = b64encode(content).decode("ascii")
+    return (
+        f'<img alt="{text(alt)}"{size} style="max-width:100%" src="data:image/png;base64,{data}">'
+    )
+
+
+def block(*parts: str) -> str:
+    """Pieces below one another."""
+    return "<div>" + "".join(f"<div>{part}</div>" for part in parts if part) + "</div>"
+
+
+# Matplotlib as the user's program has it, where the reports' own drawing is used.
+
+
+def users_matplotlib() -> None:
+    """Import it with the user's settings, if it is not there yet.
+
+    The reports would import it with their own, and the user's plots would have these afterwards.
+    """
+    import matplotlib  # noqa: F401

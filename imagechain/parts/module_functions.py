@@ -8,8 +8,7 @@ from collections.abc import Callable
 from typing import Any, Literal
 
 from core.errors import NetworkError
-from core.modules.declaration import Declaration, declaration
-from core.modules.library_type import local_key, package_of
+from core.modules.declaration import Declaration, declaration, local_key, package_of
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown
 from imagechain.common.plain_errors import plain_errors

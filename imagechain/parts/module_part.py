@@ -16,7 +16,7 @@ from core.modules.parameters import Parameter, plain
 from core.names import close, shown, thaw
 from core.network.linked_values import expression as raw_expression
 from core.network.network import Network
-from nodes.input_output.held_samples import HeldSamples
+from nodes.input_output.source_file import HeldSamples
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ import sys
 from pathlib import Path
 
 from core.atomic import write_text
-from core.modules.declaration import Declaration, declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Declaration, Library, declaration
 from imagechain.parts.module_functions import annotation_text, default, documentation
 from nodes.library import standard_library
 

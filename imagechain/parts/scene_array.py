@@ -13,8 +13,8 @@ from core.errors import DataError, ParameterError
 from core.modules.declaration import declaration
 from imagechain.common.plain_errors import plain_errors
 from imagechain.parts.module_part import Part, file_values, simple
-from nodes.input_output.held_samples import HeldSamples
 from nodes.input_output.read_image import ReadImage
+from nodes.input_output.source_file import HeldSamples
 
 _MRAD = {"mrad": 1.0, "rad": 1e3, "urad": 1e-3, "µrad": 1e-3, "deg": math.pi / 0.18}
 _MRAD |= {"degree": _MRAD["deg"], "degrees": _MRAD["deg"], "radian": 1e3, "radians": 1e3}

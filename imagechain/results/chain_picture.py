@@ -10,15 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.png import encode_png, grey_levels, robust_limits
-from app.run.saving import metadata_of, save_array
+from app.run.saving import encode_png, grey_levels, metadata_of, robust_limits, save_array
 from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from imagechain.common.missing_extra import needed
-from imagechain.common.notebook_html import block, png, text
-from imagechain.common.plain_errors import plain_errors, stays_here
+from imagechain.common.plain_errors import block, needed, plain_errors, png, stays_here, text
 
 if TYPE_CHECKING:
     from xarray import DataArray

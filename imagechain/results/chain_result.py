@@ -23,12 +23,10 @@ from core.chain.wires import Image
 from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
 from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
-from core.memory import store_bytes
-from core.modules.caution import Caution
+from core.modules.panel_sections import Caution
 from core.names import close, shown
-from imagechain.common.notebook_html import block, table
-from imagechain.common.plain_errors import plain_errors, stays_here
-from imagechain.common.users_matplotlib import users_matplotlib
+from core.threads import store_bytes
+from imagechain.common.plain_errors import block, plain_errors, stays_here, table, users_matplotlib
 from imagechain.results.chain_picture import Picture, PictureValues
 from imagechain.results.readout_table import ReadoutTable, readout_table
 from imagechain.results.run_options import Origin, RunOptions

@@ -10,9 +10,7 @@ from app.run.evaluation import Evaluation
 from app.run.readout_tables import columns, jsonable, number_text, without_rounding
 from core.errors import ParameterError
 from core.names import close, shown
-from imagechain.common.missing_extra import needed
-from imagechain.common.notebook_html import table
-from imagechain.common.plain_errors import plain_errors
+from imagechain.common.plain_errors import needed, plain_errors, table
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -9,7 +9,7 @@ from os import PathLike, fspath
 from pathlib import Path
 
 from app.options.option_values import size_in_bytes
-from app.run.sequence import MOST_FRAMES
+from app.run.saving import MOST_FRAMES
 from core.errors import ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region

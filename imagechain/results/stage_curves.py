@@ -12,10 +12,14 @@ from numpy.typing import NDArray
 from app.run.evaluation import Evaluation
 from app.run.responses import Response, responses_along
 from core.names import close, shown
-from imagechain.common.missing_extra import needed
-from imagechain.common.notebook_html import png, text
-from imagechain.common.plain_errors import plain_errors, stays_here
-from imagechain.common.users_matplotlib import users_matplotlib
+from imagechain.common.plain_errors import (
+    needed,
+    plain_errors,
+    png,
+    stays_here,
+    text,
+    users_matplotlib,
+)
 
 if TYPE_CHECKING:
     from pandas import DataFrame

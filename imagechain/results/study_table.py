@@ -9,9 +9,7 @@ from app.run.readout_tables import columns, number_text, warned_points
 from app.study.carrying_out import StudyRows
 from core.errors import ParameterError
 from core.names import close, shown
-from imagechain.common.missing_extra import needed
-from imagechain.common.notebook_html import block, png, table
-from imagechain.common.plain_errors import plain_errors
+from imagechain.common.plain_errors import block, needed, plain_errors, png, table
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -12,11 +12,9 @@ from core.chain.wires import Context, Magnitude, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from core.physics.atmosphere.air_path import VISIBLE_UM
 from core.physics.atmosphere.scattering_and_turbulence import (
     aerosol_mtf,
@@ -28,8 +26,7 @@ from core.physics.atmosphere.scattering_and_turbulence import (
 )
 from core.physics.atmosphere.turbulence_profile import fried_r0_slant_m, fried_r0_uniform_m
 from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
-from core.spectrum.band_mean import over_bands
-from core.spectrum.band_stack import BandStack
+from core.spectrum.band_stack import BandStack, over_bands
 from core.transfer.factors import AtWavelength, Factor, Law, Planar
 from nodes.optics.band_spectrum import photon_weights
 from nodes.shared.context_defaults import of_context

@@ -8,26 +8,23 @@ from typing import Annotated, Any, Literal, NamedTuple
 from core.chain.wires import Context, Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step
-from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from core.physics.atmosphere.air_path import (
     AirPath,
     extinction_of_visibility,
     path_of_bands,
 )
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.radiometry.materials import SUNLIGHT_K
 from core.physics.radiometry.radiance_units import radiance_unit
-from core.physics.radiometry.sunlight import SUNLIGHT_K
 from core.spectrum.band_stack import AttenuatedBands, BandStack
 from nodes.atmosphere import path_steps as steps
 from nodes.files.path_table import read_path_table
 from nodes.files.wavelength_table import read_wavelengths
-from nodes.shared.common_parameters import WeightingSource
+from nodes.shared.module_ports import WeightingSource, table_figure
 from nodes.shared.shared_warnings import apart_caution, first, is_temperature
-from nodes.shared.table_figures import table_figure
 
 
 class PathOutputs(NamedTuple):

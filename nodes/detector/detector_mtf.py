@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
-from core.physics.detector.detector_aperture import aperture_mtf, first_zero_cyc_per_mrad
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.physics.detector.charge_transfer import aperture_mtf, first_zero_cyc_per_mrad
 from core.physics.sampling.detector_sampling import ifov_mrad
 from nodes.shared.context_defaults import given
 from nodes.shared.factor_helpers import separable

@@ -14,8 +14,10 @@ from core.errors import DataError
 from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.lineage.linear_change import LevelChange
-from core.modules.caution import Caution
-from core.physics.electrons.electron_noise import (
+from core.modules.panel_sections import Caution
+from core.physics.electrons.collection import (
+    bent_response,
+    bent_slope,
     dynamic_range_dB,
     fixed_pattern_e,
     nei_photons_per_cm2,
@@ -24,7 +26,6 @@ from core.physics.electrons.electron_noise import (
     shot_noise_e,
     temporal_noise_e,
 )
-from core.physics.electrons.nonlinear_response import bent_response, bent_slope
 from core.physics.electrons.photon_conversion import (
     WEIGHTINGS,
     Conversion,

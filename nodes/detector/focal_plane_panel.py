@@ -15,18 +15,18 @@ from core.physics.electrons.collection import (
     cone_sr,
     dark_electrons,
     exposure_m2_s,
+    gain_to_fill_e_per_dn,
     housing_sr,
+    rule_07_e_per_s,
 )
-from core.physics.electrons.electron_noise import gain_to_fill_e_per_dn
 from core.physics.electrons.photon_conversion import CountedPhotons, PhotonWeights
-from core.physics.electrons.rule_07 import rule_07_e_per_s
 from core.physics.electrons.spectral_photons import QuantumEfficiency
 from core.physics.noise.noise_equivalent import detector_area_cm2
-from nodes.detector.counted_bands import lit_windows
 from nodes.detector.focal_plane_figures import Collection, ReadOut
+from nodes.detector.spectral_response import lit_windows
 from nodes.files.wavelength_table import read_wavelengths
 from nodes.shared.context_defaults import given_band, of_context
-from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
+from nodes.shared.flicker_deviates import SEED_SECTIONS, SeededModule
 
 _NEEDED_BY = {
     "full_well_e": "nonlinearity_percent is a share of the full well",

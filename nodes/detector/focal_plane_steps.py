@@ -22,14 +22,12 @@ from core.evaluation.recipes import (
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.lineage.linear_change import LevelChange, Linear
-from core.lineage.step_lineage import picture_step
-from core.lineage.step_noise import AtStep, Noise, noises_in_blocks
+from core.lineage.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
 from core.noise.noise_power import NoisePower
 from core.noise.random_fields import Stream
-from core.physics.electronics.rounding_noise import rounding_variances
-from core.physics.electrons.bad_pixels import DEAD, HOT, bad_pixel_places
-from core.physics.electrons.nonlinear_response import bent_response
-from core.physics.electrons.poisson_quantile import poisson_of_normal
+from core.physics.electronics.quantization import rounding_variances
+from core.physics.electrons.collection import DEAD, HOT, bad_pixel_places, bent_response
+from core.physics.noise.poisson_deviates import poisson_of_normal
 from nodes.detector.focal_plane_figures import (
     ElectronLevels,
     bent_level,

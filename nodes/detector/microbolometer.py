@@ -8,26 +8,27 @@ from core.chain.frame_sequence import at_frame
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
-from core.noise.frame_number import FrameNumber
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.noise.random_fields import FrameNumber
 from core.physics.detector.bolometer import lag_weights, netd_noise_radiance, share_kept
 from core.physics.electronics.filters import lowpass_mtf, lowpass_ptf
 from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma
 from core.physics.radiometry.planck import band_radiance_derivative
 from core.transfer.factors import Separable
 from nodes.detector import microbolometer_steps as steps
-from nodes.shared.common_parameters import CutOff, CutOn, LongestPeriod
 from nodes.shared.context_defaults import given, given_band, with_interval
 from nodes.shared.factor_helpers import separable
-from nodes.shared.flicker_deviates import flicker_deviates, waves_of_all_frames
-from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
+from nodes.shared.flicker_deviates import (
+    SEED_SECTIONS,
+    SeededModule,
+    flicker_deviates,
+    unit_deviates,
+    waves_of_all_frames,
+)
+from nodes.shared.module_ports import CutOff, CutOn, LongestPeriod, table_figure
 from nodes.shared.shared_warnings import apart_caution, band_caution, unit_caution
-from nodes.shared.table_figures import table_figure
-from nodes.shared.unit_deviates import unit_deviates
 
 _MOST_FRAMES = 64
 

@@ -14,12 +14,10 @@ from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.filtering.line_filter import filter_lines
 from core.lineage.linear_change import Filtering, Linear
-from core.lineage.step_lineage import picture_step
-from core.lineage.step_noise import AtStep, Noise
+from core.lineage.step_lineage import AtStep, Noise, picture_step
 from core.noise.noise_power import NoisePower
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
-from core.transfer.factors import Separable
-from core.transfer.grid import Edges, Grid
+from core.transfer.factors import Edges, Grid, Separable
 
 Array = NDArray[Any]
 _LABEL = "Thermal lag"

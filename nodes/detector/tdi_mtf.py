@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
-from core.physics.detector.tdi_motion import smear_mrad, tdi_mtf
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.physics.detector.charge_transfer import smear_mrad, tdi_mtf
 from core.physics.sampling.detector_sampling import ifov_mrad
 from nodes.shared.context_defaults import given
 from nodes.shared.factor_helpers import separable

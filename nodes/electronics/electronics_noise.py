@@ -7,25 +7,22 @@ from typing import Annotated, Literal, NamedTuple
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Step
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Offer, Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Offer, Section
+from core.modules.parameters import Formula, Param
 from core.physics.electronics.filters import (
+    corner_in_cyc_per_mrad,
     dwell_time_s,
     lowpass_mtf,
     lowpass_ptf,
     mirror_scan_velocity_mrad_per_s,
     noise_bandwidth_hz,
-)
-from core.physics.electronics.post_filter import (
-    corner_in_cyc_per_mrad,
     post_filter_mtf,
     post_filter_ptf,
 )
 from core.physics.noise.noise_equivalent import detector_area_cm2
 from core.physics.radiometry.materials import MANUAL, MATERIALS_BY_REGION
+from core.spectrum.band_stack import BandStack, Row
 from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import (
@@ -34,14 +31,12 @@ from nodes.electronics.detector_figures import (
     figures,
     statistics,
 )
-from nodes.input_output.radiance_check import radiance_caution
-from nodes.shared.common_parameters import CutOff, CutOn
+from nodes.input_output.sample_unit import radiance_caution
 from nodes.shared.context_defaults import given_band, of_context, with_interval
 from nodes.shared.factor_helpers import separable
-from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
+from nodes.shared.flicker_deviates import SEED_SECTIONS, SeededModule
+from nodes.shared.module_ports import CutOff, CutOn, table_figure
 from nodes.shared.shared_warnings import apart_caution, band_caution, is_radiance, unit_caution
-from nodes.shared.summed_bands import summed_within
-from nodes.shared.table_figures import table_figure
 
 _MATERIALS = tuple(
     (region, (*(material.name for material in materials), MANUAL))
@@ -421,3 +416,39 @@ class ElectronicsNoise(
     snr = table_figure("snr", "", "Mean over rms noise of detector and amplifier.")
     quantization_rms = table_figure("quantization_rms", "W/m²/sr", "Rms error of the quantizer.")
     background = table_figure("background_K", "K", "Background that weights D* and gives dL/dT.")
+
+
+# A picture in bands where its sum is wanted: of all bands, or of those within a filter.
+
+
+def weights_within(bands: BandStack, low_um: float | None, high_um: float | None) -> Row:
+    """Weights of the bands between two wavelengths; one at an end counts by its part within.
+
+    Raises
+    ------
+    ParameterError
+        If no band lies there.
+    """
+    first, last = bands.band_um
+    low, high = low_um or first, high_um or last
+    weights = []
+    for centre, width, weight in zip(bands.centres_um, bands.widths_um, bands.whole, strict=True):
+        part = min(centre + width / 2, high) - max(centre - width / 2, low)
+        weights.append(weight * min(max(part / width, 0.0), 1.0))
+    if not any(weights):
+        raise ParameterError(
+            "cut_on_um", low, f"a band that meets the picture's, {first:g} to {last:g} µm",
+            unit="µm",
+        )  # fmt: skip
+    return tuple(weights)
+
+
+def summed_within(image: Image, low_um: float | None, high_um: float | None) -> Image:
+    """A picture in bands as the radiance within a filter; one without bands as it is."""
+    bands = image.bands
+    if bands is None:
+        return image
+    first, last = bands.band_um
+    band = max(first, low_um or first), min(last, high_um or last)
+    weights = weights_within(bands, low_um, high_um)
+    return image.with_recipe(bands.picture(weights), band_um=band)

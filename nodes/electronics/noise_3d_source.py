@@ -14,25 +14,25 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.lineage.step_lineage import picture_step
-from core.lineage.step_noise import AtStep, Noise
-from core.modules.caution import Caution
+from core.lineage.step_lineage import AtStep, Noise, picture_step
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
-from core.noise.frame_number import FrameNumber
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from core.noise.noise_power import NoisePower
+from core.noise.random_fields import FrameNumber
 from core.physics.noise.flicker_noise import (
     FlickerBand,
     flicker_band,
     flicker_sigma,
 )
 from core.physics.noise.noise_components import COMPONENTS
-from nodes.shared.common_parameters import LongestPeriod
-from nodes.shared.flicker_deviates import flicker_deviates
-from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
-from nodes.shared.unit_deviates import unit_deviates
+from nodes.shared.flicker_deviates import (
+    SEED_SECTIONS,
+    SeededModule,
+    flicker_deviates,
+    unit_deviates,
+)
+from nodes.shared.module_ports import LongestPeriod
 
 Array = NDArray[Any]
 _FIXED = ("vh", "v", "h")

@@ -12,11 +12,9 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, pointwise
 from core.evaluation.work import Work
-from core.lineage.step_lineage import picture_step
-from core.lineage.step_noise import AtStep, Noise
+from core.lineage.step_lineage import AtStep, Noise, picture_step
 from core.modules.declaration import Module, NodeContext
-from core.modules.formula import Formula
-from core.modules.parameters import Param
+from core.modules.parameters import Formula, Param
 from nodes.electronics.periodic_noise import NoiseOutputs
 from nodes.files.common.paths import checked_band
 from nodes.input_output.source_file import picture_source, read_step

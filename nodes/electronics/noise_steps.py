@@ -18,17 +18,18 @@ from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.filtering.line_filter import filter_lines
 from core.lineage.linear_change import Filtering, Linear
-from core.lineage.step_lineage import picture_step
-from core.lineage.step_noise import AtStep, Noise, noises_in_blocks
+from core.lineage.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
 from core.noise.noise_power import NoisePower
 from core.noise.random_fields import Stream
-from core.physics.electronics.gain_bias import apply_gain_bias
-from core.physics.electronics.quantization import quantization_rms, quantize
-from core.physics.electronics.rounding_noise import rounding_variances
-from core.transfer.factors import Separable
-from core.transfer.grid import Edges, Grid
+from core.physics.electronics.quantization import (
+    apply_gain_bias,
+    quantization_rms,
+    quantize,
+    rounding_variances,
+)
+from core.transfer.factors import Edges, Grid, Separable
 from nodes.electronics.detector_figures import DetectorFigures, Statistics
-from nodes.shared.unit_deviates import unit_deviates
+from nodes.shared.flicker_deviates import unit_deviates
 
 Array = NDArray[Any]
 STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are

@@ -12,14 +12,12 @@ from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.lineage.step_lineage import picture_step
-from core.lineage.step_noise import AtStep, Noise
+from core.lineage.step_lineage import AtStep, Noise, picture_step
 from core.modules.declaration import Module, NodeContext
-from core.modules.formula import Formula
 from core.modules.panel_sections import Section
-from core.modules.parameters import Param
-from core.physics.electronics.periodic_wave import periodic_pattern
-from core.transfer.grid import Grid
+from core.modules.parameters import Formula, Param
+from core.physics.noise.flicker_noise import periodic_pattern
+from core.transfer.factors import Grid
 
 Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 16

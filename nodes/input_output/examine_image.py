@@ -17,16 +17,14 @@ from core.chain.wires import Curve, Image, Magnitude, Phase, Table, Transfer
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
-from nodes.input_output.sample_statistics import histogram, statistics
+from nodes.input_output.sample_unit import histogram, statistics
+from nodes.shared.module_ports import figure
 from nodes.shared.shared_warnings import is_radiance, is_temperature
-from nodes.shared.table_figures import figure
 
 Array = NDArray[Any]
 Display = Literal["linear", "log", "centred_spectrum"]

@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from core.errors import DataError, FileError, ParameterError
+from core.evaluation.recipes import ends_lineage, in_blocks
+from core.evaluation.work import Work
+from core.modules.panel_sections import Caution
+from core.physics.radiometry.grey_body import (
+    COLDEST_SURFACE_K,
+    HOTTEST_SURFACE_K,
+    brightest_surface_radiance,
+    coldest_for_radiance,
+)
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
+from core.threads import ForEach, in_turn
 from nodes.files.common.picture_info import PictureInfo
 
 DEFAULT_UNIT = "W/m²/sr"
@@ -143,3 +159,141 @@ def _of_typed(
     stored = radiance_unit(info.unit) if info.unit else None
     taken = stored.per_um if stored is not None else 1.0
     return SampleUnit(RadianceUnit(1.0, own.photons).name, own.factor / taken)
+
+
+# Whether samples can be the radiance they are read as.
+
+_REMEDY = "give the samples' unit, such as K or DN, or the scale that makes W/m²/sr of them"
+
+
+@in_blocks()
+@ends_lineage
+def radiance_caution(
+    work: Work,
+    samples: NDArray[Any],
+    *,
+    band_um: tuple[float, float] | None,
+    unit_stated: bool,
+) -> Caution | None:
+    """Samples in W/m²/sr that cannot be radiance of a scene, or look like temperatures.
+
+    They cannot where their mean is above what any surface of the Earth gives in the band, sunlight
+    included (`brightest_surface_radiance`). Where the band is not known, that is the radiance of
+    all wavelengths, and kelvin may lie below it: then they look like temperatures where no unit
+    is stated, and mean ± 2 σ (three quarters of the samples at least, after Chebyshev) lie
+    between the coldest and the hottest land surface ever seen.
+    """
+    stats = statistics(samples, for_each=work.for_each)
+    limit = brightest_surface_radiance(band_um=band_um)
+    kelvin = _like_kelvin(stats)
+    if stats.mean > limit:
+        where = (
+            "at all wavelengths" if band_um is None else f"in {band_um[0]:g} to {band_um[1]:g} µm"
+        )
+        looks = "; they look like temperatures in kelvin" if kelvin else ""
+        return Caution(
+            f"the samples' mean, {stats.mean:.4g} W/m²/sr, is more than the {limit:.3g} that a "
+            f"surface on Earth can give {where}{looks}",
+            f"{_REMEDY}; it is well of flames, lamps, engines and the Sun",
+        )
+    if band_um is None and kelvin and not unit_stated:
+        least = coldest_for_radiance(radiance=stats.mean)
+        return Caution(
+            f"the samples, {stats.mean:.4g} ± {stats.sigma:.2g}, look like temperatures in kelvin "
+            f"and are read as W/m²/sr, which not even all wavelengths give below {least:.0f} K",
+            f"{_REMEDY}; cut_on_um and cut_off_um, if it is radiance",
+        )
+    return None
+
+
+def _like_kelvin(stats: Statistics) -> bool:
+    low, high = stats.mean - 2 * stats.sigma, stats.mean + 2 * stats.sigma
+    return low >= COLDEST_SURFACE_K and high <= HOTTEST_SURFACE_K
+
+
+# Statistics and histogram of samples, in double precision and fixed blocks.
+
+Array = NDArray[Any]
+BLOCK_SAMPLES = 1 << 18
+_LEAST, _MOST = 1e-100, 1e100  # deviations that can be squared as they are
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Extremes, mean and standard deviation (of the population)."""
+
+    minimum: float
+    maximum: float
+    mean: float
+    sigma: float
+
+
+def blocks(samples: Array, check: Callable[[], None]) -> Iterator[NDArray[np.float64]]:
+    """The samples in order as 1-D blocks in double precision, `check` called before each."""
+    flat = samples.reshape(-1)
+    for start in range(0, flat.size, BLOCK_SAMPLES):
+        check()
+        yield flat[start : start + BLOCK_SAMPLES].astype(np.float64)
+
+
+def statistics(samples: Array, *, for_each: ForEach = in_turn) -> Statistics:
+    """Statistics of a real array of any shape that is not empty.
+
+    Parameters
+    ----------
+    samples : ndarray
+        The samples.
+    for_each : callable
+        Calls a function on every block, in any order: `Work.for_each`.
+    """
+    low, high = float(samples.min()), float(samples.max())
+    # Relative to the minimum: the sum of large equal samples would round their mean.
+    mean = low + _sum_of(samples, lambda block: float(np.sum(block)), low, for_each) / samples.size
+    mean = min(max(mean, low), high)
+    reach = max(high - mean, mean - low)
+    if reach == 0.0:
+        return Statistics(low, high, mean, 0.0)
+    # Squares of huge or tiny deviations leave the range of numbers.
+    scale = 1.0 if _LEAST < reach < _MOST else reach
+
+    def squares(block: Array) -> float:
+        if scale != 1.0:
+            block /= scale
+        return float(np.einsum("i,i->", block, block))
+
+    mean_square = _sum_of(samples, squares, mean, for_each) / samples.size
+    return Statistics(low, high, mean, scale * math.sqrt(mean_square))
+
+
+def _sum_of(
+    samples: Array, summed: Callable[[Array], float], offset: float, for_each: ForEach
+) -> float:
+    """Sum of a function's values on the blocks in double precision, less an offset."""
+    flat = samples.reshape(-1)
+    starts = range(0, flat.size, BLOCK_SAMPLES)
+    sums = [0.0] * len(starts)
+
+    def one(index: int) -> None:
+        start = starts[index]
+        block = flat[start : start + BLOCK_SAMPLES].astype(np.float64)
+        block -= offset
+        sums[index] = summed(block)
+
+    for_each(one, range(len(starts)))
+    return math.fsum(sums)
+
+
+def histogram(
+    samples: Array, *, bins: int, check: Callable[[], None]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Centres of equal bins from minimum to maximum, and the samples in each; one if constant."""
+    low, high = float(samples.min()), float(samples.max())
+    width = high - low
+    if width == 0.0:
+        return np.array([low]), np.array([float(samples.size)])
+    counts = np.zeros(bins, np.int64)
+    for block in blocks(samples, check):
+        index = ((block - low) / width * bins).astype(np.int64)
+        counts += np.bincount(np.minimum(index, bins - 1), minlength=bins)
+    centres = low + (np.arange(bins) + 0.5) / bins * width
+    return centres, counts.astype(np.float64)

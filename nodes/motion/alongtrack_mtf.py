@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution
+from core.modules.parameters import Formula, Param
 from core.physics.motion.platform_motion import blur_mrad, motion_mtf
 from nodes.shared.context_defaults import given
 from nodes.shared.factor_helpers import separable

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution
+from core.modules.parameters import Formula, Param
 from core.physics.motion.platform_motion import motion_mtf, scan_blur_mrad
 from nodes.shared.factor_helpers import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs

@@ -11,14 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.wires import Context, Magnitude, Phase, Transfer
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
-from core.noise.frame_number import FrameNumber
-from core.noise.random_fields import Stream, uniform_field
-from core.physics.motion.motion_spectrum import (
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.noise.random_fields import FrameNumber, Stream, uniform_field
+from core.physics.motion.vibration import (
     WAVES,
     MotionSpectrum,
     MotionWaves,
@@ -30,9 +27,8 @@ from core.physics.motion.motion_spectrum import (
 from core.physics.numerics.scalar_checks import non_negative, positive
 from nodes.files.motion_table import read_motion
 from nodes.shared.factor_helpers import separable
-from nodes.shared.module_ports import Apply
-from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
-from nodes.shared.nyquist_readouts import NyquistReadouts
+from nodes.shared.flicker_deviates import SEED_SECTIONS, SeededModule
+from nodes.shared.module_ports import Apply, NyquistReadouts
 
 Axes = tuple[MotionSpectrum, MotionSpectrum]
 

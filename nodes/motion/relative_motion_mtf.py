@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from core.physics.motion.platform_motion import blur_mrad, line_motion_mtf, motion_mtf
 from core.transfer.factors import Factor, Law, Planar
 from nodes.shared.context_defaults import given

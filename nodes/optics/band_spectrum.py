@@ -13,12 +13,12 @@ from core.chain.wires import Magnitude
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.caution import Caution
+from core.modules.panel_sections import Caution
 from core.modules.parameters import Param
-from core.physics.detector.response_curve import ResponseCurve
+from core.physics.detector.detectivity import ResponseCurve
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.radiometry.materials import SUNLIGHT_K
 from core.physics.radiometry.planck import brightness_temperature
-from core.physics.radiometry.sunlight import SUNLIGHT_K
 from core.spectrum.band_stack import BandStack, Row
 from nodes.files.wavelength_table import read_wavelengths
 from nodes.shared.shared_warnings import Band, is_radiance

@@ -7,17 +7,15 @@ from dataclasses import replace
 from functools import partial
 from typing import Annotated, NamedTuple
 
-from core.chain.camera_sheet import CameraSheet
+from core.chain.results import CameraSheet
 from core.chain.wires import Image, Table
 from core.evaluation.recipes import Recipe, Step
-from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from nodes.optics.camera_figures import camera_figures
+from nodes.shared.module_ports import table_figure
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart_caution, first
-from nodes.shared.table_figures import table_figure
 
 
 class CameraOutputs(NamedTuple):

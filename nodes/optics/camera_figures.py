@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from core.chain.camera_sheet import CameraSheet
-from core.chain.results import TableData, TableRow
+from core.chain.results import CameraSheet, TableData, TableRow
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 

@@ -9,11 +9,9 @@ from core.chain.wires import Context, Magnitude, Phase
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from core.physics.optics.diffraction.band_weights import Spectrum
 from core.physics.optics.diffraction.diffraction_otf import (
     FINEST_TOLERANCE,
@@ -24,8 +22,7 @@ from core.physics.optics.diffraction.diffraction_otf import (
     has_many_bends,
     wavelengths_needed,
 )
-from core.spectrum.band_mean import over_bands
-from core.spectrum.band_stack import BandStack
+from core.spectrum.band_stack import BandStack, over_bands
 from core.transfer.factors import AtWavelength, Law, Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,
@@ -37,11 +34,9 @@ from nodes.optics.band_spectrum import (
     source_temperature,
     weighting_responses,
 )
-from nodes.shared.common_parameters import CutOff, CutOn, LightingSource
 from nodes.shared.context_defaults import given_band
-from nodes.shared.module_ports import Apply
-from nodes.shared.nyquist_readouts import NyquistReadouts
-from nodes.shared.otf_outputs import OtfOutputs, otf_outputs
+from nodes.shared.factor_helpers import OtfOutputs, otf_outputs
+from nodes.shared.module_ports import Apply, CutOff, CutOn, LightingSource, NyquistReadouts
 from nodes.shared.shared_warnings import (
     F_NUMBER_NEAR,
     Band,

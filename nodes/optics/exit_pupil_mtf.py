@@ -12,14 +12,11 @@ from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
-from core.physics.optics.diffraction.band_weights import Spectrum
-from core.physics.optics.polychromatic import band_wavelengths
-from core.spectrum.band_mean import over_bands
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.physics.optics.diffraction.band_weights import Spectrum, band_wavelengths
+from core.spectrum.band_stack import over_bands
 from core.transfer.factors import Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,
@@ -40,11 +37,9 @@ from nodes.optics.pupil_factor import (
     sampled_error,
     sampled_factors,
 )
-from nodes.shared.common_parameters import CutOff, CutOn, LightingSource
 from nodes.shared.context_defaults import given_band
-from nodes.shared.module_ports import Apply
-from nodes.shared.nyquist_readouts import NyquistReadouts
-from nodes.shared.otf_outputs import OtfOutputs, otf_outputs
+from nodes.shared.factor_helpers import OtfOutputs, otf_outputs
+from nodes.shared.module_ports import Apply, CutOff, CutOn, LightingSource, NyquistReadouts
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, alike, wavelength_caution
 
 Weighting = Literal["uniform", "photons", "energy"]

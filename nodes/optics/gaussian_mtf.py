@@ -6,8 +6,7 @@ from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import NodeContext
-from core.modules.formula import Formula
-from core.modules.parameters import Param
+from core.modules.parameters import Formula, Param
 from core.physics.optics.gaussian import gaussian_mtf
 from nodes.shared.factor_helpers import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -12,11 +14,9 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, ParameterError
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from core.physics.optics.measured.tabulated_mtf import (
     ROUNDED,
     Column,
@@ -26,12 +26,14 @@ from core.physics.optics.measured.tabulated_mtf import (
     tabulated_ptf,
 )
 from core.transfer.factors import Factor, Law, Part, Planar, Separable
+from nodes.files.common.paths import readable_file
+from nodes.files.headers.envi_header import header_beside
+from nodes.files.lens.lens_samples import LensSamples, describe_lens_samples, read_lens_samples
 from nodes.files.lens.mtf_table import MTF_COLUMNS, PHASE_COLUMNS, MtfTable, read_mtf_table
+from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
 from nodes.shared.context_defaults import given
-from nodes.shared.factor_helpers import separable
-from nodes.shared.module_ports import Apply
-from nodes.shared.nyquist_readouts import NyquistReadouts
-from nodes.shared.otf_outputs import OtfOutputs, otf_outputs
+from nodes.shared.factor_helpers import OtfOutputs, otf_outputs, separable
+from nodes.shared.module_ports import Apply, NyquistReadouts
 from nodes.shared.shared_warnings import apart_caution, first, unlinked_phase_caution
 
 ENDS_LOW = 0.02  # an MTF that ends above is cut off by the file, not by the optics
@@ -325,3 +327,51 @@ def _end(factors: tuple[Factor, ...], axis: int) -> float | None:
         law = (factor.x, factor.y)[axis]
         return None if law is None else _points(law)[0][-1] / law.scale
     return None
+
+
+# A lens' file that a network names: found, described and read in the state it was planned with.
+
+
+@dataclass(frozen=True)
+class LensSource:
+    """A file with what is known of it; `reading` goes into a step's parameters."""
+
+    file: Path
+    stamps: tuple[Stamp, ...]
+    band: int
+    samples: LensSamples
+
+    @property
+    def reading(self) -> dict[str, Any]:
+        """Arguments of `stored_samples`, by which the file's state enters a step's key."""
+        return {"file": self.file, "stamps": self.stamps, "band": self.band}
+
+
+def lens_source(path: Path, here: NodeContext, *, band: int = 0) -> LensSource:
+    """Find and describe a file, relative to the network's folder.
+
+    Raises
+    ------
+    FileError
+        The file is missing, damaged or of an unknown format.
+    """
+    file = readable_file((here.folder / path).absolute())
+    stamps = stamps_of(file, header_beside(file))
+    return LensSource(file, stamps, band, _described(file, stamps, band))
+
+
+def stored_samples(*, file: Path, stamps: tuple[Stamp, ...], band: int) -> NDArray[Any]:
+    """The samples, of the file as it was described.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or is another one than was planned with.
+    """
+    check_unchanged(file, stamps)
+    return read_lens_samples(file, band)
+
+
+@lru_cache(maxsize=64)
+def _described(file: Path, stamps: tuple[Stamp, ...], band: int) -> LensSamples:
+    return describe_lens_samples(file, band)

@@ -11,19 +11,15 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.filtering.local_mean import local_mean
-from core.lineage.step_lineage import picture_step
-from core.lineage.step_noise import AtStep, Noise
-from core.modules.caution import Caution
+from core.lineage.step_lineage import AtStep, Noise, picture_step
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
-from core.noise.photon_events import displaced_events, events_are_few
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.noise.photon_events import displaced_events, events_are_few, local_mean
 from core.noise.random_fields import Stream, poisson_field
 from core.physics.noise.poisson_deviates import photon_means, published_means, radiance_of_photons
-from nodes.input_output.sample_statistics import Statistics, statistics
-from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
+from nodes.input_output.sample_unit import Statistics, statistics
+from nodes.shared.flicker_deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.shared_warnings import is_temperature, unit_caution
 
 Array = NDArray[Any]

@@ -9,11 +9,9 @@ from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from core.physics.optics.measured.psf_otf import (
     PointSpread,
     coarseness,
@@ -22,11 +20,10 @@ from core.physics.optics.measured.psf_otf import (
 )
 from core.transfer.factors import Factor, Law, Planar
 from nodes.files.read import check_finite
-from nodes.optics.lens_source import LensSource, lens_source, stored_samples
+from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
 from nodes.shared.context_defaults import given
-from nodes.shared.module_ports import Apply
-from nodes.shared.nyquist_readouts import NyquistReadouts
-from nodes.shared.otf_outputs import OtfOutputs, otf_outputs
+from nodes.shared.factor_helpers import OtfOutputs, otf_outputs
+from nodes.shared.module_ports import Apply, NyquistReadouts
 from nodes.shared.shared_warnings import apart_caution, unlinked_phase_caution
 
 EDGE_ENERGY = 0.01  # of the whole, above which the border is warned of

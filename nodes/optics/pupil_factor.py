@@ -13,17 +13,21 @@ from core.chain.wires import Pupil
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.physics.optics.enclosing_circle import support_circle
 from core.physics.optics.pupil_otf import (
     circular_pupil_otf,
     defocused_disc_otf,
     geometric_pupil_otf,
     sampled_pupil_otf,
 )
-from core.physics.optics.pupil_shapes import PupilShape, edge_offset_samples, sample_pupil
+from core.physics.optics.pupil_shapes import (
+    PupilShape,
+    edge_offset_samples,
+    sample_pupil,
+    support_circle,
+)
 from core.physics.optics.sampled_otf import autocorrelation, complex_pupil
 from core.physics.optics.zernike import wavefront_waves
-from core.physics.sampling.sampling_error import error_estimate
+from core.physics.sampling.detector_sampling import error_estimate
 from core.transfer.factors import Law, Planar, WavelengthLaw
 
 Array = NDArray[Any]

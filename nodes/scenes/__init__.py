@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nodes.scenes.checks import KINDS
+from nodes.scenes.coverage import KINDS
 from nodes.scenes.draw import draw_scene
 from nodes.scenes.two_steps import draw_shares, in_two_steps, with_radiance
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nodes.scenes.coverage import FloatArray
-from nodes.scenes.mixes import between, difference
+from nodes.scenes.coverage import FloatArray, between, difference
 from nodes.scenes.profiles import band, bell, bells, steps
 from nodes.scenes.scene_canvas import Drawing, Term
 from nodes.scenes.texture import mottle, scatter

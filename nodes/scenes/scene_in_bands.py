@@ -12,10 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from nodes.scenes.checks import check_radiometry
-from nodes.scenes.coverage import FloatArray
+from nodes.scenes.coverage import FloatArray, Radiances, check_radiometry
 from nodes.scenes.draw import DRAWN, draw_radiances, drawing_of
-from nodes.scenes.mixes import Radiances
 from nodes.scenes.scene_canvas import with_textures
 from nodes.scenes.scene_layers import Layers, mean_shares
 from nodes.scenes.surfaces.spectral_surfaces import Emissivity, surface_spectra, target_spectra

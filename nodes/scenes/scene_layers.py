@@ -13,8 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from core.threads import ForEach, in_turn
-from nodes.scenes.coverage import FloatArray, cell_edges
-from nodes.scenes.mixes import Radiances, Texture
+from nodes.scenes.coverage import FloatArray, Radiances, Texture, cell_edges
 from nodes.scenes.scene_canvas import Drawing, Place, with_textures
 
 TILE = 16

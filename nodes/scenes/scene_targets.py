@@ -10,15 +10,15 @@ import numpy as np
 import numpy.typing as npt
 
 from core.errors import ParameterError
-from core.scratch.allocation import Empty
+from core.scratch.scratch_disk import Empty
 from core.threads import ForEach, in_turn
 from nodes.scenes.coverage import (
     FloatArray,
+    difference,
     ellipse_coverage,
     half_plane_coverage,
     star_coverage,
 )
-from nodes.scenes.mixes import difference
 from nodes.scenes.profiles import band, steps
 from nodes.scenes.scene_canvas import Drawing, by_blocks
 

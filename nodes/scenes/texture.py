@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodes.scenes.coverage import FloatArray
-from nodes.scenes.mixes import Mix, Texture
+from nodes.scenes.coverage import FloatArray, Mix, Texture
 from nodes.scenes.profiles import wave
 from nodes.scenes.scene_canvas import Drawing
 

@@ -16,11 +16,10 @@ import numpy.typing as npt
 
 from core.threads import ForEach, in_turn
 from nodes.scenes import scene_targets as targets
-from nodes.scenes.checks import check_frame, check_radiometry
+from nodes.scenes.coverage import Radiances, check_frame, check_radiometry
 from nodes.scenes.draw import DRAWN, drawing_of
-from nodes.scenes.mixes import Radiances
 from nodes.scenes.scene_layers import Layers, layers_of
-from nodes.scenes.surfaces.scene_materials import surface_radiance, target_radiance
+from nodes.scenes.surfaces.spectral_surfaces import surface_radiance, target_radiance
 
 MOST_SAMPLES = 1280 * 1024
 """Larger scenes are drawn at once."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
-from core.transfer.factors import Law, Part, Planar, Separable
+from core.chain.wires import Image, Magnitude, Phase, Transfer
+from core.lineage.step_lineage import lineage_of
+from core.transfer.factors import Factor, Grid, Law, Part, Planar, Separable
+from nodes.shared.module_ports import Apply
 
 
 def separable(
@@ -38,3 +41,49 @@ def radial(
 ) -> tuple[Planar, ...]:
     """A factor of the radial frequency alone."""
     return (Planar(Law.of(function, **parameters), radial=True, label=label, node=node),)
+
+
+# Transfer factors that a picture has gone through already.
+
+
+def passed_factors(image: Image) -> list[Factor]:
+    """The factors on the way to a picture, those of the last step first."""
+    here = Grid(*image.shape, image.interval_x_mrad or 1.0, image.interval_y_mrad or 1.0)
+    recipe = image.recipe
+    factors: list[Factor] = []
+    while (lineage := lineage_of(recipe)) is not None and lineage.picture is not None:
+        before = lineage.linear.grid_before(here)
+        factors += lineage.linear.transfer(before, here, recipe.node)
+        recipe, here = lineage.picture, before
+    return factors
+
+
+# What a module with an OTF delivers: both halves of the spectrum, and the OTF to look at.
+
+
+class OtfOutputs(NamedTuple):
+    """Both halves of the spectrum, and the OTF's modulus and phase."""
+
+    magnitude: Magnitude
+    phase: Phase
+    mtf: Transfer
+    ptf: Transfer
+
+
+def otf_outputs(
+    apply: Apply,
+    magnitude: Magnitude,
+    phase: Phase | None,
+    *,
+    blur: Sequence[Factor],
+    shift: Sequence[Factor] = (),
+    label: str,
+) -> OtfOutputs:
+    """The spectrum times the OTF, or the OTF alone; a phase that is not linked begins here."""
+    if phase is None:
+        phase = Phase(None, magnitude.grid, magnitude.edges)
+    mtf = magnitude.transfer("mtf", tuple(blur), label)
+    ptf = magnitude.transfer("ptf", tuple(shift), label)
+    if apply == "filter_only":
+        return OtfOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
+    return OtfOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)

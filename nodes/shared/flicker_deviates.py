@@ -4,15 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.evaluation.recipes import Step, ends_lineage
+from core.evaluation.recipes import Step, ends_lineage, in_parts
+from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.noise.frame_number import FrameNumber
-from core.noise.random_fields import Stream, uniform_field
+from core.modules.declaration import Module, NodeContext
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.noise.random_fields import (
+    BLOCK,
+    FrameNumber,
+    Stream,
+    normal_field,
+    normal_part,
+    uniform_field,
+)
 from core.physics.noise.flicker_noise import (
     FlickerBand,
     flicker_wave,
@@ -130,3 +140,51 @@ def _level_and_phase(
         _uniform(work, stream, shape, f"{stratum} {what}") for what in ("level", "phase")
     )
     return level, phase
+
+
+# Standard normal deviates as values of their own: an edit of a noise's size draws none again.
+
+
+def _deviates_part(work: Work, region: Region, *, stream: Stream, shape: tuple[int, int]) -> Array:
+    wanted = region.broadcast(shape)
+    return normal_part(stream, shape, wanted, dtype=work.policy.dtype, for_each=work.for_each)
+
+
+def _deviates_share(region: Region, shape: tuple[int, int]) -> float:
+    return len(region.blocks(shape[1], BLOCK)) / -(-shape[0] * shape[1] // BLOCK)
+
+
+@ends_lineage
+@in_parts(_deviates_part, _deviates_share)
+def unit_deviates(work: Work, *, stream: Stream, shape: tuple[int, int]) -> Array:
+    """Standard normal deviates."""
+    return normal_field(stream, shape, dtype=work.policy.dtype, for_each=work.for_each)
+
+
+# Where a noise source's deviates come from.
+
+SEED_SECTIONS = (
+    Section("Seed", ("seed_mode",)),
+    Section("", ("seed",), shown_when=("seed_mode", ("typed",))),
+)
+
+
+class SeededModule(Module):
+    """Base of noise sources: a seed of the network and node, or one typed in."""
+
+    draws_noise = True
+
+    seed_mode: Annotated[
+        Literal["automatic", "typed"],
+        Param("seed from the network's seed and this node's name, or the one typed in"),
+    ] = "automatic"
+    seed: Annotated[int, Param("seed, when typed in", low=0, high=2**63 - 1)] = 0
+
+    def stream(self, here: NodeContext, field: str, *, fixed: bool = False) -> Stream:
+        """The stream of one noise field; a typed seed gives the same noise under any name.
+
+        What is `fixed` is the same in every frame of a sequence.
+        """
+        if self.seed_mode == "typed":
+            return Stream(seed=self.seed, node="", field=field, fixed=fixed)
+        return Stream(seed=here.seed, node=here.noise or here.node, field=field, fixed=fixed)

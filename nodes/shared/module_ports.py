@@ -2,14 +2,67 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, NamedTuple
+from collections.abc import Callable
+from typing import Annotated, Any, Literal, NamedTuple
 
-from core.chain.probe import TransferAt
+from core.chain.engine import TransferAt
+from core.chain.results import TableData
 from core.chain.wires import Context, Image, Magnitude, Phase, Transfer
+from core.evaluation.recipes import Recipe, Step, ends_lineage, with_reason
+from core.evaluation.work import Work
 from core.modules.declaration import Module, readout
 from core.modules.parameters import Param
+from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Factor
-from nodes.shared.nyquist_readouts import NyquistReadouts, at_nyquist, at_pixel_nyquist
+
+# MTF at both Nyquist frequencies: of the samples that are computed, and of the pixels.
+
+
+def at_nyquist(transfer: Transfer, axis: str) -> TransferAt | None:
+    """At the Nyquist frequency of the image's samples; None of a function with its own."""
+    if transfer.own is not None:
+        return None
+    if axis == "x":
+        return TransferAt(transfer, transfer.grid.nyquist_x, 0.0)
+    return TransferAt(transfer, 0.0, transfer.grid.nyquist_y)
+
+
+def at_pixel_nyquist(transfer: Transfer, context: Context, axis: str) -> TransferAt | None:
+    """At half a cycle per pitch of the detector, None where that or the focal length is not known.
+
+    It is a figure of the camera: where the image's samples are coarser than the pixels, it lies
+    beyond what the image has.
+    """
+    pitch_um = context.detector_x_um if axis == "x" else context.detector_y_um
+    if not pitch_um or not context.focal_length_mm or transfer.own is not None:
+        return None
+    nyquist = 0.5 / ifov_mrad(pitch_um=pitch_um, focal_length_mm=context.focal_length_mm, fill=1.0)
+    return TransferAt(transfer, nyquist, 0.0) if axis == "x" else TransferAt(transfer, 0.0, nyquist)
+
+
+class NyquistReadouts(Module):
+    """Base of modules with an MTF: what it is at both Nyquist frequencies."""
+
+    @readout()
+    def mtf_at_nyquist_x(self, outputs: Any) -> TransferAt | None:
+        """MTF at the Nyquist frequency of the image's samples across."""
+        return at_nyquist(outputs.mtf, "x")
+
+    @readout()
+    def mtf_at_nyquist_y(self, outputs: Any) -> TransferAt | None:
+        """MTF at the Nyquist frequency of the image's samples along."""
+        return at_nyquist(outputs.mtf, "y")
+
+    @readout()
+    def mtf_at_pixel_nyquist_x(self, context: Context, outputs: Any) -> TransferAt | None:
+        """MTF at the pixels' Nyquist frequency across, half a cycle per pitch of the detector."""
+        return at_pixel_nyquist(outputs.mtf, context, "x")
+
+    @readout()
+    def mtf_at_pixel_nyquist_y(self, context: Context, outputs: Any) -> TransferAt | None:
+        """MTF at the pixels' Nyquist frequency along, half a cycle per pitch of the detector."""
+        return at_pixel_nyquist(outputs.mtf, context, "y")
+
 
 Apply = Annotated[
     Literal["multiply", "filter_only"],
@@ -71,3 +124,85 @@ class PtfModule(Module):
     def ptf_at_pixel_nyquist_x(self, context: Context, outputs: PtfOutputs) -> TransferAt | None:
         """PTF at the pixels' Nyquist frequency across, half a cycle per pitch of the detector."""
         return at_pixel_nyquist(outputs.ptf, context, "x")
+
+
+# Parameters that several modules have alike, by their annotations.
+
+CutOn = Annotated[
+    float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
+]
+CutOff = Annotated[
+    float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
+]
+LongestPeriod = Annotated[
+    float,
+    Param(
+        "slowest 1/f noise: time since the last correction",
+        unit="s",
+        low=1e-9,
+        high=1e9,
+        slider=(1, 3600),
+    ),
+]
+WeightingSource = Annotated[
+    float | None,
+    Param("black body that weights one band; empty: the scene's, or sunlight", unit="K", low=0,
+          high=1e6, slider=(250, 6500)),
+]  # fmt: skip
+LightingSource = Annotated[
+    float | None,
+    Param("black body that lights the band; empty: the picture's mean, or sunlight", unit="K",
+          low=0, high=1e6, slider=(200, 6500)),
+]  # fmt: skip
+
+
+# Read-outs that are one figure of a module's table.
+
+
+@ends_lineage
+def figure_reason(work: Work, table: TableData, *, name: str) -> str:
+    """Why that value of a table is none."""
+    return next(row.reason for row in table.rows if row.name == name)
+
+
+@with_reason(figure_reason)
+@ends_lineage
+def figure(work: Work, table: TableData, *, name: str) -> float | int | str | None:
+    """One value of a table."""
+    return table.as_dict()[name]
+
+
+def of_table(outputs: Any) -> Recipe:
+    """The table of a module that has one of this name."""
+    recipe: Recipe = outputs.table.recipe
+    return recipe
+
+
+def table_figure(
+    name: str,
+    unit: str,
+    meaning: str,
+    *,
+    row: str = "",
+    unit_of: str = "",
+    table: Callable[[Any], Recipe] = of_table,
+) -> Any:
+    """A read-out that is one figure of the table.
+
+    Parameters
+    ----------
+    name, unit, meaning : str
+        Of the read-out.
+    row : str
+        The table's row; of the read-out's name, if not given.
+    unit_of : str
+        The input of whose picture it has the unit, in place of `unit`.
+    table : callable
+        Gives the table of the outputs.
+    """
+
+    def method(self: Module, outputs: Any) -> Step:
+        return Step.of(figure, table(outputs), name=row or name)
+
+    method.__doc__ = meaning
+    return readout(unit, name=name, unit_of=unit_of)(method)

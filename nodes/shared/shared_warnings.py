@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from core.chain.wires import Phase, Transfer
 from core.errors import DataError
-from core.modules.caution import Caution
+from core.modules.panel_sections import Caution
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 
 Band = tuple[float, float]

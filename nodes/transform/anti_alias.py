@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from core.chain.back_transformed import back_transform
 from core.chain.wires import Image, Magnitude, Phase
 from core.modules.declaration import Module, NodeContext, readout
-from core.modules.formula import Formula
-from core.modules.parameters import Param
+from core.modules.parameters import Formula, Param
 from core.physics.optics.gaussian import gaussian_mtf
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid
 from nodes.shared.factor_helpers import separable
 from nodes.shared.module_ports import ImageOutput
 

@@ -6,13 +6,12 @@ from typing import Annotated
 
 from core.chain.back_transformed import BinMode, combine_pixels
 from core.chain.wires import Image
-from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, warning
-from core.modules.formula import Formula
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution
+from core.modules.parameters import Formula, Param
 from core.physics.sampling.interpolation import block_mean_mtf
 from nodes.shared.module_ports import ImageOutput
-from nodes.transform.pixel_averages import detector_averages, width_mrad
+from nodes.transform.sample_pixels import detector_averages, width_mrad
 
 _DIRECTIONS = {"x": "across", "y": "along"}
 _OF_A_PIXEL = 0.35  # of a block's width; a narrower average takes 5 % off at Nyquist, or less

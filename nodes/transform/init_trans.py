@@ -6,16 +6,14 @@ import math
 from dataclasses import replace
 from typing import Annotated, NamedTuple
 
-from core.chain.camera_sheet import CameraSheet
+from core.chain.results import CameraSheet
 from core.chain.wires import Context, Image, Magnitude, Phase, Platform
 from core.errors import ParameterError
-from core.modules.caution import Caution
 from core.modules.declaration import Module, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad, oversampling
-from core.transfer.grid import Edges, Grid
+from core.transfer.factors import Edges, Grid
 from nodes.shared.shared_warnings import apart_caution, first
 
 

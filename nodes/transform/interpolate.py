@@ -15,17 +15,15 @@ from core.evaluation.work import Work
 from core.lineage.linear_change import Axis, Linear, PlaceDependent
 from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, NodeContext
-from core.modules.formula import Formula
-from core.modules.parameters import Param
+from core.modules.parameters import Formula, Param
 from core.noise.noise_power import NoisePower, Operator
 from core.physics.sampling.interpolation import (
     interpolation_mtf,
     interpolation_ptf,
+    resampling_response,
     takes_the_later,
 )
-from core.physics.sampling.resampling import resampling_response
-from core.transfer.factors import Factor, Law
-from core.transfer.grid import Edges, Grid
+from core.transfer.factors import Edges, Factor, Grid, Law
 from nodes.shared.factor_helpers import separable
 from nodes.shared.module_ports import ImageOutput
 

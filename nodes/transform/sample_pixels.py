@@ -7,14 +7,15 @@ from typing import Annotated
 from core.chain.back_transformed import sample_pixels
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.physics.detector.charge_transfer import aperture_mtf
+from core.physics.optics.measured.tabulated_mtf import radial_tabulated_mtf, tabulated_mtf
+from core.transfer.factors import Separable
+from nodes.shared.factor_helpers import passed_factors
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import apart_caution, first
-from nodes.transform.pixel_averages import detector_averages, passes_table
 
 _LEAST = 1e-3
 
@@ -166,3 +167,33 @@ def _pitch_in_samples(axis: str, image: Image) -> float | None:
 
 def _nyquist(interval_mrad: float | None) -> float | None:
     return 0.5 / interval_mrad if interval_mrad else None
+
+
+# Averages over a detector's area that a picture has gone through already.
+
+
+def detector_averages(image: Image) -> list[Separable]:
+    """The factors of detectors' areas on the way to a picture, the last one first."""
+    return [
+        factor
+        for factor in passed_factors(image)
+        if isinstance(factor, Separable) and any(_is_of_area(law) for law in factor.laws)
+    ]
+
+
+def _is_of_area(law: object) -> bool:
+    return getattr(law, "function", None) is aperture_mtf
+
+
+def passes_table(image: Image) -> bool:
+    """Whether a table of MTF is on the way, which may have been measured through the pixels."""
+    tables = (tabulated_mtf, radial_tabulated_mtf)
+    laws = [law for factor in passed_factors(image) for law in factor.laws]
+    return any(getattr(law, "function", None) in tables for law in laws)
+
+
+def width_mrad(average: Separable, axis: str) -> float:
+    """How wide an average is along an axis; 0 where it is none."""
+    law = average.x if axis == "x" else average.y
+    width: float = 0.0 if law is None else dict(law.parameters)["effective_ifov_mrad"] * law.scale
+    return width

@@ -6,11 +6,10 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext
-from core.modules.formula import Formula
+from core.modules.parameters import Formula
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import is_radiance, is_temperature
-from nodes.transform.radiometry_base import Radiometry
-from nodes.transform.radiometry_steps import radiance_of_temperature
+from nodes.transform.radiometry_steps import Radiometry, radiance_of_temperature
 
 
 class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Transform"):

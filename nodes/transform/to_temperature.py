@@ -6,12 +6,11 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext
-from core.modules.formula import Formula
+from core.modules.parameters import Formula
 from core.physics.radiometry.radiance_units import radiance_unit
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import is_temperature
-from nodes.transform.radiometry_base import Radiometry
-from nodes.transform.radiometry_steps import temperature_of_radiance
+from nodes.transform.radiometry_steps import Radiometry, temperature_of_radiance
 
 
 class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", group="Transform"):

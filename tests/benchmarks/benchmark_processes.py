@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from app.bench.timing import environment
-from app.run.own_process import command
+from app.run.shipped import command
 
 
 def figures_of(module: str, *words: object, **variables: str) -> list[dict[str, Any]]:

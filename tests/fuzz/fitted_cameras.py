@@ -22,10 +22,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from app.fit.chain_fit import EdgeProblem, fit_chain
 from app.fit.chain_transfer import ChainAt
-from app.fit.edges_in_picture import edges_in
 from app.fit.fit_result import result_of
 from app.fit.free_parameter import free_parameters
-from app.fit.picture_fit import refit_of
+from app.fit.picture_fit import edges_in, refit_of
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.parsing import parse_network

@@ -26,7 +26,7 @@ import numpy as np
 HERE = Path(__file__).resolve()
 sys.path[:0] = [str(HERE.parents[1] / "support"), str(HERE.parents[2])]
 
-from app.measure.edge_measuring import edges_of, pooled  # noqa: E402
+from app.measure.measuring import edges_of, pooled  # noqa: E402
 from camera_scenes import drawn_camera, drawn_tail  # noqa: E402
 from camera_verdicts import table, worst  # noqa: E402
 from core.errors import ImagechainError  # noqa: E402
@@ -189,10 +189,9 @@ def fitted(network, picture, free, clip_levels=None):
     """A fit's result by the product's own way from the picture to the errors."""
     from app.fit.chain_fit import EdgeProblem, fit_chain
     from app.fit.chain_transfer import ChainAt
-    from app.fit.edges_in_picture import edges_in
     from app.fit.fit_result import result_of
     from app.fit.free_parameter import free_parameters
-    from app.fit.picture_fit import refit_of
+    from app.fit.picture_fit import edges_in, refit_of
     from core.chain.engine import Engine
     from core.errors import DataError
     from core.evaluation.policy import Policy

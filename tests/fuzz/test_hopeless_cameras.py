@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from app.measure.edge_measuring import edges_of, pooled
+from app.measure.measuring import edges_of, pooled
 from camera_scenes import box, turned
 from oversampled_camera import Camera, half_plane, take
 from oversampled_scene import Scene, Shape

@@ -29,7 +29,7 @@ from PySide6.QtTest import QTest  # noqa: E402
 from PySide6.QtWidgets import QApplication, QLineEdit  # noqa: E402
 from window_actions import NewerActions  # noqa: E402
 
-from app.editor.window.documents.remembered_settings import Settings  # noqa: E402
+from app.editor.window.documents.recent_files import Settings  # noqa: E402
 from app.editor.window.main_window import MainWindow  # noqa: E402
 from app.editor.window.start import application  # noqa: E402
 from core.network.file import format_network, read_network  # noqa: E402

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from app.run.own_process import command, environment
+from app.run.shipped import command, environment
 from child_process import ROOT, finished
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from battery_settings import EXAMPLES
 from core.errors import ParameterError
-from core.evaluation.content_key import content_key
+from core.evaluation.recipes import content_key
 from core.modules.parameters import plain
 from library_battery import DECLARED, LIBRARY, assert_clear
 from thorough import examples

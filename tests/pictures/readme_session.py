@@ -14,10 +14,9 @@ from PySide6.QtCore import QEvent, QObject, QPoint, Qt
 from PySide6.QtWidgets import QSlider
 
 from app.editor.window.documents.opening import Opened, open_named
-from app.editor.window.documents.remembered_settings import Settings
+from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow
-from app.editor.window.screenshot import settle
-from app.editor.window.start import application
+from app.editor.window.start import application, settle
 from clip_frames import Clip, gif
 from core.editing.document import Document
 from core.editing.operations import set_parameter

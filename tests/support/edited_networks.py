@@ -39,8 +39,7 @@ from core.editing.wiring import (
     wired_to,
 )
 from core.expressions.grammar import quoted
-from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Library, declaration
 from core.network.file import format_network
 from core.network.linked_values import expression, resolved
 from core.network.network import Link, Network, Node

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.window.documents.remembered_settings import Settings
+from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow
 from app.editor.window.start import application
 from app.run.shipped import shipped_networks

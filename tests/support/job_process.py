@@ -3,9 +3,8 @@
 import contextlib
 import subprocess
 
-from app.run.job import job_text
-from app.run.job_messages import Result, read_message
-from app.run.own_process import command, environment
+from app.run.job import Result, job_text, read_message
+from app.run.shipped import command, environment
 from child_process import PATIENCE_S
 
 

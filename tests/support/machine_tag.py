@@ -12,7 +12,7 @@ import scipy
 from numpy._core import _multiarray_umath
 
 from core.evaluation.policy import Policy
-from core.filtering.fft_backend import backend
+from core.filtering.periodic import backend
 
 # Each makes a library take other code than the processor would.
 SETTINGS = (

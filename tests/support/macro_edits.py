@@ -7,9 +7,8 @@ from core.editing.macros import addressed, at_level, expose, hide, rename_expose
 from core.editing.operations import ABSENT, Operation, set_parameter
 from core.errors import ImagechainError
 from core.modules.declaration import declaration
-from core.network.expansion import unfolded
 from core.network.linked_values import expression, resolved
-from core.network.macro import SEPARATOR, face_of_macro, macros_in
+from core.network.macro import SEPARATOR, face_of_macro, macros_in, unfolded
 from core.network.network import Network
 from edited_networks import DRAGS, MAKERS, Editor, Maker
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from PySide6.QtCore import QPoint
 
 from app.editor.window.docks.full_screen import FullScreenPage
-from app.editor.window.documents.remembered_settings import Settings
+from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow
 from app.editor.window.start import application
 from hands import Hands, centre, process_events, wait_until

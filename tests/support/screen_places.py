@@ -2,7 +2,7 @@
 
 from PySide6.QtCore import QPointF
 
-from app.editor.canvas.items.geometry import HEAD, NARROWEST
+from app.editor.canvas.items.canvas_style import HEAD, NARROWEST
 from app.editor.canvas.items.hits import hit
 
 

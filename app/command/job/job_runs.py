@@ -26,18 +26,16 @@ from app.options.overrides import named_parameter
 from app.options.stopping import too_late
 from app.report import write_report
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
-from app.run.job import FRAMES, REPORT, Job, Variant
-from app.run.job_messages import Preview, Result, Steps
+from app.run.job import FRAMES, REPORT, Job, Preview, Result, Steps, Variant
 from app.run.output import find_output
-from app.run.png import encode_png, grey_levels, robust_limits
 from app.run.readout_tables import warning_lines
+from app.run.saving import encode_png, grey_levels, robust_limits
 from app.run.shipped import Place
 from app.run.staging import Staging, check_folder, existing_folder, real_target
 from app.run.way_of_running import blocks_of, way_of_running
 from app.run.write_rules import WriteRecord, WriteRules, read_record
-from app.tradeoff.sweep import TradeOff
 from app.tradeoff.tradeoff_figures import default_figures
-from app.tradeoff.tradeoff_results import Curve, Results, changing_figures, shown_value
+from app.tradeoff.tradeoff_results import Curve, Results, TradeOff, changing_figures, shown_value
 from app.tradeoff.values import Variation
 from core.atomic import write_text
 from core.chain.engine import Engine
@@ -45,8 +43,7 @@ from core.chain.realize import realize
 from core.chain.skipped import skips
 from core.errors import ImagechainError, InputError, UsageError
 from core.evaluation.store import Store
-from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.modules.declaration import Library, declaration
 from core.names import printable
 from core.network.network import Network
 from core.network.parsing import parse_network

@@ -34,8 +34,7 @@ def main() -> int:
 
 def _carry_out(stop: Stop) -> None:
     from app.command.job.job_runs import carry_out
-    from app.run.job import read_job
-    from app.run.job_messages import Steps, result_line, step_line
+    from app.run.job import Steps, read_job, result_line, step_line
 
     with contextlib.suppress(AttributeError, OSError):
         os.nice(_NICE)

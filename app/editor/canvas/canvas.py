@@ -6,19 +6,21 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, Signal
-from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
+from PySide6.QtGui import (
+    QAction,
+    QKeyEvent,
+)
+from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
-from app.editor.canvas.empty_hint import EmptyHint
+from app.editor.canvas.crumbs import TitleEditor
 from app.editor.canvas.hands.adding import Adding
 from app.editor.canvas.hands.dots import Dots
 from app.editor.canvas.hands.dropping import Dropping
-from app.editor.canvas.hands.handling import Handling
+from app.editor.canvas.hands.gestures import Hint, Surface
 from app.editor.canvas.hands.keys import Keys
 from app.editor.canvas.hands.menus import Menus
 from app.editor.canvas.hands.mouse import Mouse
-from app.editor.canvas.hands.surface import Hint, Surface
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.hits import node_at
@@ -28,11 +30,10 @@ from app.editor.canvas.thumbnails.node_thumbnails import NodeThumbnails
 from app.editor.canvas.view.canvas_view import GraphView
 from app.editor.canvas.view.choice_popup import ChoicePopup
 from app.editor.canvas.view.minimap import Minimap
-from app.editor.canvas.view.title_editor import TitleEditor
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level
 from app.editor.session import Session
-from app.editor.theme import Theme
+from app.editor.theme import FAINT, Theme
 from core.editing.backdrops import backdrops_of, change, remove
 from core.network.network import Link
 
@@ -284,3 +285,84 @@ class Canvas(QWidget):
         network = self._session.network
         backdrop = replace(backdrops_of(network)[index], title=title)
         self._session.do(change(network, index, backdrop))
+
+
+# What to do on a canvas with nothing on it; gone with the first node.
+
+TEXT = "Tab or double-click adds a module; drag one from the library; drop a file"
+
+
+class EmptyHint(QLabel):
+    """A line in the middle of an empty canvas, through which the mouse reaches the canvas.
+
+    Parameters
+    ----------
+    session : Session or Level
+        Its network decides whether the line is there.
+    ground : QWidget
+        What it stands in the middle of.
+    """
+
+    def __init__(self, session: Session | Level, ground: QWidget) -> None:
+        super().__init__(TEXT, ground)
+        self.setObjectName("canvas.empty_hint")
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.setWordWrap(True)
+        self.setForegroundRole(FAINT)
+        self._session = session
+        self._ground = ground
+        ground.installEventFilter(self)
+        session.opened.connect(self._follow)
+        session.changed.connect(self._follow)
+        self._follow()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Stay in the middle."""
+        if watched is self._ground and event.type() is QEvent.Type.Resize:
+            self._fill()
+        return False
+
+    def _follow(self, *_: object) -> None:
+        empty = not self._session.network.nodes
+        if empty:
+            self._fill()
+        self.setVisible(empty)
+
+    def _fill(self) -> None:
+        self.setGeometry(self._ground.rect().adjusted(24, 0, -24, 0))
+
+
+# Which part of the canvas handles which of the view's events.
+
+
+class Handling:
+    """Leads the view's events to where they are handled."""
+
+    def __init__(self, mouse: Mouse, keys: Keys, menus: Menus, dropping: Dropping) -> None:
+        self._mouse = mouse
+        self._keys = keys
+        self._menus = menus
+        self._dropping = dropping
+        self.press = mouse.press
+        self.move = mouse.move
+        self.release = mouse.release
+        self.double_click = mouse.double_click
+        self.leave = mouse.leave
+        self.interrupted = mouse.cancel
+        self.key_released = keys.release
+        self.menu = menus.open
+        self.drag_over = dropping.over
+        self.drag_left = dropping.left
+        self.drop = dropping.drop
+
+    def wants_key(self, event: QKeyEvent) -> bool:
+        """Whether a key is for a gesture under way, and no shortcut."""
+        return self._mouse.busy and event.key() == Qt.Key.Key_Escape
+
+    def key(self, event: QKeyEvent) -> bool:
+        """Handle a key; whether it was for the canvas."""
+        if self.wants_key(event):
+            self._mouse.cancel()
+            return True
+        return self._keys.press(event)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from app.editor.error_text import error_text
+from app.editor.declared_text import error_text
 from app.editor.evaluation.queries import Badge, BadgeKind
 from core.chain.engine import Plan, PlannedNode
 from core.chain.skipped import Skip, is_neutral
-from core.errors import ImagechainError, UnconnectedError
-from core.modules.caution import Caution
-from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.errors import Cancelled, ImagechainError, UnconnectedError
+from core.modules.declaration import Library, declaration
+from core.modules.panel_sections import Caution
 from core.network.macro import SEPARATOR
 from core.network.network import Network
 
@@ -159,3 +158,29 @@ def _after(network: Network, node: str) -> set[str]:
                 dependents.add(name)
                 waiting.append(name)
     return dependents
+
+
+# Failures of our own, as errors of one line.
+
+
+class OwnFailure(ImagechainError):
+    """The program has failed, not its input."""
+
+
+def as_error(error: Exception, node: str | None = None) -> ImagechainError:
+    """The error to show for whatever was raised; one of the project's own is kept.
+
+    Parameters
+    ----------
+    error : Exception
+        What was raised; `Cancelled` is for the caller to look after.
+    node : str, optional
+        The node it happened on.
+    """
+    if isinstance(error, ImagechainError) and not isinstance(error, Cancelled):
+        return error
+    if isinstance(error, MemoryError):
+        text = "our own failure: not enough memory; make the picture smaller, or close other ones"
+        return OwnFailure(text, node=node)
+    reason = " ".join(str(error).split())[:200]
+    return OwnFailure(f"our own failure: {type(error).__name__}: {reason}", node=node)

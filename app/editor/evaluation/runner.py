@@ -2,29 +2,40 @@
 
 from __future__ import annotations
 
+import threading
 import time
-from dataclasses import replace
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from app.editor.evaluation.badges import badges, skip_texts
-from app.editor.evaluation.failures import as_error
-from app.editor.evaluation.mailbox import Inbox, Outbox, Snapshot
-from app.editor.evaluation.pace import PAUSE_S, REDUCTIONS, Pace
-from app.editor.evaluation.pass_work import PassWork, Position
-from app.editor.evaluation.planned.holding import Planned, plan_held
+from app.editor.evaluation.badges import as_error, badges, skip_texts
+from app.editor.evaluation.mailbox import Inbox, Outbox, Sent, SentAnswers, Snapshot
 from app.editor.evaluation.planned.preview import reduced_network, with_same_nodes
 from app.editor.evaluation.queries import Answer, Badge, PassDone, Passing
-from app.editor.evaluation.sent import Sent, SentAnswers
-from app.editor.evaluation.tasks import Change, Due, Task, due_queries, edited, overtaken
-from core.chain.engine import Engine, Plan
+from app.editor.evaluation.tasks import (
+    PAUSE_S,
+    REDUCTIONS,
+    Change,
+    Due,
+    Pace,
+    Task,
+    due_queries,
+    edited,
+    overtaken,
+)
+from core.chain.engine import Engine, Plan, PlannedNode
 from core.chain.skipped import skips
 from core.errors import Cancelled, ImagechainError
 from core.evaluation.policy import Policy
+from core.evaluation.recipes import Recipe
+from core.evaluation.region import Region
 from core.evaluation.store import Store
-from core.modules.caution import Caution, PendingCheck
-from core.modules.library_type import Library
+from core.evaluation.work import Work
+from core.modules.declaration import Library
+from core.modules.panel_sections import Caution, PendingCheck
 from core.network.network import Network
 from core.threads import Workers
 
@@ -328,3 +339,154 @@ class Runner:
         if shown != self._badges:
             self._badges = shown
             self._outbox.badges(shown)
+
+
+# An evaluation that can be stopped, with the node it is at.
+
+
+class Position:
+    """Where a pass is. Written by the worker, read by the window: each field on its own is true.
+
+    Parameters
+    ----------
+    wanted : int
+        Number of queries the pass is to answer.
+    must_stop : callable
+        Given the position, whether the pass is to stop now.
+    """
+
+    def __init__(self, wanted: int, must_stop: Callable[[Position], bool]) -> None:
+        self.started = time.perf_counter()
+        self.thread = threading.get_ident()
+        self.wanted = wanted
+        self.done = 0
+        self.stopped = False
+        self._nodes: list[str | None] = []
+        self._must_stop = must_stop
+
+    @property
+    def seconds(self) -> float:
+        """How long the pass has been going on."""
+        return time.perf_counter() - self.started
+
+    @property
+    def node(self) -> str | None:
+        """The node under computation, None between nodes."""
+        nodes = tuple(self._nodes)
+        return next((node for node in reversed(nodes) if node), None)
+
+    def check(self) -> None:
+        """Raise `Cancelled` if the pass is to stop.
+
+        Raises
+        ------
+        Cancelled
+            From then on each time.
+        """
+        if self.stopped or self._must_stop(self):
+            self.stopped = True
+            raise Cancelled("stopped on request")
+
+    def enter(self, node: str | None) -> None:
+        """A recipe of that node is computed from now on."""
+        self._nodes.append(node)
+
+    def leave(self) -> None:
+        """It is done: the computation that needed it goes on."""
+        self._nodes.pop()
+
+
+class PassWork(Work):
+    """One evaluation within a pass."""
+
+    def __init__(self, policy: Policy, store: Store, workers: Workers, position: Position) -> None:
+        super().__init__(policy, store, workers=workers)
+        self._position = position
+
+    def check(self) -> None:
+        """Raise `Cancelled` if the pass is to stop."""
+        self._position.check()
+
+    def _compute(self, recipe: Recipe, region: Region | None = None) -> Any:
+        position = self._position
+        if threading.get_ident() != position.thread:
+            return super()._compute(recipe, region)
+        position.enter(recipe.node)
+        try:
+            return super()._compute(recipe, region)
+        finally:
+            position.leave()
+
+
+# Planning with nodes held back: those without Auto-Generate stay as they were generated last.
+
+
+@dataclass(frozen=True)
+class Planned:
+    """A network as it is shown, and as it would be if all were generated.
+
+    `stale` names the nodes held back that would give something else by now.
+    """
+
+    shown: Plan
+    fresh: Plan
+    stale: frozenset[str] = frozenset()
+
+
+def plan_held(
+    engine: Engine,
+    network: Network,
+    folder: Path,
+    last: Planned | None,
+    *,
+    generate: bool,
+) -> Planned:
+    """Plan a network; unless all is generated, nodes held back stay as they were.
+
+    Parameters
+    ----------
+    engine : Engine
+        Plans.
+    network : Network
+        The document as it stands.
+    folder : Path
+        What its file names are relative to.
+    last : Planned or None
+        The same document before, None if it was opened just now: all is generated then.
+    generate : bool
+        Whether to generate what is held back too.
+
+    Raises
+    ------
+    ImagechainError
+        If the network as a whole cannot be planned, as with a cycle.
+    """
+    before = last.fresh if last is not None else None
+    fresh = engine.plan(network, folder=folder, previous=before)
+    if generate or last is None:
+        return Planned(fresh, fresh)
+    held = {
+        name: planned
+        for name, planned in last.shown.nodes.items()
+        if planned.error is None and name in network.nodes and network.nodes[name].auto is False
+    }
+    if not held:
+        return Planned(fresh, fresh)
+    shown = engine.plan(network, folder=folder, previous=last.shown, held=held)
+    stale = frozenset(name for name in held if _content(held[name]) != _content(fresh.nodes[name]))
+    return Planned(shown, fresh, stale)
+
+
+def _content(planned: PlannedNode) -> tuple[Hashable, ...]:
+    """What a node makes its outputs and read-outs of, and what it gives."""
+    return (
+        _keys(planned.outputs),
+        _keys(planned.inputs),
+        repr(planned.module),
+        planned.node.disabled,
+        planned.error is None,
+    )
+
+
+def _keys(values: Any) -> tuple[tuple[str, str | None], ...]:
+    return tuple((name, getattr(value, "key", None)) for name, value in sorted(values.items()))

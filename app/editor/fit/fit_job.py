@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.editor.free_numbers import FreeNumber
-from app.editor.measure.chosen_pictures import Pictures
-from app.editor.measure.viewer_pictures import ViewerPicture
+from app.editor.measure.measure_worker import Pictures, ViewerPicture
+from app.editor.number_text import FreeNumber
 from core.errors import DataError, ImagechainError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.network.network import Network
 
 if TYPE_CHECKING:

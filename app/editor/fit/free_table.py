@@ -10,8 +10,7 @@ from PySide6.QtWidgets import QHeaderView, QTableWidget, QTableWidgetItem, QWidg
 
 from app.editor.declared_text import about, label_of, tip
 from app.editor.fit.fit_job import FittedNumber
-from app.editor.free_numbers import FreeNumber
-from app.editor.number_text import shown_number
+from app.editor.number_text import FreeNumber, shown_number
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.typed_number import typed_number

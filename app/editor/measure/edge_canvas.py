@@ -21,7 +21,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QToolTip, QWidget
 
 from app.editor.theme import Theme
-from app.measure.edge_looks import REFUSED, REMOVED, USED
+from app.measure.measurement_text import REFUSED, REMOVED, USED
 
 if TYPE_CHECKING:
     from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement, Preview
@@ -329,7 +329,7 @@ def _distance(point: QPointF, start: QPointF, end: QPointF) -> float:
 
 def _grey_image(preview: Preview) -> QImage:
     """The picture in greys between its 0.1 % quantiles."""
-    from app.run.png import grey_levels, robust_limits
+    from app.run.saving import grey_levels, robust_limits
 
     low, high = robust_limits(preview.samples)
     grey = np.ascontiguousarray(grey_levels(low, high, preview.samples))

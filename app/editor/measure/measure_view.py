@@ -8,17 +8,20 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QComboBox, QSplitter, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QSpinBox, QSplitter, QTabWidget, QVBoxLayout, QWidget
 
-from app.editor.measure.band_box import BandBox
-from app.editor.measure.chosen_pictures import PictureDrops, Pictures, pictures_name
 from app.editor.measure.edge_canvas import EdgeCanvas
-from app.editor.measure.edge_table import EdgeTable, FigureTable, edge_words
-from app.editor.measure.measure_worker import Check, MeasureWorker
-from app.editor.measure.mtf_chart import MtfChart
-from app.editor.measure.viewer_pictures import ViewerPicture
+from app.editor.measure.edge_table import EdgeTable, FigureTable, MtfChart, edge_words
+from app.editor.measure.measure_worker import (
+    Check,
+    MeasureWorker,
+    PictureDrops,
+    Pictures,
+    ViewerPicture,
+    pictures_name,
+)
 from app.editor.theme import Theme
-from app.editor.viewers.status_line import StatusLine
+from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import FlowLayout, menu_button, toggle_button, tool_button
 from core.errors import UsageError
 
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
 
     from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
     from core.network.network import Network
+
 
 _REMOVE, _USE = "Remove Edge", "Use Edge Again"
 
@@ -434,3 +438,33 @@ class MeasureView(QWidget):
 
     def _say(self, text: str, *, failed: bool = False) -> None:
         self.status.show_text(text, failed=failed)
+
+
+# Which band of files that have several is measured.
+
+_NONE, _MOST = -1, 99_999
+_ABOUT = "Which band of files that have several, counted from 0"
+
+
+class BandBox(QSpinBox):
+    """A band's number, or none: the only band there is, or the luminance of colours."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("measure.band")
+        self.setAccessibleName(_ABOUT)
+        self.setToolTip(f"{_ABOUT}; –: their only one, or the luminance of colours")
+        self.setRange(_NONE, _MOST)
+        self.setPrefix("Band ")
+        self.setSpecialValueText("Band –")
+        self.setKeyboardTracking(False)
+        self.setValue(_NONE)
+
+    @property
+    def band(self) -> int | None:
+        """The band; None where none is chosen."""
+        return None if self.value() == _NONE else self.value()
+
+    def choose_none(self) -> None:
+        """As at first."""
+        self.setValue(_NONE)

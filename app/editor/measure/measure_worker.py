@@ -3,14 +3,69 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QObject, Signal
+import numpy as np
+from PySide6.QtCore import QEvent, QMimeData, QObject, Signal
+from PySide6.QtGui import QDropEvent
+from PySide6.QtWidgets import QWidget
 
-from app.editor.error_text import error_text
-from app.editor.evaluation.failures import as_error
-from core.errors import Cancelled
+from app.editor.declared_text import error_text
+from app.editor.evaluation.badges import as_error
+from app.editor.gestures import accept_copy
+from app.editor.viewers.picture.image_viewer import ImageViewer
+from core.chain.wires import Image
+from core.errors import Cancelled, UsageError
+from nodes.files.common.file_format import JSON
+
+# Pictures that viewers show, ready to be measured.
+
+
+@dataclass(frozen=True, eq=False)
+class ViewerPicture:
+    """A picture of a viewer: its samples, and what is known of them."""
+
+    name: str
+    samples: Any
+    unit: str
+    interval_x_mrad: float | None
+    interval_y_mrad: float | None
+    taken: str
+
+
+def picture_of(number: int, viewer: ImageViewer) -> ViewerPicture:
+    """What a viewer shows.
+
+    Raises
+    ------
+    UsageError
+        It shows no picture in space, or a preview of one.
+    """
+    picture, port = viewer.picture, viewer.choices.port
+    if picture is None or port is None:
+        raise UsageError(f"viewer {number} shows no picture")
+    value = picture.value
+    if not isinstance(value, Image) or picture.facts.kind != "picture":
+        raise UsageError(f"viewer {number} shows {port}, which is no picture of a scene")
+    if picture.reduced > 1:
+        raise UsageError(f"viewer {number} shows a preview still: wait for the picture itself")
+    if viewer.choices.mapping == "spectrum" or viewer.choices.mode == "difference":
+        raise UsageError(f"viewer {number} shows a spectrum or a difference: show the picture")
+    wavelengths = picture.facts.wavelengths_um
+    taken = f"the band at {wavelengths[0]:.4g} µm" if wavelengths else ""
+    return ViewerPicture(
+        f"viewer {number}: {port}", np.asarray(picture.samples), picture.facts.unit,
+        value.interval_x_mrad, value.interval_y_mrad, taken,
+    )  # fmt: skip
+
+
+def shown_in(viewers: Mapping[int, ImageViewer]) -> list[int]:
+    """Numbers of the viewers that show something."""
+    return [number for number, viewer in sorted(viewers.items()) if viewer.picture is not None]
+
 
 Check = Callable[[], None]
 Job = Callable[[Check, Callable[[str], None]], Any]
@@ -102,3 +157,54 @@ class MeasureWorker(QObject):
             self.failed.emit(error)
         else:
             self.done.emit(result)
+
+
+# The pictures that are measured, or fitted to: files, or what a viewer shows.
+
+Pictures = tuple[Path, ...] | ViewerPicture
+_DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
+
+
+def pictures_name(pictures: Pictures) -> str:
+    """Short enough for a line."""
+    if isinstance(pictures, ViewerPicture):
+        return pictures.name
+    more = len(pictures) - 1
+    return pictures[0].name + (f" and {more} more" if more else "")
+
+
+def pictures_text(pictures: Pictures) -> str:
+    """In full, a line each."""
+    if isinstance(pictures, ViewerPicture):
+        return pictures.name
+    return "\n".join(map(str, pictures))
+
+
+class PictureDrops(QObject):
+    """Takes picture files that are dropped on a widget. Networks are left to its window."""
+
+    def __init__(self, widget: QWidget, taken: Callable[[tuple[Path, ...]], object]) -> None:
+        super().__init__(widget)
+        self._taken = taken
+        widget.setAcceptDrops(True)
+        widget.installEventFilter(self)
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        """Take pictures, as copies."""
+        if not isinstance(event, QDropEvent) or event.type() not in _DRAGGING:
+            return False
+        paths = _dropped(event.mimeData())
+        if not paths:
+            event.ignore()
+            return True
+        accept_copy(event)
+        if event.type() == QEvent.Type.Drop and event.isAccepted():
+            self._taken(paths)
+        return True
+
+
+def _dropped(data: QMimeData) -> tuple[Path, ...]:
+    """The picture files that are dragged; none where anything else is among them."""
+    paths = tuple(Path(url.toLocalFile()) for url in data.urls() if url.isLocalFile())
+    network = any(path.suffix.lower() in JSON.suffixes for path in paths)
+    return () if network or len(paths) < len(data.urls()) else paths

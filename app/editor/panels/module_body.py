@@ -2,23 +2,42 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QFrame, QLabel, QMenu, QVBoxLayout, QWidget
+import json
+from collections.abc import Callable
+from functools import partial
 
+from PySide6.QtCore import QObject, QPointF, QSize, Qt, Signal
+from PySide6.QtGui import QAction, QBrush, QColor, QPainter, QPixmap
+from PySide6.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QMenu,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+    QWidgetAction,
+)
+
+from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.panels.fit_menu import add_fit_action
+from app.editor.number_text import FreeNumber
 from app.editor.panels.illustrations import illustration_for
-from app.editor.panels.macro_menu import add_macro_actions
-from app.editor.panels.ports_section import PortsView
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
 from app.editor.session import Session
-from app.editor.theme import FAINT, Theme
-from core.editing.operations import ABSENT, set_parameter
-from core.modules.declaration import Declaration
-from core.names import thaw
+from app.editor.theme import FAINT, Theme, set_ink
+from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
+from core.editing.macros import expose, exposed_as, hide, rename_exposed
+from core.editing.operations import ABSENT, Operation, set_parameter
+from core.errors import ImagechainError
+from core.modules.declaration import Declaration, Port
+from core.names import shown, thaw
 from core.network.linked_values import LinkError
-from core.network.network import Network, Node
+from core.network.macro import SEPARATOR
+from core.network.network import Link, Network, Node
 
 
 class ModuleBody(QWidget):
@@ -148,3 +167,296 @@ class ModuleBody(QWidget):
     def _reset(self, name: str) -> None:
         if self._node in self._session.network.nodes:
             self._session.do(set_parameter(self._node, name, ABSENT))
+
+
+# What the menu of a number offers about fits: free it, or fix it again.
+
+_ABOUT = (
+    "A fit to a picture (the dock Fit) determines what is free; this holds while the network is "
+    "open, and is not saved with it"
+)
+
+
+def add_fit_action(menu: QMenu, session: Session, node: str, parameter: str) -> None:
+    """Offer to free a number that may lie between others, or to fix it."""
+    declared = session.declared(node)
+    known = declared.parameter(parameter) if declared is not None else None
+    if known is None or known.kind != "number":
+        return
+    free = session.free.has(node, parameter)
+    if not free and parameter in session.network.nodes[node].linked:
+        return  # what it follows can be free
+    menu.addSeparator()
+    action = menu.addAction("Fix (no longer fitted)" if free else "Free for a fit")
+    action.setObjectName("fix" if free else "free")
+    action.setToolTip(_ABOUT)
+    action.setStatusTip(_ABOUT)
+    action.triggered.connect(partial(_switch, session, node, parameter))
+    menu.setToolTipsVisible(True)
+
+
+def _switch(session: Session, node: str, parameter: str, *_: object) -> None:
+    if session.free.has(node, parameter):
+        session.free.fix(node, parameter)
+    else:
+        session.free.put(FreeNumber(node, parameter))
+
+
+# What the menu of a field offers about macros: whether one shows the parameter, and its name.
+
+
+def add_macro_actions(menu: QMenu, session: Session, node: str, parameter: str) -> None:
+    """Add what a macro can do with a parameter of one of its nodes, or with one that it shows."""
+    network = session.document.network
+    if session.network.nodes[node].macro is not None:
+        menu.addSeparator()
+        hiding = partial(hide, network, node, parameter, session.resolved.value)
+        _add(menu, "hide", "Hide from this panel", session, hiding)
+        menu.addAction(_naming(menu, session, node, parameter))
+        return
+    macro = node.removesuffix(SEPARATOR + session.local_name(node))
+    if macro == node:  # in no macro
+        return
+    menu.addSeparator()
+    name = exposed_as(network, node, parameter)
+    if name:
+        text, value_of = f"Hide from the panel of {macro}", session.resolved.value
+        _add(menu, "hide", text, session, partial(hide, network, macro, name, value_of))
+    else:
+        text = f"Show on the panel of {macro}"
+        _add(menu, "expose", text, session, partial(expose, network, node, parameter))
+
+
+def _add(
+    menu: QMenu, name: str, text: str, session: Session, made: Callable[[], Operation]
+) -> None:
+    action = menu.addAction(text.replace("&", "&&"))
+    action.setObjectName(name)
+    action.triggered.connect(partial(_do, session, made))
+
+
+def _do(session: Session, made: Callable[[], Operation], *_: object) -> None:
+    try:
+        session.do(made())
+    except ImagechainError as error:
+        session.message.emit("error", str(error))
+
+
+def _naming(menu: QMenu, session: Session, macro: str, name: str) -> QWidgetAction:
+    """A line in the menu in which the parameter's name is typed; Enter takes it."""
+    line = QWidget(menu)
+    label = QLabel("Name", line)
+    edit = QLineEdit(name, line)
+    edit.setObjectName("exposed_name")
+    edit.setAccessibleName(f"name of the parameter {name} on this panel")
+    edit.setToolTip("What the parameter is called on this panel; Enter takes it")
+    label.setBuddy(edit)
+    row = QHBoxLayout(line)
+    row.setContentsMargins(12, 2, 12, 2)
+    row.addWidget(label)
+    row.addWidget(edit, 1)
+
+    def take() -> None:
+        new = edit.text().strip()
+        menu.close()
+        if new != name:
+            network = session.document.network
+            _do(session, partial(rename_exposed, network, macro, name, new))
+
+    edit.returnPressed.connect(take)
+    action = QWidgetAction(menu)
+    action.setObjectName("rename_exposed")
+    action.setDefaultWidget(line)
+    return action
+
+
+# The ports of a node on its panel, each with a button that shows it.
+
+
+class PortsView(QWidget):
+    """Inputs and outputs; an input shows what its wire brings.
+
+    Signals
+    -------
+    view_requested(node, port, viewer)
+        Show that output in the viewer of that number.
+    """
+
+    view_requested = Signal(str, str, int)
+
+    def __init__(
+        self, declaration: Declaration, node: str, theme: Theme, parent: QWidget | None = None
+    ) -> None:
+        super().__init__(parent)
+        self.setObjectName("ports")
+        self._node = node
+        self._rows: list[_PortRow] = []
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 2, 0, 2)
+        grid.setVerticalSpacing(2)
+        grid.setColumnStretch(1, 1)
+        sides = (("input", declaration.inputs), ("output", declaration.outputs))
+        for side, ports in sides:
+            for port in ports:
+                row = _PortRow(node, port, side, self)
+                row.view_requested.connect(self.view_requested)
+                line = len(self._rows)
+                for column, widget in enumerate((row.mark, row.label, row.button)):
+                    grid.addWidget(widget, line, column)
+                self._rows.append(row)
+        self.set_theme(theme)
+
+    def follow(self, network: Network) -> None:
+        """Show where the inputs' wires come from."""
+        links = {link.input: link for link in network.links_into(self._node)}
+        for row in self._rows:
+            row.follow(links.get(row.port.name))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        for row in self._rows:
+            row.set_theme(theme)
+
+
+class _PortRow(QObject):
+    """The widgets of one port."""
+
+    view_requested = Signal(str, str, int)
+
+    def __init__(self, node: str, port: Port, side: str, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.port = port
+        self._side = side
+        self._source = (node, port.name) if side == "output" else None
+        self.mark = QLabel(parent)
+        self.label = QLabel(parent)
+        self.label.setWordWrap(True)
+        self.label.setTextFormat(Qt.TextFormat.PlainText)
+        kinds = " or ".join(port.types)
+        need = "" if port.required else ", may be left unconnected"
+        self.label.setToolTip(tip(f"{side} {port.name}: {kinds}{need}"))
+        self.button = QToolButton(parent)
+        self.button.setObjectName(f"view.{side}.{port.name}")
+        self.button.setText("View")
+        self.button.setAccessibleName(f"view {side} {port.name}")
+        self.button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        if set(port.types) <= set(PLOT_TYPES):
+            self.button.setToolTip(tip("Show it in Curves"))
+        else:
+            self._offer_viewers()
+        self.button.clicked.connect(self._clicked)
+        self.follow(None)
+
+    def _offer_viewers(self) -> None:
+        tooltip = "Show it in viewer 1; the arrow (or Down key) offers the others"
+        self.button.setToolTip(tip(tooltip))
+        self.button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
+        menu = QMenu(self.button)
+        for number in VIEWER_NUMBERS:
+            menu.addAction(f"Viewer &{number}").setData(number)
+        menu.triggered.connect(self._chosen)
+        self.button.setMenu(menu)
+
+    def follow(self, link: Link | None) -> None:
+        """Show what is linked to an input."""
+        text = self.port.name
+        if self._side == "input":
+            self._source = (link.source, link.output) if link is not None else None
+            text += f" ← {link.source}.{link.output}" if link is not None else " ← not connected"
+        self.label.setText(text)
+        self.button.setEnabled(self._source is not None)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Colour the mark by the port's type."""
+        height = self.label.fontMetrics().height()
+        colour = theme.ports.get(self.port.types[0], theme.faint_text)
+        self.mark.setPixmap(_dot(height, colour, self.mark.devicePixelRatioF()))
+
+    def _clicked(self) -> None:
+        self._view(1)
+
+    def _chosen(self, action: QAction) -> None:
+        self._view(int(action.data()))
+
+    def _view(self, number: int) -> None:
+        if self._source is not None:
+            self.view_requested.emit(*self._source, number)
+
+
+def _dot(height: int, colour: str, ratio: float) -> QPixmap:
+    pixmap = QPixmap(QSize(height, height) * ratio)
+    pixmap.setDevicePixelRatio(ratio)
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QBrush(QColor(colour)))
+    painter.drawEllipse(QPointF(height / 2, height / 2), height * 0.28, height * 0.28)
+    painter.end()
+    return pixmap
+
+
+# What stands on the panel of a module that the library does not have.
+
+
+class UnknownBody(QWidget):
+    """The parameters as the file has them, to be read only.
+
+    Parameters
+    ----------
+    module, node : str
+        Key of the module, and the node.
+    why : str
+        Why the library does not have it, where that is known.
+    theme : Theme
+        Colours.
+    parent : QWidget
+        The panel.
+    """
+
+    def __init__(
+        self, module: str, node: str, why: str, theme: Theme, parent: QWidget | None = None
+    ) -> None:
+        super().__init__(parent)
+        self.setObjectName("body")
+        self._node = node
+        self.note = QLabel(
+            f"There is no module {shown(module)} in this library{why and f': {why}'}. The node is "
+            "kept as it is, with these parameters, and is saved again; it computes nothing.",
+            self,
+        )
+        self.note.setObjectName("unknown_module")
+        self.note.setTextFormat(Qt.TextFormat.PlainText)
+        self.note.setWordWrap(True)
+        self._grid = QGridLayout()
+        self._grid.setColumnStretch(1, 1)
+        self._labels: list[QLabel] = []
+        column = QVBoxLayout(self)
+        column.setContentsMargins(8, 4, 8, 8)
+        column.addWidget(self.note)
+        column.addLayout(self._grid)
+        self.set_theme(theme)
+
+    def follow(self, before: Network | None, after: Network) -> None:
+        """Show the parameters, where they were changed."""
+        node = after.nodes[self._node]
+        if before is not None and before.nodes.get(self._node) is node:
+            return
+        for label in self._labels:
+            self._grid.removeWidget(label)
+            label.deleteLater()
+        self._labels = []
+        for row, (name, value) in enumerate(sorted(node.params.items())):
+            text = value if isinstance(value, str) else json.dumps(thaw(value), ensure_ascii=False)
+            for column, words in enumerate((name, text)):
+                label = QLabel(words, self)
+                label.setTextFormat(Qt.TextFormat.PlainText)
+                label.setWordWrap(True)
+                self._grid.addWidget(label, row, column)
+                self._labels.append(label)
+            label.setObjectName(f"raw.{name}")
+            label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        set_ink(self.note, theme.changed)

@@ -10,12 +10,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from app.editor.declared_text import label_of
-from app.editor.error_text import error_text
+from app.editor.declared_text import error_text, label_of
 from app.editor.evaluation.queries import Passing, Query
-from app.editor.tradeoff.side_work import SideWork
-from app.editor.viewers.figures.figure_text import NONE, figure_text
-from app.editor.viewers.pixels.kept_picture import KeptPicture
+from app.editor.tradeoff.tradeoff_view import SideWork
+from app.editor.viewers.figures.figures_strip import NONE, figure_text
+from app.editor.viewers.pixels.picture_layers import KeptPicture
 from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.plot.plot_export import Data
 from app.run.readout_tables import number_text, without_rounding

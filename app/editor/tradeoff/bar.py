@@ -11,8 +11,7 @@ from app.editor.number_text import shown_number
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.editor.tradeoff.parameter_choice import ParameterChoice
-from app.editor.tradeoff.ranges import LEAST_COUNT, MOST_COUNT, Span
+from app.editor.tradeoff.ranges import LEAST_COUNT, MOST_COUNT, ParameterChoice, Span
 from app.editor.widgets import Check, FlowLayout, toggle_button, tool_button
 
 

@@ -3,13 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from app.editor.panels.fields.slider_scale import LARGEST_WHOLE_RANGE, scale_of
+from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtGui import QFocusEvent, QStandardItem
+from PySide6.QtWidgets import QComboBox, QCompleter, QLineEdit, QWidget
+
+from app.editor.declared_text import label_of, tip, titled
+from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, scale_of
+from app.editor.session import Session
+from app.editor.viewers.network_ports import VALUE, NodeChoice, entry
+from app.run.output import ANALYSIS
 from app.tradeoff.values import is_number, spaced
-from core.modules.parameters import Parameter
+from core.editing.operations import set_parameter
+from core.errors import ParameterError
+from core.modules.parameters import Parameter, plain
+from core.names import thaw
+from core.network.network import MACRO
 
 COARSE = 5
 PART = 8  # values in one query: it starts anew if an edit comes
@@ -123,3 +136,193 @@ def _within(parameter: Parameter, span: Span) -> Span:
     if span.log and low <= 0:
         low = high / 100
     return Span(low, high, span.log, span.whole) if low < high else span
+
+
+# The parameter that is varied: its present value, and setting it by hand.
+
+_STEP = 0.01  # of the range, for an arrow key
+
+
+class Varied:
+    """A parameter of a node of the open document, or none.
+
+    Parameters
+    ----------
+    session : Session
+        The document, which edits go to.
+    refuse : callable
+        Called with the reason why a value is not allowed.
+    """
+
+    def __init__(self, session: Session, refuse: Callable[[str], None]) -> None:
+        self.node, self.name = "", ""
+        self._session = session
+        self._refuse = refuse
+        self._gesture: object | None = None
+
+    @property
+    def parameter(self) -> Parameter | None:
+        """Its declaration; None where nothing is varied."""
+        declared = self._session.declared(self.node)
+        return declared.parameter(self.name) if declared is not None else None
+
+    @property
+    def analysis(self) -> str:
+        """Its node where that is one of analysis, which the chain does not hang on; else empty."""
+        declared = self._session.declared(self.node)
+        return self.node if declared is not None and declared.group == ANALYSIS else ""
+
+    @property
+    def label(self) -> str:
+        """Its name in words, and the unit."""
+        parameter = self.parameter
+        unit = parameter.param.unit if parameter is not None else ""
+        return label_of(self.name) + (f" ({unit})" if unit else "")
+
+    @property
+    def present(self) -> Any:
+        """Its value as it stands; None where it is empty or not allowed."""
+        parameter, node = self.parameter, self._session.resolved.node(self.node)
+        if parameter is None or node is None:
+            return None
+        if self.name not in node.params:
+            return None if parameter.required else parameter.default
+        try:
+            return parameter.coerce(thaw(node.params[self.name]))
+        except ParameterError:
+            return None
+
+    def choose(self, node: str = "", name: str = "") -> None:
+        """Vary another one, or none."""
+        self.release()
+        self.node, self.name = node, name
+
+    def move(self, value: float) -> None:
+        """Set it; all until `release` is one step to undo."""
+        parameter = self.parameter
+        if parameter is None:
+            return
+        try:
+            plain_value = plain(parameter.coerce(value))
+        except ParameterError as error:
+            self._refuse(error.message)
+            return
+        if plain_value is None or plain_value == self.present:
+            return
+        if why := self._session.follows(self.node, (self.name,)):
+            self._refuse(why)
+            return
+        if self._gesture is None:
+            self._gesture = object()
+        self._session.do(set_parameter(self.node, self.name, plain_value), gesture=self._gesture)
+
+    def step(self, span: Span, steps: int) -> None:
+        """Move it by hundredths of a range, by one at least where it is whole."""
+        present = self.present
+        share = 0.0 if present is None else span.share(present)
+        value = span.value_at(share + steps * _STEP)
+        if span.whole and present is not None and value == present:
+            value = min(max(present + steps, span.low), span.high)
+        self.move(value)
+
+    def release(self) -> None:
+        """What follows is another step."""
+        if self._gesture is not None:
+            self._gesture = None
+            self._session.end_gesture()
+
+
+# The choice of a number of the network, by node.
+
+NUMERIC = ("number", "integer")
+_NOTHING = "Choose a parameter"
+
+
+class ParameterChoice(NodeChoice):
+    """Every number of every node, under the names of the nodes.
+
+    Signals
+    -------
+    chosen(node, parameter)
+        The person has chosen one.
+    """
+
+    chosen = Signal(str, str)
+
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+        super().__init__(session, _NOTHING, parent)
+        self._field = QLineEdit(self)
+        self.setMinimumContentsLength(16)
+        self._make_searchable()
+        self.fill()
+
+    def _make_searchable(self) -> None:
+        """What is typed lists the parameters in which it occurs, of any node."""
+        self.setLineEdit(self._field)  # which makes it editable
+        self.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
+        completer = QCompleter(self.entries, self)
+        self.setCompleter(completer)
+        field = self._field
+        field.setPlaceholderText(_NOTHING)
+        field.setAccessibleName("search a parameter")
+        completer.setFilterMode(Qt.MatchFlag.MatchContains)
+        completer.setCompletionMode(QCompleter.CompletionMode.PopupCompletion)
+        completer.setCaseSensitivity(Qt.CaseSensitivity.CaseInsensitive)
+        completer.setMaxVisibleItems(24)
+        field.editingFinished.connect(self._finish_typing)
+
+    def _finish_typing(self) -> None:
+        """Take a parameter by its words or its name in files; else show the chosen one again."""
+        text = self._field.text().strip()
+        place = self.findText(text, Qt.MatchFlag.MatchFixedString)
+        if place < 0 and text:
+            place = self.findData(text, VALUE)
+        if place < 0 or not self.itemData(place, VALUE):
+            self.setCurrentIndex(max(0, self.findData(self.value, VALUE)))
+            self._field.setText(self.currentText())
+        elif self.itemData(place, VALUE) != self.value:
+            self.setCurrentIndex(place)
+            self.take_at(place)
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """All of the text is replaced by what is typed."""
+        super().focusInEvent(event)
+        QTimer.singleShot(0, self._select_all)
+
+    def _select_all(self) -> None:
+        """Backwards, so that the beginning of a long name stays in sight."""
+        end = len(self._field.text())
+        self._field.setSelection(end, -end)
+
+    def show_value(self, value: str) -> None:
+        """From its beginning, which is the parameter: the field would show the end."""
+        super().show_value(value)
+        self._field.setCursorPosition(0)
+
+    def choose(self, node: str, parameter: str) -> None:
+        """Show one as chosen, without a signal; empty names: none."""
+        self.show_value(f"{node}.{parameter}" if node else "")
+
+    def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
+        """The numbers by node; a macro has none of its own."""
+        for name in self.session.network.nodes:
+            declared = self.session.declared(name)
+            numbers = [p for p in declared.parameters if p.kind in NUMERIC] if declared else []
+            if declared is not None and declared.key != MACRO and numbers:
+                yield titled(name, declared.title), [_entry(name, number) for number in numbers]
+
+    def take(self, value: str | None) -> None:
+        """Signal the parameter; of what is none, go back to the one before."""
+        if value:
+            self.value = value
+            node, _, parameter = value.rpartition(".")
+            self.chosen.emit(node, parameter)
+        else:
+            self.setCurrentIndex(max(0, self.findData(self.value, VALUE)))
+
+
+def _entry(node: str, parameter: Parameter) -> QStandardItem:
+    unit = f" ({parameter.param.unit})" if parameter.param.unit else ""
+    name = f"{node}.{parameter.name}"
+    text = f"{label_of(parameter.name)} of {node}{unit}"
+    return entry(text, name, tip(f"{parameter.param.text}\nIn network files: {name}"))

@@ -3,44 +3,48 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from PySide6.QtCore import QSize, Signal
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
-from app.editor.evaluation.queries import Answer, Query
+from app.editor.declared_text import label_of
+from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure, shown_number
 from app.editor.session import Session, renamed_node
 from app.editor.theme import Theme
 from app.editor.tradeoff.bar import TradeOffBar
 from app.editor.tradeoff.plots import Graph, TradeOffPlots
-from app.editor.tradeoff.ranges import Span, coarse_first, usual_span
-from app.editor.tradeoff.tradeoff_query import Part, TradeOffQuery
-from app.editor.tradeoff.varied import Varied
-from app.editor.tradeoff.wording import first_figures, in_order, listed_titles, renamed, title_of
+from app.editor.tradeoff.ranges import Span, Varied, coarse_first, usual_span
 from app.editor.viewers.network_ports import ports_depend_on
 from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.plot_export import export_picture
 from app.editor.viewers.plot.plot_looks import thick
 from app.editor.viewers.plot.plotted_lines import Entry
-from app.editor.viewers.status_line import StatusLine
-from app.editor.viewers.viewer import Viewer
-from app.tradeoff.sweep import Point
-from app.tradeoff.texts import csv_text
-from app.tradeoff.tradeoff_figures import Figure, figures_of
-from app.tradeoff.tradeoff_results import Curve, Results
+from app.editor.viewers.viewer import StatusLine, Viewer
+from app.run.output import ancestors
+from app.run.responses import SYSTEM, TOTAL
+from app.tradeoff.tradeoff_drawing import csv_text
+from app.tradeoff.tradeoff_figures import SENSORS, Figure, figures_of, makes_pixels
+from app.tradeoff.tradeoff_results import Curve, Point, Results, TradeOff, parameter_of
 from app.tradeoff.values import Variation
 from core.atomic import write_text
+from core.chain.engine import Plan
 from core.errors import UsageError
+from core.evaluation.store import Store
+from core.evaluation.work import Work
 from core.network.network import Network
 from nodes.files.common.file_format import CSV
 
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
+
 
 _LIST_SHARE = 0.36  # of the width, at most
 _HINT = "Choose a parameter above, or Trade off… in the menu of its value on a control panel"
@@ -308,3 +312,192 @@ class TradeOffView(Viewer):
 
     def _refuse(self, text: str) -> None:
         self.status.show_text(text, failed=True)
+
+
+# What the dock calls figures, and which it shows at first.
+
+_PLACES: Mapping[str, str] = MappingProxyType(
+    {
+        "mtf_nyquist_x": "MTF ξ, samples' Nyquist",
+        "mtf_nyquist_y": "MTF η, samples' Nyquist",
+        "mtf_half_nyquist_x": "MTF ξ, ½ samples' Nyquist",
+        "mtf_half_nyquist_y": "MTF η, ½ samples' Nyquist",
+        "mtf_pixel_nyquist_x": "MTF ξ, pixels' Nyquist",
+        "mtf_pixel_nyquist_y": "MTF η, pixels' Nyquist",
+        "mtf_half_pixel_nyquist_x": "MTF ξ, ½ pixels' Nyquist",
+        "mtf_half_pixel_nyquist_y": "MTF η, ½ pixels' Nyquist",
+    }
+)
+_FIRST = ("netd_system_K", "netd_K", "snr")
+_RANGES = ("mrtd_x_K", "detection_range_km", "ttp_range_km")
+_MOST_FIRST = 2
+
+
+def title_of(figure: Figure, shown: Sequence[Figure] = ()) -> str:
+    """Name and unit; with its node where others are called alike."""
+    if figure.is_total:
+        return _PLACES[figure.name] + (", with electronics" if figure.node == SYSTEM else "")
+    unit = f" ({figure.unit})" if figure.unit else ""
+    alike = [other for other in shown if other.name == figure.name and other.node != figure.node]
+    return f"{label_of(figure.name)}{unit}" + (f", {figure.node}" if alike else "")
+
+
+def listed_titles(every: Sequence[Figure]) -> list[str]:
+    """As the list of all figures has them: without their units."""
+    nodes: dict[str, set[str]] = {}
+    for figure in every:
+        nodes.setdefault(figure.name, set()).add(figure.node)
+    one_each = {name: min(having) for name, having in nodes.items()}
+    other = {name: max(having) for name, having in nodes.items()}
+    titles = []
+    for figure in every:  # two of a name are enough to see whether others are called alike
+        ends = (one_each[figure.name], other[figure.name])
+        alike = [replace(figure, node=node) for node in ends]
+        titles.append(title_of(replace(figure, unit=""), alike))
+    return titles
+
+
+def renamed(text: str, old: str, new: str) -> str:
+    """A figure's name, ``NODE.NAME``, once a node is called otherwise."""
+    node, _, name = text.rpartition(".")
+    return f"{new}.{name}" if node == old else text
+
+
+def in_order(known: Mapping[str, Figure], network: Network) -> dict[str, Figure]:
+    """The figures as they are listed: what is looked for most comes first."""
+
+    def place(figure: Figure) -> int:
+        if figure.is_total:
+            return 1 if figure.node == TOTAL else 2
+        return 0 if network.nodes[figure.node].module in SENSORS else 3
+
+    return {figure.text: figure for figure in sorted(known.values(), key=place)}
+
+
+def first_figures(
+    network: Network, known: Mapping[str, Figure], analysis: str = ""
+) -> frozenset[str]:
+    """What is shown until the person chooses: NETD, SNR and the MTF at the pixels' Nyquist.
+
+    Where a network makes no pixels, it is the MTF at the samples' Nyquist.
+
+    They do not hang on the parameters of an analysis node: where one of these is varied, it is
+    that node's own figures.
+    """
+    own = [figure.text for figure in known.values() if analysis and figure.node == analysis]
+    if own:
+        ranges = [name for name in own if name.rpartition(".")[2] in _RANGES]
+        return frozenset(ranges or own[:_MOST_FIRST])
+    electronics = [node.id for node in network.nodes.values() if node.module in SENSORS]
+    names = [f"{electronics[-1]}.{name}" for name in _FIRST] if electronics else []
+    of_pixels = "pixel_" if makes_pixels(network) else ""
+    names += [f"{TOTAL}.mtf_{of_pixels}nyquist_x"]
+    if not electronics:
+        names += [f"{TOTAL}.mtf_half_{of_pixels}nyquist_x"]
+    known_names = [name for name in names if name in known]
+    return frozenset(known_names or list(known)[:_MOST_FIRST])
+
+
+# The query of the trade-off dock: figures at some values of a parameter.
+
+
+@dataclass(frozen=True)
+class Part:
+    """Points of a trade-off; parts of the same `state` of the network belong together."""
+
+    state: Hashable
+    points: tuple[Point, ...]
+
+
+@dataclass(frozen=True)
+class TradeOffQuery(Query):
+    """Figures at these values; the whole trade-off takes several queries, the coarsest first.
+
+    Nodes that are held back count as generated.
+    """
+
+    waits: ClassVar[bool] = True
+
+    node: str
+    parameter: str
+    values: tuple[Any, ...]
+    figures: tuple[Figure, ...]
+
+    def key(self, plan: Plan) -> Hashable:
+        """The question, and all that the figures depend on but the parameter that is varied."""
+        return self, self._state(plan)
+
+    def answer(self, passing: Passing) -> Part:
+        """The points."""
+        parameter_of(passing.plan.network, passing.engine, self.node, self.parameter)
+        sweep = TradeOff(self.node, self.parameter, self.values, self.figures)
+        points = sweep.points(passing.engine, passing.plan, SideWork(passing.work))
+        return Part(self._state(passing.plan), tuple(points))
+
+    def _state(self, plan: Plan) -> Hashable:
+        network = plan.network
+        names = {figure.node for figure in self.figures if not figure.is_total}
+        # A parameter that follows others hangs on nodes that no wire leads from.
+        linked = any(node.linked for node in network.nodes.values())
+        everything = linked or any(f.is_total for f in self.figures)
+        asked = {*network.nodes} if everything else set(names)
+        for name in names & {*network.nodes}:
+            asked |= ancestors(network, name)
+        nodes = []
+        for name in sorted({*asked, self.node} & {*network.nodes}):
+            node = network.nodes[name]
+            params = {n: v for n, v in node.params.items() if (name, n) != self._varied}
+            values = repr(sorted(params.items()))
+            nodes.append((name, node.module, node.disabled, values, _files(plan, name)))
+        links = tuple(link for link in network.links if link.target in asked)
+        return tuple(nodes), links, network.seed, network.marked, repr(network.extra.get("final"))
+
+    @property
+    def _varied(self) -> tuple[str, str]:
+        return self.node, self.parameter
+
+
+def _files(plan: Plan, name: str) -> Hashable:
+    """What a node that reads a file has found there: it may have changed meanwhile."""
+    planned = plan.nodes.get(name)
+    if planned is None or planned.module is None:
+        return None
+    if not any(isinstance(value, Path) for value in planned.module.values().values()):
+        return None
+    return tuple(getattr(value, "key", None) for value in planned.outputs.values())
+
+
+# Work beside a pass: it takes what the pass's store holds, and leaves nothing there.
+#
+# The pictures of a trade-off would crowd out what the next edit of the network needs again.
+
+SIDE_BYTES = 1 << 28
+
+
+class SideStore(Store):
+    """Finds values in another store too, and keeps its own to itself."""
+
+    def __init__(self, base: Store, capacity_bytes: int = SIDE_BYTES) -> None:
+        super().__init__(capacity_bytes)
+        self._base = base
+
+    def peek(self, key: str, default: Any = None) -> Any:
+        """The value of `key` in either store, else `default`."""
+        value = super().peek(key, self)
+        return self._base.peek(key, default) if value is self else value
+
+
+class SideWork(Work):
+    """An evaluation that stops when another one is to stop, and works in its threads."""
+
+    def __init__(self, work: Work) -> None:
+        super().__init__(work.policy, SideStore(work.store))
+        self._work = work
+
+    def check(self) -> None:
+        """Raise `Cancelled` if the other one is to stop."""
+        self._work.check()
+
+    def for_each(self, function: Callable[[Any], None], items: Sequence[Any]) -> None:
+        """Call `function` on every item, in the other one's threads."""
+        self._work.for_each(function, items)

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable
+from collections.abc import Collection, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
-from core.modules.library_type import Library
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QStandardItem, QStandardItemModel
+from PySide6.QtWidgets import QComboBox, QSizePolicy, QWidget
+
+from app.editor.declared_text import titled
+from app.editor.session import Session
+from app.editor.widgets import require_defined
+from core.modules.declaration import Library
 from core.network.macro import declared_node
 from core.network.network import Network, Node, passed_through
 
@@ -77,3 +85,145 @@ def followed(port: str, before: Network, after: Network) -> str | None:
 def _alike(old: Node, new: Node) -> bool:
     """Whether it is the same node under another name, or grouped, or no longer so."""
     return replace(old, id=new.id, noise=new.noise) == new
+
+
+# A list of what the nodes of a network have, to choose from, by node.
+
+VALUE = Qt.ItemDataRole.UserRole
+
+
+class NodeChoice(QComboBox):
+    """Entries under the names of their nodes; the first one stands for none.
+
+    Subclasses give their entries in `groups` and say in `take` what a choice does. They call
+    `fill` once they are made.
+
+    Parameters
+    ----------
+    session : Session
+        The open document.
+    nothing : str
+        What stands for none.
+    parent : QWidget or None
+        Qt's owner.
+    """
+
+    def __init__(self, session: Session, nothing: str, parent: QWidget | None) -> None:
+        require_defined(type(self), NodeChoice, "groups", "take")
+        super().__init__(parent)
+        self.session = session
+        self.value = ""
+        """The entry that is chosen; empty for none."""
+        self._nothing = nothing
+        self._filled: Hashable = None
+        self.entries = QStandardItemModel(self)
+        self.setModel(self.entries)
+        self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self.setMaxVisibleItems(24)
+        self.activated.connect(self.take_at)
+        session.changed.connect(self._changed)
+        session.opened.connect(self.fill)
+
+    def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
+        """The names of nodes, with the entries below each."""
+        return ()
+
+    def take(self, value: str | None) -> None:
+        """An entry has been chosen: its value, empty for none; None where it has no value."""
+
+    def take_at(self, index: int) -> None:
+        """Choose the entry at a place of the list."""
+        self.take(self.itemData(index, VALUE))
+
+    def show_value(self, value: str) -> None:
+        """Show an entry as chosen, without a signal."""
+        self.value = value
+        self.setCurrentIndex(max(0, self.findData(value, VALUE)))
+        self.setToolTip(value or self._nothing)
+
+    def showPopup(self) -> None:
+        """Make the list as wide as its longest line."""
+        bar = self.view().verticalScrollBar().sizeHint().width()
+        width = self.view().sizeHintForColumn(0) + bar
+        self.view().setMinimumWidth(max(width, self.width()))
+        super().showPopup()
+
+    def fill(self) -> None:
+        """List what the network has now."""
+        self._filled = ports_depend_on(self.session.network)
+        rows = [entry(self._nothing, "")]
+        for name, entries in self.groups():
+            head = QStandardItem(name)
+            head.setFlags(Qt.ItemFlag.NoItemFlags)
+            rows += [head, *entries]
+        self.entries.clear()
+        self.entries.invisibleRootItem().appendRows(rows)  # at once: the box follows each insertion
+        self.show_value(self.value)
+
+    def _changed(self, _before: Any, after: Any) -> None:
+        if ports_depend_on(after) != self._filled:
+            self.fill()
+
+
+def entry(text: str, value: str, tooltip: str = "") -> QStandardItem:
+    """An entry of the list."""
+    item = QStandardItem(text)
+    item.setData(value, VALUE)
+    if tooltip:
+        item.setToolTip(tooltip)
+    return item
+
+
+# The choice of a wire: every output of the network that can be shown, by node.
+
+
+class PortChoice(NodeChoice):
+    """A list of ports under the names of their nodes.
+
+    Parameters
+    ----------
+    session : Session
+        The open document.
+    types : tuple of str
+        Types of ports it offers.
+    nothing : str
+        What stands for no port.
+    parent : QWidget, optional
+        Qt's owner.
+
+    Signals
+    -------
+    chosen(port)
+        The person has chosen a port; an empty text is none.
+    """
+
+    chosen = Signal(str)
+
+    def __init__(
+        self, session: Session, types: tuple[str, ...], nothing: str, parent: QWidget | None = None
+    ) -> None:
+        super().__init__(session, nothing, parent)
+        self._types = types
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setMinimumContentsLength(3)
+        self.fill()
+
+    @property
+    def port(self) -> str:
+        """The port that is chosen, ``NODE.PORT``; empty for none."""
+        return self.value
+
+    def choose(self, port: str | None) -> None:
+        """Show a port as chosen, without a signal."""
+        self.show_value(port or "")
+
+    def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
+        """The ports by node."""
+        for group in ports_by_node(self.session.network, self.session.library, self._types):
+            yield titled(group.node, group.title), [entry(port, port) for port in group.ports]
+
+    def take(self, value: str | None) -> None:
+        """Signal the port."""
+        if value is not None:
+            self.value = value
+            self.chosen.emit(value)

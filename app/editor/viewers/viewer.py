@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Signal
-from PySide6.QtGui import QCloseEvent, QHideEvent, QShowEvent
-from PySide6.QtWidgets import QWidget
+from PySide6.QtGui import QCloseEvent, QColor, QHideEvent, QShowEvent
+from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
+from app.editor.widgets import ElidedLabel
 from core.network.network import Network
 
 if TYPE_CHECKING:
@@ -124,3 +125,51 @@ class Viewer(QWidget):
 
     def _opened(self) -> None:
         self.follow_opening()
+
+
+# The line below what a viewer shows: two texts, the first one in red where it is an error.
+
+
+class StatusLine(QWidget):
+    """What is shown or why nothing is, and what there is to read under the cursor.
+
+    Parameters
+    ----------
+    owner : str
+        The viewer's name, which those of the texts begin with.
+    description, more : str
+        What the texts are, for those who cannot see them.
+    parent : QWidget
+        The viewer.
+    """
+
+    def __init__(self, owner: str, description: str, more: str, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._theme: Theme | None = None
+        self._failed = False
+        self.title = ElidedLabel(f"{owner}.title", description, self)
+        self.more = ElidedLabel(f"{owner}.read", more, self)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(6, 0, 6, 2)
+        layout.addWidget(self.title, 1)
+        layout.addWidget(self.more, 0)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Write in other colours."""
+        self._theme = theme
+        palette = self.palette()
+        colour = theme.error if self._failed else theme.text
+        palette.setColor(self.title.foregroundRole(), QColor(colour))
+        self.title.setPalette(palette)
+
+    def show_text(self, text: str, *, failed: bool = False) -> None:
+        """Show what the viewer shows, or what has failed."""
+        self.title.show_text(text)
+        if failed != self._failed:
+            self._failed = failed
+            if self._theme is not None:
+                self.set_theme(self._theme)
+
+    def show_more(self, text: str) -> None:
+        """Show what is under the cursor."""
+        self.more.show_text(text)

@@ -15,7 +15,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level
 from app.editor.library.library_view import LibraryView
 from app.editor.panels.panel_area import PanelArea
-from app.editor.recovery.autosaving import Autosaver
+from app.editor.recovery.recovery_files import Autosaver
 from app.editor.session import Session
 from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.figures.figures_strip import FiguresStrip
@@ -27,28 +27,23 @@ from app.editor.window.actions.focus import go_to_next
 from app.editor.window.actions.help import Help
 from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.background.background_runs import BackgroundRuns
-from app.editor.window.docks.dock_places import add_dock, stand_behind
 from app.editor.window.docks.dock_toggles import add_dock_toggles, follow_docks
-from app.editor.window.docks.first_views import FirstViews
 from app.editor.window.docks.fit_dock import FitDock
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
-from app.editor.window.docks.layouts import Docks, LayoutName
 from app.editor.window.docks.measure_dock import MeasureDock
 from app.editor.window.docks.snapshot_dock import SnapshotDock
-from app.editor.window.docks.viewer_docks import ViewerDocks
-from app.editor.window.docks.window_layout import WindowLayout, first_size
+from app.editor.window.docks.viewer_docks import FirstViews, ViewerDocks, add_dock, stand_behind
+from app.editor.window.docks.window_layout import Docks, LayoutName, WindowLayout, first_size
 from app.editor.window.documents.drops import Drops
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.preset_shelf import PresetShelf
-from app.editor.window.documents.recent_files import RecentMenu
+from app.editor.window.documents.recent_files import RecentMenu, Settings
 from app.editor.window.documents.recovery import Recovery
-from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.documents.welcome import WelcomePage
-from app.editor.window.pages import Pages
-from app.editor.window.status import StatusBar
+from app.editor.window.pages import Pages, StatusBar
 from core.errors import ImagechainError
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 
 _LEFT, _RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
 

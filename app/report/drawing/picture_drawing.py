@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
-from collections.abc import Iterator, Sequence
+import logging
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.report.drawing.as_written import as_written
-from app.report.drawing.plain_matplotlib import load_matplotlib
 from app.report.drawing.printed_numbers import number
 from app.report.drawing.pupils import Panel
-from app.run.png import robust_limits
+from app.run.saving import robust_limits
 from core.chain.wires import Image
-from core.errors import ImagechainError
+from core.errors import ImagechainError, NetworkError
+from core.names import close, printable
+from core.network.network import Network
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import band_radiance, brightness_temperature
 
@@ -217,3 +223,124 @@ def _unit(unit: str) -> str:
 
 def _quantity(image: Image) -> str:
     return "radiance" if image.unit == RADIANCE else "value"
+
+
+# Matplotlib without the user's settings, and without messages on standard error.
+
+
+def load_matplotlib() -> Any:
+    """Import matplotlib as it was made: pictures are the same for every user and folder.
+
+    Where the user's cache folder cannot be written, it makes a temporary one itself and removes it.
+    """
+    if "matplotlib" not in sys.modules:
+        logging.getLogger("matplotlib").setLevel(logging.CRITICAL + 1)
+        own = _own_settings()
+        with _environment(MPLBACKEND="Agg", MATPLOTLIBRC=str(own)), _within(own.parent):
+            import matplotlib.backends.backend_agg
+            import matplotlib.figure
+    import matplotlib as mpl
+
+    return mpl
+
+
+def _own_settings() -> Path:
+    spec = find_spec("matplotlib")
+    assert spec is not None
+    assert spec.submodule_search_locations is not None
+    return Path(spec.submodule_search_locations[0]) / "mpl-data" / "matplotlibrc"
+
+
+@contextlib.contextmanager
+def _environment(**variables: str) -> Iterator[None]:
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@contextlib.contextmanager
+def _within(folder: Path) -> Iterator[None]:
+    """Go to a folder: a matplotlibrc in the current one goes before any other."""
+    if not Path("matplotlibrc").exists():
+        yield
+        return
+    with contextlib.chdir(folder):
+        yield
+
+
+# Texts of a figure as they are written: a dollar sign is a dollar sign, and begins no formula.
+
+
+def as_written(drawn: Any) -> None:
+    """Have the figure's texts drawn letter by letter, not as formulas: they are the network's.
+
+    What numbers on axes are written with, powers of ten, stays.
+    """
+    from matplotlib.axis import Axis
+    from matplotlib.text import Text
+    from matplotlib.ticker import FixedFormatter, FuncFormatter
+
+    of_axes: set[int] = set()
+    for axis in drawn.findobj(Axis):
+        formatter = axis.get_major_formatter()
+        if isinstance(formatter, FixedFormatter):
+            formatter.seq = [_escaped(label) for label in formatter.seq]
+        elif isinstance(formatter, FuncFormatter):
+            formatter.func = _escaping(formatter.func)
+        ticks = (*axis.get_major_ticks(), *axis.get_minor_ticks())
+        of_axes.update(id(text) for tick in ticks for text in (tick.label1, tick.label2))
+        of_axes.add(id(axis.get_offset_text()))
+    for text in drawn.findobj(Text):
+        if id(text) not in of_axes:
+            text.set_parse_math(False)
+            text.set_text(printable(text.get_text()))
+
+
+def _escaping(named: Callable[..., str]) -> Callable[..., str]:
+    return lambda *place: _escaped(named(*place))
+
+
+def _escaped(text: str) -> str:
+    return printable(text).replace("$", r"\$")
+
+
+# Which figures of a publication those of the report are drawn as.
+#
+# A network may carry a field for it, `drawn_as`, with a text for each of these of our figures:
+# `stages`, the MTF of every stage; `total`, all of them together; `judged`, the MTF measured in
+# the
+# final picture.
+
+FIGURES = ("stages", "total", "judged")
+
+
+def drawn_as(network: Network) -> dict[str, str]:
+    """The publication's figure by ours.
+
+    Raises
+    ------
+    NetworkError
+        If the network's field is not as it should be.
+    """
+    given = network.extra.get("drawn_as", {})
+    if not isinstance(given, Mapping):
+        raise NetworkError("drawn_as must be an object of figures")
+    for name, text in given.items():
+        if name not in FIGURES:
+            hint = close(name, FIGURES) or f"; there are {', '.join(FIGURES)}"
+            raise NetworkError(f"drawn_as has an unknown figure {name!r:.80}{hint}")
+        if not isinstance(text, str):
+            raise NetworkError(f"drawn_as: {name} must be a text")
+    return dict(given)
+
+
+def named(caption: str, figure: str | None) -> str:
+    """The caption, with the publication's figure before it."""
+    return f"As {figure}. {caption}" if figure else caption

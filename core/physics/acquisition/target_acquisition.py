@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 from scipy.special import expit
 
 from core.errors import ParameterError
-from core.physics.numerics.array_checks import (
+from core.physics.numerics.quadrature import range_for_probability
+from core.physics.numerics.scalar_checks import (
     Values,
     all_above_zero,
     all_finite,
@@ -21,7 +22,6 @@ from core.physics.numerics.array_checks import (
     broadcast,
     rising,
 )
-from core.physics.numerics.probability_range import range_for_probability
 
 
 def johnson_probability(*, cycles: ArrayLike, n50: ArrayLike) -> Any:

@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from core.errors import ParameterError
 from core.physics.atmosphere.air_path import Points
 from core.physics.numerics.scalar_checks import non_negative, within
-from core.physics.radiometry.band_nodes import band_nodes
-from core.physics.radiometry.planck import spectral_radiance
-from core.physics.radiometry.sunlight import SUN_SHARE, SUNLIGHT_K
+from core.physics.radiometry.materials import SUN_SHARE, SUNLIGHT_K
+from core.physics.radiometry.planck import band_nodes, spectral_radiance
 
 FloatArray = NDArray[np.float64]
 

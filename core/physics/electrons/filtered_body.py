@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError
-from core.physics.detector.response_curve import ResponseCurve
+from core.physics.detector.detectivity import ResponseCurve
 from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
-from core.physics.radiometry.band_nodes import band_nodes
 from core.physics.radiometry.constants import SECOND_RADIATION_CONSTANT_UM_K
-from core.physics.radiometry.planck import spectral_radiance
+from core.physics.radiometry.planck import band_nodes, spectral_radiance
 
 FloatArray = NDArray[np.float64]
 Band = tuple[float, float]

@@ -18,11 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.detector.response_curve import ResponseCurve
+from core.physics.detector.detectivity import ResponseCurve
 from core.physics.electrons.filtered_body import FilteredBody
 from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
-from core.physics.numerics.brent_root import brent_root
-from core.physics.numerics.chebyshev import chebyshev_sum
+from core.physics.numerics.quadrature import brent_root, chebyshev_sum
 from core.physics.radiometry.planck import (
     band_radiance,
     band_radiance_derivative,

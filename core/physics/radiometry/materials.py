@@ -6,12 +6,17 @@ The values are typical published ones, not those of one device; a measured D* is
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from math import inf
 from types import MappingProxyType
 from typing import Literal
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from core.errors import ParameterError
+from core.physics.radiometry.planck import band_radiance, spectral_radiance
 
 MANUAL = "manual"
 """The choice of a D* typed in by hand, in every region."""
@@ -145,3 +150,119 @@ def find_material(*, region: str, material: str, cut_off_um: float | None = None
     named.sort(key=lambda choice: choice.cut_off_um)
     reaching = [choice for choice in named if choice.cut_off_um >= (cut_off_um or 0.0)]
     return reaching[0] if reaching else named[-1]
+
+
+# The Sun's direct light on the ground, without the air.
+
+SUNLIGHT_K = 5800.0
+"""Temperature of the black body that stands for the Sun's spectrum."""
+
+_SUN_RADIUS_M = 6.957e8
+_ASTRONOMICAL_UNIT_M = 1.495978707e11
+SUN_SHARE = (_SUN_RADIUS_M / _ASTRONOMICAL_UNIT_M) ** 2
+"""Radiance of a white matt surface in overhead sun, as a share of the Sun's own. Source of the
+numbers: IAU 2015, resolution B3 (nominal values); IAU 2012, resolution B2."""
+
+
+def white_surface_radiance(
+    *, cut_on_um: float, cut_off_um: float, sun_elevation_deg: float
+) -> float:
+    """Band radiance of a level, white, matt surface in direct sunlight.
+
+    L = E·sin(elevation)/π with E = Ω·L_band(5800 K), Ω/π = (radius/distance)² of the Sun.
+
+    Parameters
+    ----------
+    cut_on_um, cut_off_um : float
+        Band [µm].
+    sun_elevation_deg : float
+        Of the Sun above the horizon, 0 to 90.
+
+    Returns
+    -------
+    float
+        Radiance [W m⁻² sr⁻¹]; 0 where the Sun is on the horizon.
+
+    Raises
+    ------
+    ParameterError
+        For a band or an elevation out of range.
+
+    Notes
+    -----
+    Source: Planck's law; Lambert's cosine law. Over all wavelengths E is 1390 W m⁻², where 1361
+    are measured (Kopp and Lean 2011, Geophysical Research Letters 38, L01706).
+    """
+    if not 0.0 <= sun_elevation_deg <= 90.0:
+        raise ParameterError("sun_elevation_deg", sun_elevation_deg, "0 to 90", unit="deg")
+    own = band_radiance(cut_on_um=cut_on_um, cut_off_um=cut_off_um, temperature_K=SUNLIGHT_K)
+    return SUN_SHARE * math.sin(math.radians(sun_elevation_deg)) * float(own)
+
+
+# Spectra given at a few wavelengths, straight between them, and their means over a band.
+
+FloatArray = NDArray[np.float64]
+_PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+@dataclass(frozen=True)
+class CoarseSpectrum:
+    """A quantity at a few wavelengths.
+
+    Parameters
+    ----------
+    points : tuple of (wavelength, value)
+        Wavelengths ascending [µm]; straight between them, and constant beyond the ends.
+
+    Raises
+    ------
+    ParameterError
+        If there are no points, or their wavelengths do not ascend.
+    """
+
+    points: tuple[tuple[float, float], ...]
+
+    def __post_init__(self) -> None:
+        wavelengths = [wavelength for wavelength, _ in self.points]
+        if not wavelengths or not np.all(np.diff(wavelengths) > 0.0):
+            raise ParameterError("points", wavelengths, "one or more, of ascending wavelengths")
+
+    def at(self, wavelength_um: ArrayLike) -> FloatArray:
+        """Values at wavelengths [µm]."""
+        wavelengths, values = np.array(self.points).T
+        return np.asarray(np.interp(np.asarray(wavelength_um, float), wavelengths, values))
+
+
+def mean_by_planck(
+    *spectra: CoarseSpectrum, cut_on_um: float, cut_off_um: float, temperature_K: ArrayLike
+) -> FloatArray:
+    """Mean of a spectrum, or of a product of several, by the light of black bodies in a band.
+
+    ∫ s(λ)·L(λ, T) dλ / ∫ L(λ, T) dλ by Gauss's rule between the points: with the band's radiance,
+    the light that a surface of that emissivity gives, however wide the band is.
+
+    Parameters
+    ----------
+    *spectra : CoarseSpectrum
+        Whose product is averaged.
+    cut_on_um, cut_off_um : float
+        Band [µm].
+    temperature_K : array_like
+        Of the black bodies [K], (temperatures,).
+
+    Returns
+    -------
+    ndarray, (temperatures,)
+        The plain mean where a black body gives no light that a number can hold.
+    """
+    points = {wavelength for spectrum in spectra for wavelength, _ in spectrum.points}
+    inside = sorted(point for point in points if cut_on_um < point < cut_off_um)
+    ends = np.array([cut_on_um, *inside, cut_off_um])
+    middle, half = (ends[1:] + ends[:-1]) / 2.0, np.diff(ends) / 2.0
+    places = (middle[:, None] + half[:, None] * _PLACES).ravel()
+    widths = (half[:, None] * _WEIGHTS).ravel()
+    kelvins = np.atleast_1d(np.asarray(temperature_K, float))
+    light = widths * spectral_radiance(places, kelvins[:, None])
+    light[~(light.sum(axis=1) > 0.0)] = widths
+    values = np.prod([spectrum.at(places) for spectrum in spectra], axis=0)
+    return np.asarray((light @ values) / light.sum(axis=1))

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from core.errors import ParameterError
 from core.physics.numerics.scalar_checks import positive, within
+from core.physics.optics.sampled_otf import Complexes, autocorrelation
 
 # Far below any optics, and so far above the least number that frequencies have squares.
 LEAST_FIELD_DEG = 1e-30
@@ -156,3 +160,102 @@ def _count(samples: int) -> int:
     if within("samples", samples, 1, 2**53) != int(samples):
         raise ParameterError("samples", samples, "a whole number, 1 or above")
     return int(samples)
+
+
+# How far the OTF of a sampled pupil may be from that of the aperture it stands for.
+
+Floats = NDArray[np.float64]
+# An edge that comes off by d moves the overlap by up to 2d per length and the pupil's own area by
+# d; over all lags and the shapes of this library their quotient changes by at most 1.5 d per area.
+_STRAIGHT_EDGE_FACTOR = 1.5
+# Runs of a stair round a curve or a slant err independently; the largest error over all lags is
+# below this many times the root of the sum of their squared lengths.
+_STAIR_FACTOR = 1.2
+
+
+def error_estimate(
+    pupil: ArrayLike,
+    *,
+    correlation: Complexes,
+    interpolated: bool = True,
+    edge_uncertainty_samples: float = 0.5,
+) -> float:
+    """Estimate that covers the largest error of a sampled pupil's OTF over all lags.
+
+    Parameters
+    ----------
+    pupil : array_like
+        Amplitude transmission, real or complex, shape (rows, columns).
+    correlation : ndarray
+        Its raw autocorrelation, from `autocorrelation`.
+    interpolated : bool
+        Whether fractional lags are evaluated.
+    edge_uncertainty_samples : float
+        How far the true edges along rows or columns may lie from the pixel borders: half a sample
+        when nothing is known, 0 when the edges are the pixels' own.
+
+    Returns
+    -------
+    float
+        Estimated largest absolute error.
+
+    Notes
+    -----
+    The sum of: straight edges along the grid, whose position is known to half a sample only (the
+    largest term by far where there are any); stairs round curves and slants, which average out;
+    what the samples of a wavefront miss, from the four half-resolution pupils; and the curvature
+    between lags where interpolated. A feature narrower than a sample may leave no trace in the
+    samples: no estimate from them can cover its loss.
+    """
+    samples = np.asarray(pupil)
+    samples = samples / np.max(np.abs(samples))
+    area = float(np.sum(np.abs(samples) ** 2))
+    runs = np.concatenate([_edge_runs(np.abs(samples)), _edge_runs(np.abs(samples).T)])
+    # A circle's flat side runs for 2 sqrt(2 R) samples; what is longer is a straight edge.
+    extent = float(np.max(np.ptp(np.argwhere(np.abs(samples) > 0.0), axis=0))) + 1.0
+    straight = runs > 1.0 + 2.0 * np.sqrt(extent)
+    edges = _STRAIGHT_EDGE_FACTOR * edge_uncertainty_samples * float(np.sum(runs[straight]))
+    stairs = _STAIR_FACTOR * float(np.sqrt(np.sum(runs[~straight] ** 2)))
+    total = (edges + stairs) / area
+    if np.iscomplexobj(samples) and np.any(samples.imag):
+        total += _half_resolution_spread(samples, correlation)
+    if interpolated:
+        total += _curvature(correlation) + _curvature(correlation.T)
+    return min(total, 2.0)
+
+
+def _edge_runs(amplitude: Floats) -> Floats:
+    """Lengths of the unbroken stretches of pixel borders along rows that carry an edge."""
+    steps = np.diff(np.pad(amplitude, ((1, 1), (1, 1))), axis=0)
+    signs = np.sign(np.where(np.abs(steps) > 0.25, steps, 0.0)).ravel()
+    ends = np.flatnonzero(np.diff(signs, prepend=0.0, append=0.0))
+    lengths = np.diff(ends).astype(np.float64)
+    return np.asarray(lengths[signs[ends[:-1]] != 0.0], dtype=np.float64)
+
+
+def _half_resolution_spread(samples: Complexes, correlation: Complexes) -> float:
+    """Largest difference at even lags from the pupil with every other row and column."""
+    rows, columns = samples.shape
+    largest = 0.0
+    for first_row in range(min(2, rows)):
+        for first_column in range(min(2, columns)):
+            part = samples[first_row::2, first_column::2]
+            if not np.any(part):
+                return 2.0
+            coarse = autocorrelation(part)
+            reach_y, reach_x = (2 * (size // 2) for size in coarse.shape)
+            fine = correlation[
+                rows - 1 - reach_y : rows + reach_y : 2,
+                columns - 1 - reach_x : columns + reach_x : 2,
+            ]
+            largest = max(largest, float(np.max(np.abs(fine - coarse))))
+    return largest
+
+
+def _curvature(correlation: Complexes) -> float:
+    """Largest second difference across, over 8; the cusp on the axis is a node."""
+    columns = correlation.shape[1]
+    if columns < 5:
+        return 0.0
+    half = correlation[:, columns // 2 :]
+    return float(np.max(np.abs(np.diff(half, n=2, axis=1)))) / 8.0

@@ -8,10 +8,9 @@ from core.chain.wires import Curve, Header, Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import NodeContext, readout
-from core.modules.formula import Formula
 from core.modules.panel_sections import Section
-from core.modules.parameters import Param
-from core.physics.measurement.levels.sample_sums import Between
+from core.modules.parameters import Formula, Param
+from core.physics.measurement.levels.photon_transfer import Between
 from core.physics.sampling.ground_geometry import (
     Camera,
     check_horizon,
@@ -20,6 +19,8 @@ from core.physics.sampling.ground_geometry import (
     ground_sample,
 )
 from nodes.analysis.camera.camera_sampling import (
+    CameraSettings,
+    Ground,
     covered,
     geometry_table,
     ground_curve,
@@ -27,8 +28,7 @@ from nodes.analysis.camera.camera_sampling import (
     sampled,
     swath_m,
 )
-from nodes.analysis.camera.camera_settings import CameraSettings, Ground
-from nodes.shared.table_figures import figure
+from nodes.shared.module_ports import figure
 
 
 class CameraOutputs(NamedTuple):

@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.wires import Image
+from core.errors import ParameterError
 from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.physics.measurement.levels.sample_sums import Between
-from core.physics.sampling.footprint_means import footprint_coverage, footprint_means, strips_error
-from core.physics.sampling.footprints import Footprints, footprints
+from core.modules.declaration import Module
+from core.modules.parameters import Param
+from core.physics.measurement.levels.photon_transfer import Between
+from core.physics.sampling.footprint_means import (
+    Footprints,
+    footprint_coverage,
+    footprint_means,
+    footprints,
+    strips_error,
+)
 from core.physics.sampling.ground_geometry import (
     Camera,
+    Kind,
     across,
     along,
     ground_bounds,
@@ -22,9 +34,9 @@ from core.physics.sampling.ground_geometry import (
     ground_points,
     ground_sample,
     line_widths,
+    step_of_field_mrad,
     view_angles,
 )
-from nodes.analysis.camera.camera_settings import Ground
 
 Array = NDArray[Any]
 FINER = 4  # times as many strips, to estimate the error
@@ -160,3 +172,190 @@ def geometry_table(
             ),
         )
     )
+
+
+# Where a camera stands and looks, and how it samples: parameters, and what follows from them.
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A scene's size, and how far its samples are apart on the ground."""
+
+    rows: int
+    columns: int
+    interval_x_m: float
+    interval_y_m: float
+
+    @property
+    def reach_m(self) -> tuple[float, float]:
+        """From its middle to its borders, across and along."""
+        return 0.5 * self.columns * self.interval_x_m, 0.5 * self.rows * self.interval_y_m
+
+
+class CameraSettings(Module):
+    """The camera's parameters."""
+
+    kind: Annotated[
+        Kind, Param("line scanner, pushbroom, or framing camera that takes all lines at once")
+    ] = "line"
+    altitude_m: Annotated[
+        float, Param("height above the ground", unit="m", low=0, above=True, slider=(100, 10000))
+    ] = 1000.0
+    ground_interval_m: Annotated[
+        float | None,
+        Param(
+            "the scene's sampling on the ground; empty: its angular interval × altitude",
+            unit="m",
+            low=0,
+            slider=(0.1, 10),
+        ),
+    ] = None
+    ground_interval_y_m: Annotated[
+        float | None,
+        Param("the scene's sampling down the picture; empty: as across", unit="m", low=0),
+    ] = None
+    columns: Annotated[
+        int | None,
+        Param("samples across; empty: as the scene has", low=1, high=65536, slider=(16, 2048)),
+    ] = None
+    rows: Annotated[
+        int | None,
+        Param("lines along; empty: as the scene has", low=1, high=65536, slider=(16, 2048)),
+    ] = None
+    fov_x_deg: Annotated[
+        float | None,
+        Param(
+            "field of view across; empty: columns × pitch / focal length",
+            unit="deg",
+            low=0,
+            high=180,
+            below=True,
+        ),
+    ] = 20.0
+    pitch_x_um: Annotated[
+        float | None, Param("pitch of samples across", unit="µm", low=0, slider=(1, 1000))
+    ] = None
+    pitch_y_um: Annotated[
+        float | None,
+        Param("pitch of samples along; empty: as across", unit="µm", low=0, slider=(1, 1000)),
+    ] = None
+    focal_length_mm: Annotated[
+        float | None, Param("focal length", unit="mm", low=0, slider=(10, 1000))
+    ] = None
+    velocity_m_per_s: Annotated[
+        float | None,
+        Param("flight over the ground; empty: lines join at nadir", unit="m/s", low=0),
+    ] = None
+    line_rate_Hz: Annotated[
+        float | None, Param("lines a second; empty: lines join at nadir", unit="Hz", low=0)
+    ] = None
+    roll_deg: Annotated[
+        float, Param("view turned to the right", unit="deg", low=-89, high=89, slider=(-45, 45))
+    ] = 0.0
+    pitch_deg: Annotated[
+        float, Param("view turned ahead", unit="deg", low=-89, high=89, slider=(-45, 45))
+    ] = 0.0
+    yaw_deg: Annotated[
+        float, Param("heading, clockwise from down the picture", unit="deg", low=-180, high=180)
+    ] = 0.0
+    offset_x_m: Annotated[
+        float, Param("camera right of the scene's middle", unit="m", slider=(-500, 500))
+    ] = 0.0
+    offset_y_m: Annotated[
+        float, Param("camera below the scene's middle", unit="m", slider=(-500, 500))
+    ] = 0.0
+
+    def camera(self, image: Image) -> Camera:
+        """The camera, with what is left empty taken from the scene or worked out.
+
+        Raises
+        ------
+        ParameterError
+            If the size of a sample does not follow, or follows twice.
+        """
+        columns, rows = self.columns or image.columns, self.rows or image.rows
+        step_x = self._step_x(columns)
+        step_y = step_x
+        if self.pitch_y_um is not None:
+            focal_length = self.focal_length_mm
+            if focal_length is None and self.pitch_x_um is not None:
+                focal_length = self.pitch_x_um / step_x
+            if focal_length is None:
+                raise ParameterError(
+                    "focal_length_mm", None, "pitch_y_um needs it, or pitch_x_um", unit="mm"
+                )
+            step_y = self.pitch_y_um / focal_length
+        return Camera(
+            kind=self.kind,
+            altitude_m=self.altitude_m,
+            columns=columns,
+            rows=rows,
+            step_x_mrad=step_x,
+            step_y_mrad=step_y,
+            line_spacing_m=self._line_spacing_m(step_y),
+            roll_deg=self.roll_deg,
+            pitch_deg=self.pitch_deg,
+            yaw_deg=self.yaw_deg,
+            offset_x_m=self.offset_x_m,
+            offset_y_m=self.offset_y_m,
+        )
+
+    def _step_x(self, columns: int) -> float:
+        pitch, focal_length = self.pitch_x_um, self.focal_length_mm
+        of_pitch = None if pitch is None or focal_length is None else pitch / focal_length
+        if self.fov_x_deg is None:
+            if of_pitch is None:
+                raise ParameterError(
+                    "fov_x_deg", None, "give it, or pitch_x_um and focal_length_mm", unit="deg"
+                )
+            return of_pitch
+        step = step_of_field_mrad(kind=self.kind, fov_deg=self.fov_x_deg, columns=columns)
+        if of_pitch is not None and abs(step / of_pitch - 1.0) > 1e-3:
+            raise ParameterError(
+                "fov_x_deg",
+                self.fov_x_deg,
+                f"pitch_x_um / focal_length_mm makes samples of {of_pitch:.4g} mrad, this field "
+                f"{step:.4g} mrad: leave one of the three empty",
+                unit="deg",
+            )
+        return step
+
+    def _line_spacing_m(self, step_y_mrad: float) -> float:
+        if self.kind == "framing":
+            return 0.0
+        velocity, rate = self.velocity_m_per_s, self.line_rate_Hz
+        if velocity is None and rate is None:
+            return step_y_mrad / 1000.0 * self.altitude_m
+        if rate is None:
+            raise ParameterError("line_rate_Hz", None, "velocity_m_per_s needs it", unit="Hz")
+        if velocity is None:
+            raise ParameterError("velocity_m_per_s", None, "line_rate_Hz needs it", unit="m/s")
+        return velocity / rate
+
+    def ground(self, image: Image) -> Ground:
+        """The scene on the ground.
+
+        Raises
+        ------
+        ParameterError
+            If its sampling is not known, or its size is no number.
+        """
+        x, y = self.ground_interval_m, self.ground_interval_y_m or self.ground_interval_m
+        if x is None and image.interval_x_mrad is not None:
+            x = image.interval_x_mrad / 1000.0 * self.altitude_m
+        if y is None and image.interval_y_mrad is not None:
+            y = image.interval_y_mrad / 1000.0 * self.altitude_m
+        if x is None or y is None:
+            raise ParameterError(
+                "ground_interval_m",
+                None,
+                "the scene does not say its angular interval: give how far its samples are apart",
+                unit="m",
+            )
+        for name, interval, samples in (
+            ("ground_interval_m", x, image.columns),
+            ("ground_interval_y_m", y, image.rows),
+        ):
+            if not math.isfinite(interval * samples):
+                raise ParameterError(name, interval, "so small that the scene ends", unit="m")
+        return Ground(image.rows, image.columns, x, y)

@@ -1,8 +1,7 @@
 """What a picture has gone through: its transfer functions and noises, read off its recipe."""
 
-from nodes.analysis.lineage.noise_free import noise_free
-from nodes.analysis.lineage.noise_lineage import ImageNoise, NoiseOf, NoiseTerm
-from nodes.analysis.lineage.transfer_lineage import ImageTransfer, transfer_of
+from nodes.analysis.lineage.line_transfer import ImageTransfer, transfer_of
+from nodes.analysis.lineage.noise_lineage import ImageNoise, NoiseOf, NoiseTerm, noise_free
 
 __all__ = [
     "ImageNoise",

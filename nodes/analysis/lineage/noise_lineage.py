@@ -9,19 +9,17 @@ from functools import cached_property
 import numpy as np
 
 from core.chain.back_transformed import Delivered
+from core.chain.frame_sequence import Remaking
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.lineage.linear_change import Linear
-from core.lineage.step_lineage import Lineage, lineage_of
-from core.lineage.step_noise import AtStep, Noise
-from core.memory import amount_text
-from core.noise.noise_power import Array, NoisePower
-from core.noise.noise_spectrum import spectrum_of
+from core.lineage.step_lineage import AtStep, Lineage, Noise, lineage_of
+from core.noise.noise_power import Array, NoisePower, spectrum_of
 from core.noise.random_fields import Stream
 from core.physics.noise.noise_components import NoiseVariances, components_of_moments
-from nodes.analysis.lineage.noise_free import noise_free
+from core.threads import amount_text
 
 
 @dataclass(frozen=True)
@@ -341,3 +339,34 @@ def _is_noisy(recipe: Recipe) -> bool:
         seen.update(one.key for one in fresh)
         waiting += fresh
     return False
+
+
+# The picture without noise: what its noise is measured against.
+
+
+def noise_free(recipe: Recipe, *, but: Recipe | None = None) -> Recipe:
+    """The same picture with every noise at its expected value, and nothing rounded.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        Makes the picture.
+    but : Recipe, optional
+        A step on the way that keeps what it adds.
+
+    Raises
+    ------
+    DataError
+        Where a gain error as printed scales the whole picture.
+    """
+
+    def change(part: Recipe) -> Recipe | None:
+        lineage = lineage_of(part)
+        if lineage is None or lineage.noise is None:
+            return None
+        picture = made.of(lineage.noise.picture)
+        alone = but is not None and part.key == but.key
+        return lineage.noise.on(picture) if alone else lineage.noise.free(picture)
+
+    made = Remaking(change)
+    return made.of(recipe)

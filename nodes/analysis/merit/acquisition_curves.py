@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.physics.acquisition.eye_contrast import (
+from core.physics.acquisition.eye import (
     CYC_PER_DEG,
     eye_contrast_threshold,
     system_contrast_threshold,
 )
-from core.physics.acquisition.perceived_noise import perceived_share
+from core.physics.acquisition.mrtd import perceived_share
 from core.physics.acquisition.target_acquisition import (
     apparent_difference,
     johnson_probability,
@@ -27,10 +27,9 @@ from core.physics.acquisition.target_acquisition import (
 from core.physics.acquisition.ttp import TtpThreshold, thermal_contrast
 from core.physics.atmosphere.air_path import AirPath, transmission_at_ranges
 from core.physics.noise.noise_components import COMPONENTS
-from core.physics.numerics.probability_range import range_for_probability
-from core.transfer.grid import Grid
-from nodes.analysis.merit.threshold_curves import Sensitivity, Thresholds
-from nodes.analysis.merit.unseen_scene import Unseen
+from core.physics.numerics.quadrature import range_for_probability
+from core.transfer.factors import Grid
+from nodes.analysis.merit.threshold_curves import Sensitivity, Thresholds, Unseen
 
 Vector = NDArray[np.float64]
 TtpForm = Literal["mrtd", "system_contrast_threshold"]

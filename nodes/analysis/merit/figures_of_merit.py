@@ -9,16 +9,14 @@ from typing import Annotated, Literal, NamedTuple
 from core.chain.wires import Context, Curve, Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Step
-from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, warning
-from core.modules.formula import Formula
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
 from core.physics.acquisition.eye import frames_integrated
 from core.physics.acquisition.mdtd import Window
 from core.physics.atmosphere.air_path import AirPath
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid
 from nodes.analysis.lineage import NoiseOf, transfer_of
 from nodes.analysis.merit.acquisition_curves import (
     Task,
@@ -35,10 +33,9 @@ from nodes.analysis.merit.threshold_curves import (
     sensitivity,
     thresholds,
 )
-from nodes.shared.common_parameters import CutOff, CutOn
 from nodes.shared.context_defaults import given_band, with_interval
+from nodes.shared.module_ports import CutOff, CutOn, table_figure
 from nodes.shared.shared_warnings import alike, band_caution, unit_caution
-from nodes.shared.table_figures import table_figure
 
 Scanning = Literal["automatic", "parallel_scan", "serial_scan", "staring"]
 

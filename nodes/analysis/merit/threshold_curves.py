@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -18,10 +19,9 @@ from core.physics.acquisition.mdtd import Window, mdtd_K
 from core.physics.acquisition.mrtd import mrtd_flir92_K, mrtd_ratches_K, mrtd_two_dimensional
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid
 from nodes.analysis.lineage import ImageNoise
 from nodes.analysis.lineage.line_transfer import Line, Stage, stage_along
-from nodes.analysis.merit.unseen_scene import Unseen, unseen
 
 Vector = NDArray[np.float64]
 Model = Literal["ratches_1976", "flir92"]
@@ -301,3 +301,42 @@ def mdtd_curve(
     )
     series = _shown("square target", size, mdtd)
     return CurveData("MDTD", "target size (mrad)", "MDTD (K)", series, log_y=True, log_x=True)
+
+
+# What stands in place of figures where a picture is clipped and shows nothing of its scene.
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """Why there are no figures: the rest of the network is delivered all the same."""
+
+    reason: str
+
+    def curve(self, title: str, x_label: str, y_label: str) -> CurveData:
+        """A plot without curves."""
+        return CurveData(title, x_label, y_label, ())
+
+
+def unseen(gain: float, levels: Sequence[LevelChange], consequence: str) -> Unseen | None:
+    """Whether a picture follows the scene; None where it does.
+
+    Parameters
+    ----------
+    gain : float
+        From the scene to the picture.
+    levels : sequence of LevelChange
+        Of which one may have the reason.
+    consequence : str
+        What cannot be had of the picture.
+
+    Raises
+    ------
+    DataError
+        If it does not, and none of the changes says why.
+    """
+    if gain > 0.0:
+        return None
+    reason = next((level.reason for level in levels if level.reason), "")
+    if not reason:
+        raise DataError(f"the picture does not change with the scene: {consequence}")
+    return Unseen(f"{reason}: {consequence}")

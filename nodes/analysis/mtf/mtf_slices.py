@@ -12,11 +12,9 @@ from core.chain.wires import Curve, Magnitude, Transfer
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
-from core.modules.formula import Formula
 from core.modules.panel_sections import Section
-from core.modules.parameters import Param
-from core.transfer.factors import Part
-from core.transfer.grid import Grid
+from core.modules.parameters import Formula, Param
+from core.transfer.factors import Grid, Part
 from nodes.analysis.lineage.line_transfer import (
     Line,
     Stage,

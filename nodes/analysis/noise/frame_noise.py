@@ -11,8 +11,7 @@ from core.chain.frame_sequence import at_frame
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.evaluation.recipes import Recipe, ends_lineage
 from core.evaluation.work import Work
-from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
-from core.physics.noise.noise_cube import MeasuredNoise, NoiseCube
+from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
 from nodes.analysis.lineage import ImageNoise
 
 MEANINGS = {

@@ -7,13 +7,20 @@ from typing import Annotated, NamedTuple
 from core.chain.wires import Curve, Image, Table
 from core.evaluation.recipes import Step
 from core.modules.declaration import Module, NodeContext
-from core.modules.formula import Formula
 from core.modules.panel_sections import Section
-from core.modules.parameters import Param
+from core.modules.parameters import Formula, Param
 from nodes.analysis.lineage import NoiseOf, transfer_of
-from nodes.analysis.noise.budget_shares import Kind, blur_shares, noise_shares, unknown_before
-from nodes.analysis.noise.budget_tables import Show, blur_bars, budget_table, noise_bars
-from nodes.shared.table_figures import table_figure
+from nodes.analysis.noise.budget_shares import (
+    Kind,
+    Show,
+    blur_bars,
+    blur_shares,
+    budget_table,
+    noise_bars,
+    noise_shares,
+    unknown_before,
+)
+from nodes.shared.module_ports import table_figure
 
 
 class BudgetOutputs(NamedTuple):

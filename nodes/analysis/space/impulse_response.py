@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.transfer.factors import Factor
-from core.transfer.grid import Edges, Grid
+from core.transfer.factors import Edges, Factor, Grid
 from core.transfer.product import Product
 
 Array = NDArray[Any]

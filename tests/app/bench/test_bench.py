@@ -16,7 +16,7 @@ from app.bench.studies import points_table, scenes_table
 from app.bench.timing import STEADY, Settings, environment
 from app.command.cli import main
 from app.options.command_words import BENCH_PARTS
-from app.run.own_process import command
+from app.run.shipped import command
 from child_process import finished
 
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}

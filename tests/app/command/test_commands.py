@@ -18,8 +18,8 @@ import pytest
 import app.command.run
 import app.run.evaluation
 from app.command.cli import main
-from app.run.png import encode_png, grey_levels, robust_limits
 from app.run.responses import response
+from app.run.saving import encode_png, grey_levels, robust_limits
 from child_process import PATIENCE_S, ROOT, catches, finished, wait_for
 from core.modules.declaration import declaration
 from core.network.file import load_network

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 
-from app.handbook.contents import PAGES, PARTS
+from app.handbook.module_examples import PAGES, PARTS
 from app.options.command_options import parse
 from child_process import ROOT
 

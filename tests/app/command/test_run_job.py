@@ -10,8 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.run.job import Job
-from app.run.job_messages import Step, read_message
+from app.run.job import Job, Step, read_message
 from child_process import PATIENCE_S
 from core.editing.grouping import group
 from core.network.file import format_network

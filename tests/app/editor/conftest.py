@@ -20,7 +20,7 @@ from PySide6.QtCore import QCoreApplication, QEvent
 from app.editor.canvas.canvas import Canvas
 from app.editor.session import Session
 from app.editor.theme import DARK
-from app.editor.window.documents.remembered_settings import Settings
+from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow
 from app.run.shipped import shipped_networks
 from canvas_hands import CanvasHands

@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.editor.error_text import error_text
+from app.editor.declared_text import error_text
 from core.errors import DataError, ParameterError
 
 ERROR = ParameterError("sigma_y_mrad", -1.0, "at least 0", unit="mrad", node="my blur")

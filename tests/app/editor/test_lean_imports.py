@@ -3,7 +3,7 @@
 import subprocess
 import sys
 
-from app.run.own_process import environment
+from app.run.shipped import environment
 
 
 def answers_of(code: str) -> list[str]:

@@ -7,8 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from app.fit.edges_in_picture import edges_in
 from app.fit.free_parameter import free_parameters
+from app.fit.picture_fit import edges_in
 from app.measure.measurement_files import measurement_json
 from app.measure.measurement_text import remarks
 from app.measure.measuring import MeasurePlan, measure_files

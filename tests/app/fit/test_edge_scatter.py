@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from app.fit.errors.edge_scatter import student_factor, widened_by_scatter
+from app.fit.chain_fit import student_factor, widened_by_scatter
 from edge_truth import blur_network, gaussian_edge
 
 

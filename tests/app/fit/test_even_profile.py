@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.fit.errors.even_profile import profiled_spread, refit_beside
+from app.fit.parameter_search import profiled_spread, refit_beside
 
 ERROR = 0.01
 

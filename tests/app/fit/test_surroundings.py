@@ -8,8 +8,8 @@ import numpy as np
 
 from app.fit.chain_fit import EdgeProblem, fit_chain
 from app.fit.chain_transfer import ChainAt
-from app.fit.edges_in_picture import edges_in
 from app.fit.free_parameter import free_parameters
+from app.fit.picture_fit import edges_in
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.parsing import parse_network

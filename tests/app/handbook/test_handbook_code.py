@@ -21,8 +21,8 @@ from itertools import pairwise
 
 import pytest
 
-from app.handbook.contents import PAGES, PARTS
 from app.handbook.markdown_text import blocks_of
+from app.handbook.module_examples import PAGES, PARTS
 from app.options.command_options import parse
 from child_process import ROOT
 from command_line import run_here

@@ -9,18 +9,24 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from app.handbook.contents import PAGES, PARTS
 from app.handbook.example_figures import example_of
-from app.handbook.formula_drawing import FormulaError, formula_svg
-from app.handbook.markdown_text import blocks_of, rendered
-from app.handbook.module_page import module_page, parted, with_links, with_symbols
+from app.handbook.markdown_text import FormulaError, blocks_of, formula_svg, rendered
+from app.handbook.module_examples import PAGES, PARTS
 from app.handbook.page_finding import find_page
-from app.handbook.written_pages import MARK, cached_handbook, content_mark
+from app.handbook.written_pages import (
+    MARK,
+    cached_handbook,
+    content_mark,
+    module_page,
+    parted,
+    with_links,
+    with_symbols,
+)
 from command_line import run_here, run_process
 from core.chain.engine import Engine
 from core.chain.wires import Image
 from core.modules.declaration import Module, declaration
-from core.modules.formula import Formula
+from core.modules.parameters import Formula
 from nodes.library import standard_library
 from nodes.shared.module_ports import ImageOutput
 

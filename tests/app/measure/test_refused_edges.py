@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.handbook.contents import PAGES
-from app.measure.measurement_text import refused_lines
+from app.handbook.module_examples import PAGES
+from app.measure.measurement_text import REFUSALS, in_words, refusal_of, refused_lines
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile
-from app.measure.refused_edges import REFUSALS, in_words, refusal_of
 from core.physics.measurement.edges.edge_search import find_edges
 from edge_truth import gaussian_edge
 

@@ -22,8 +22,8 @@ from core.editing.grouping import group, ungroup
 from core.editing.operations import Rename
 from core.errors import ImagechainError
 from core.evaluation.policy import Policy
-from core.network.expansion import expanded
 from core.network.file import load_network, read_network
+from core.network.macro import expanded
 from core.network.network import Link, Network, Node
 from core.network.validation import problems
 from nodes.library import standard_library

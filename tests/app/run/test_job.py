@@ -4,8 +4,18 @@ from pathlib import Path
 
 import pytest
 
-from app.run.job import Job, job_text, read_job
-from app.run.job_messages import Preview, Result, Step, Steps, read_message, result_line, step_line
+from app.run.job import (
+    Job,
+    Preview,
+    Result,
+    Step,
+    Steps,
+    job_text,
+    read_job,
+    read_message,
+    result_line,
+    step_line,
+)
 from core.errors import UsageError
 
 HERE = Path("/home/me")
@@ -84,7 +94,7 @@ def test_other_lines_say_nothing(line):
 
 
 def test_steps_count_what_is_done_by_weight(monkeypatch):
-    monkeypatch.setattr("app.run.job_messages._INTERVAL_S", -1.0)
+    monkeypatch.setattr("app.run.job._INTERVAL_S", -1.0)
     written = []
     steps = Steps(written.append)
     steps.expect(4)

@@ -108,7 +108,7 @@ def test_a_scheduler_that_is_gone_ends_it_with_one_line(study, rows_of, cluster,
         return rows_of_batch(setting, key, tasks, share)
 
     monkeypatch.setattr("app.study.dask_study.rows_there", slow)
-    monkeypatch.setattr("app.study.lanes._MOST", 1)
+    monkeypatch.setattr("app.study.dask_study._MOST", 1)
     done = threading.Event()
     closing = threading.Thread(target=close)
     closing.start()

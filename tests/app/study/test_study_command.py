@@ -138,7 +138,7 @@ def test_tables_of_other_programs(sensor, study, rows_of, tmp_path):
 
 
 def test_without_a_tables_package_one_line_names_the_extra(monkeypatch, sensor, fails):
-    monkeypatch.setattr("app.study.study_files._NEEDED", {_parquet(): ("no_such_package",)})
+    monkeypatch.setattr("app.study.study_journal._NEEDED", {_parquet(): ("no_such_package",)})
     line = fails("study", sensor, SIGMA, NER, "--output", "a.parquet")
     assert "needs no_such_package: pip install '.[study]' in the folder of its source" in line
 

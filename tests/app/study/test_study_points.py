@@ -10,12 +10,18 @@ from pathlib import Path
 import pytest
 
 from app.options.option_values import save_target
-from app.study.lanes import Lanes
+from app.study.dask_study import Lanes
 from app.study.run_study import sampled
-from app.study.save_patterns import file_names, save_pattern
-from app.study.study_axes import files_axis, grid_axis, natural
-from app.study.study_files import Column, write_columns
-from app.study.study_points import grid_points, listed_points, order_of
+from app.study.study_journal import Column, write_columns
+from app.study.study_points import (
+    files_axis,
+    grid_axis,
+    grid_points,
+    listed_points,
+    natural,
+    order_of,
+)
+from app.study.study_request import file_names, save_pattern
 from core.errors import FileError, ImagechainError
 from core.network.file import load_network
 from nodes.library import standard_library

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.run.own_process import command, environment
+from app.run.shipped import command, environment
 from child_process import PATIENCE_S, ROOT, finished, wait_for
 
 WORDS = ["--vary=blur.sigma_x_mrad=0:1:8", "--vary=electronics.d_star=1e10:1e12:5:log"]
@@ -280,7 +280,7 @@ def test_nothing_else_starts_a_python():
     }
     # The benchmark runs what `own_process` gives; own_packages looks at its own process.
     assert places == {
-        "app/run/own_process.py",
+        "app/run/shipped.py",
         "app/bench/timing.py",
         "imagechain/own_packages.py",
     }

@@ -9,9 +9,8 @@ from collections import Counter
 
 import pytest
 
-from app.tradeoff.sweep import Point, TradeOff
 from app.tradeoff.tradeoff_figures import Figure, default_figures, figures_of
-from app.tradeoff.tradeoff_results import Curve, changing_figures
+from app.tradeoff.tradeoff_results import Curve, Point, TradeOff, changing_figures
 from app.tradeoff.values import spaced, variation
 from core.chain.engine import Engine
 from core.errors import Cancelled, ImagechainError

@@ -11,8 +11,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.transfer.factors import Law, Planar, Separable
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid, Law, Planar, Separable
 from slow_reference.filtering import filtered
 
 TOLERANCE = {"double": 1e-12, "single": 2e-6}

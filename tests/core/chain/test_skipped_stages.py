@@ -14,10 +14,9 @@ from child_process import PATIENCE_S
 from core.chain.engine import Engine
 from core.chain.skipped import skips
 from core.chain.wires import Image
-from core.evaluation.evaluation_log import EvaluationLog
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
-from core.evaluation.store import Store
+from core.evaluation.store import EvaluationLog, Store
 from core.modules.declaration import Module, NodeContext
 from engine_bench import CHAIN, CHAIN_LINKS, LINE, Bench, network
 

@@ -8,8 +8,7 @@ import pytest
 from core.chain import wires
 from core.chain.wires import MOST_STAGES, Magnitude
 from core.errors import NetworkError
-from core.transfer.factors import Law, Separable
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid, Law, Separable
 
 GRID = Grid(8, 8, 0.1, 0.1)
 

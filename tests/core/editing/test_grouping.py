@@ -17,10 +17,9 @@ from core.editing.macros import addressed, at_level, expose, hide, rename_expose
 from core.editing.operations import Remove, Rename, keeping_values, set_node_field, set_parameter
 from core.errors import ImagechainError, NetworkError
 from core.expressions.grammar import LONGEST
-from core.network.expansion import expanded
 from core.network.file import format_network, parse_network
 from core.network.linked_values import expression, resolved
-from core.network.macro import path_of
+from core.network.macro import expanded, path_of
 from core.network.network import Network
 from core.network.validation import problems
 

@@ -32,8 +32,8 @@ from core.editing.operations import (
 from core.editing.wiring import new_node
 from core.errors import NetworkError
 from core.evaluation.policy import Policy
-from core.network.expansion import expanded, unfolded
 from core.network.file import format_network, parse_network
+from core.network.macro import expanded, unfolded
 from core.network.network import Link
 from core.network.validation import problems
 

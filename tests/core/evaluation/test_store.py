@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from child_process import PATIENCE_S
-from core import memory
+from core import threads as memory
 from core.errors import DataError
-from core.evaluation.content_key import content_key
+from core.evaluation.recipes import content_key
 from core.evaluation.store import Store, size_in_bytes
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid
 
 
 def block(kilobytes: int) -> np.ndarray:

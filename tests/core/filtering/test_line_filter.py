@@ -7,8 +7,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.store import Store
 from core.evaluation.work import Work
 from core.filtering.line_filter import filter_lines
-from core.transfer.factors import Law, Separable
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid, Law, Separable
 from slow_reference.filtering import filtered_lines
 
 TOLERANCE = {"double": 1e-12, "single": 2e-6}

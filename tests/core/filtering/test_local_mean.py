@@ -6,7 +6,7 @@ import pytest
 from core.evaluation.policy import Policy
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.filtering.local_mean import local_mean
+from core.noise.photon_events import local_mean
 
 TOLERANCE = {"double": 1e-12, "single": 2e-6}
 

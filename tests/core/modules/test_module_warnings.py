@@ -14,8 +14,8 @@ from core.chain.wires import Image
 from core.errors import Cancelled, ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe, Step
-from core.modules.caution import Caution, PendingCheck
 from core.modules.declaration import Module, declaration, warning
+from core.modules.panel_sections import Caution, PendingCheck
 from core.modules.parameters import Param
 from linked_network import linked_network
 

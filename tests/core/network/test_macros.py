@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from core.errors import NetworkError
-from core.network.expansion import expanded, unfolded
 from core.network.file import format_network, parse_network
+from core.network.macro import expanded, unfolded
 from core.network.network import Link
 from core.network.validation import problems
 from nodes.library import standard_library

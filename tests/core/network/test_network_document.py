@@ -10,8 +10,7 @@ import pytest
 
 from core.errors import NetworkError, ParameterError
 from core.modules.declaration import declaration
-from core.network.graph import cycles, topological
-from core.network.network import Link, Network, Node, passed_through
+from core.network.network import Link, Network, Node, cycles, passed_through, topological
 from core.network.parsing import parse_network
 
 

@@ -11,8 +11,7 @@ from core.evaluation.recipes import Step
 from core.noise.noise_power import NoisePower
 from core.physics.detector.charge_transfer import charge_transfer_mtf, charge_transfer_ptf
 from core.physics.optics.gaussian import gaussian_mtf
-from core.transfer.factors import Law, Planar
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid, Law, Planar
 from nodes.library import standard_library
 from nodes.shared.factor_helpers import radial, separable
 from nodes.transform.interpolate import interpolator, resampled

@@ -6,10 +6,9 @@ import scipy.fft
 
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
-from core.noise.noise_power import NoisePower
-from core.noise.noise_spectrum import spectrum_of
+from core.noise.noise_power import NoisePower, spectrum_of
 from core.physics.optics.gaussian import gaussian_mtf
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid
 from nodes.library import standard_library
 from nodes.shared.factor_helpers import separable
 

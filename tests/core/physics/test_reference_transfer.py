@@ -11,7 +11,7 @@ import pytest
 
 from core.physics.atmosphere import scattering_and_turbulence as atmosphere
 from core.physics.detector import charge_transfer
-from core.physics.detector import detector_aperture as detector
+from core.physics.detector import charge_transfer as detector
 from core.physics.electronics import filters as electronics
 from core.physics.motion import platform_motion as motion
 from core.physics.motion import vibration

@@ -11,9 +11,8 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step, in_blocks
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.filtering.local_mean import local_mean
-from core.scratch.block_run import BlockRun
-from core.scratch.scratch_disk import ScratchDisk, is_on_disk
+from core.noise.photon_events import local_mean
+from core.scratch.scratch_disk import BlockRun, ScratchDisk, is_on_disk
 from core.transfer.factors import Law, Planar, Separable
 
 SHAPES = ((32, 24), (31, 37), (1, 48), (48, 1), (30, 45))

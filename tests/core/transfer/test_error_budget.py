@@ -11,9 +11,8 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.transfer.error_budget import spend, stage_bound
-from core.transfer.factors import Law, Planar, Separable
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid, Law, Planar, Separable
+from core.transfer.product import spend, stage_bound
 from thorough import examples
 
 

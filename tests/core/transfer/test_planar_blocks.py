@@ -10,12 +10,17 @@ from core.evaluation.store import Store
 from core.evaluation.work import Work
 from core.physics.optics.pupil_otf import circular_pupil_otf, geometric_pupil_otf
 from core.physics.optics.pupil_shapes import PupilShape
-from core.transfer.factors import Law, Planar
-from core.transfer.grid import Grid
-from core.transfer.low_rank import _probes, cross_approximation, thin_product
-from core.transfer.planar_blocks import SINGLE_TOLERANCE, Planes, axes_of
+from core.transfer.factors import Grid, Law, Planar
+from core.transfer.planar_blocks import (
+    SINGLE_TOLERANCE,
+    Planes,
+    Quarter,
+    _probes,
+    axes_of,
+    cross_approximation,
+    thin_product,
+)
 from core.transfer.product import Product
-from core.transfer.quadrant import Quarter
 
 SHAPES = {
     "clear": PupilShape("clear", 75),

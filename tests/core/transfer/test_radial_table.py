@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from core.physics.optics.annular_otf import annular_otf
-from core.physics.optics.polychromatic import band_wavelengths
-from core.transfer.radial_table import RadialTable
+from core.physics.optics.diffraction.band_weights import band_wavelengths
+from core.transfer.planar_blocks import RadialTable
 
 
 def band_otf(hole, count):

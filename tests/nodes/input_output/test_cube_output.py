@@ -101,7 +101,7 @@ def test_the_header_has_wavelengths_widths_and_unit(library, tmp_path, cube):
 
 def test_few_bands_are_in_memory_at_a_time(library, tmp_path, cube, monkeypatch):
     # 40 bands of 33 × 47; what is kept when one is made shows how many there were.
-    monkeypatch.setattr("nodes.input_output.cube_output._BYTES_AT_ONCE", 33 * 47 * 8 * 3)
+    monkeypatch.setattr("nodes.input_output.write_image._BYTES_AT_ONCE", 33 * 47 * 8 * 3)
     bench = reading(library, tmp_path, {"path": "o.img"})
     sizes = []
     compute = Work._compute

@@ -8,7 +8,7 @@ import scipy.integrate
 from scipy.constants import c, h, k
 
 from core.errors import ParameterError
-from core.modules.library_type import library_of
+from core.modules.declaration import library_of
 from node_bench import NodeBench
 from nodes.input_output.examine_image import ExamineImage
 from nodes.input_output.read_image import ReadImage

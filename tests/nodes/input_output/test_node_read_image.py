@@ -10,7 +10,7 @@ import pytest
 import zarr
 
 from core.errors import DataError, FileError, ParameterError
-from core.modules.library_type import library_of
+from core.modules.declaration import library_of
 from node_bench import NodeBench
 from nodes.input_output.read_image import ReadImage
 

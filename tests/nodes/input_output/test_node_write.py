@@ -9,8 +9,7 @@ from core.chain.results import CurveData, Series
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step
-from core.modules.declaration import Module
-from core.modules.library_type import library_of
+from core.modules.declaration import Module, library_of
 from node_bench import NodeBench
 from nodes.files.arrays import read_curves, read_matrix
 from nodes.files.read import read_info, read_pixels

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.errors import FileError, ParameterError
-from core.modules.library_type import library_of
+from core.modules.declaration import library_of
 from node_bench import NodeBench
 from nodes.files.write import write_picture
 from nodes.input_output.read_image import ReadImage

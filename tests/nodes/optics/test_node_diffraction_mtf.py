@@ -8,7 +8,7 @@ import pytest
 from core.chain.engine import Engine
 from core.errors import DataError
 from core.evaluation.policy import Policy
-from core.physics.optics.defocus_otf import defocus_otf
+from core.physics.optics.pupil_otf import defocus_otf
 from core.physics.radiometry.planck import band_radiance
 from linked_network import linked_network
 from nodes.library import standard_library

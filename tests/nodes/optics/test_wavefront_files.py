@@ -10,8 +10,7 @@ import pytest
 
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
-from core.physics.optics.enclosing_circle import support_circle
-from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
+from core.physics.optics.pupil_shapes import PupilShape, sample_pupil, support_circle
 from linked_network import linked_network
 from nodes.files.lens.listing import read_listing
 from nodes.library import standard_library

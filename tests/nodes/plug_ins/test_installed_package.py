@@ -49,7 +49,7 @@ import sys
 from pathlib import Path
 from app.editor.window.main_window import MainWindow
 from app.editor.window.start import application
-from app.editor.window.documents.remembered_settings import Settings
+from app.editor.window.documents.recent_files import Settings
 from nodes.library import standard_library
 app = application()
 folder = Path(sys.argv[1])
@@ -298,8 +298,8 @@ def test_a_fault_in_a_plug_in_names_it(tmp_path):
     (tmp_path / "program.py").write_text(
         "import json, sys, traceback\n"
         "from app.command.cli import main\n"
-        "from app.editor.evaluation.failures import as_error\n"
-        "from app.editor.error_text import error_text\n"
+        "from app.editor.evaluation.badges import as_error\n"
+        "from app.editor.declared_text import error_text\n"
         "import imagechain as ic\n"
         f"for where in {list(FAULTS)}:\n"
         "    print(main(['run', 'net.json', f'--set=glass.where={where}', '--all']))\n"

@@ -11,8 +11,14 @@ from node_bench import NodeBench
 from nodes.library import standard_library
 from nodes.scenes import KINDS, two_steps
 from nodes.scenes.scene_in_bands import scene_spectra
-from nodes.scenes.surfaces.material_spectra import MATERIAL_OF, MATERIALS, SHADED, SKY
-from nodes.scenes.surfaces.scene_materials import ALIKE, SURFACES
+from nodes.scenes.surfaces.spectral_surfaces import (
+    ALIKE,
+    MATERIAL_OF,
+    MATERIALS,
+    SHADED,
+    SKY,
+    SURFACES,
+)
 from planck_truth import band_radiance
 
 DOUBLE = Policy("double", 0.0)

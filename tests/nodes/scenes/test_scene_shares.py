@@ -13,7 +13,7 @@ from core.threads import Workers
 from nodes.library import standard_library
 from nodes.scenes import draw_scene, draw_shares, two_steps, with_radiance
 from nodes.scenes import scene_layers as layers
-from nodes.scenes.mixes import Texture, between, difference
+from nodes.scenes.coverage import Texture, between, difference
 from nodes.scenes.profiles import band
 from nodes.scenes.scene_canvas import Drawing
 from nodes.scenes.scene_layers import layers_of

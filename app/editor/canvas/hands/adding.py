@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 from PySide6.QtCore import QObject, QPoint, QPointF
 
-from app.editor.canvas.hands.new_nodes import added, free_place
-from app.editor.canvas.hands.surface import Surface
-from app.editor.canvas.hands.wire_choices import possible_links
-from app.editor.canvas.items.faces import face_of
-from app.editor.canvas.items.geometry import geometry_of
+from app.editor.canvas.hands.gestures import Surface
+from app.editor.canvas.items.canvas_style import face_of, geometry_of
 from app.editor.canvas.items.node_item import NodePort
 from app.editor.canvas.view.choice_popup import Choice, ChoicePopup
-from app.editor.library.module_search import found_by
+from app.editor.library.library_view import found_by
 from app.editor.theme import Theme
+from core.editing.backdrops import following
 from core.editing.layout import Point
-from core.editing.operations import Operation, Rewire, Together
-from core.editing.wiring import Candidate, End, Side, fitting, wired_to
+from core.editing.links import reached_from, refusal
+from core.editing.operations import Move, Operation, Rewire, Together
+from core.editing.room import GAP_X, free_places, made_way
+from core.editing.wiring import Candidate, End, Side, continued, fitting, new_node, wired_to
 from core.errors import ImagechainError
-from core.modules.declaration import declaration
-from core.modules.library_type import local_key
-from core.network.network import Link, Node
+from core.modules.declaration import Library, Port, declaration, local_key
+from core.network.network import Link, Network, Node
 
 
 class Adding(QObject):
@@ -219,3 +219,122 @@ class Adding(QObject):
         self._surface.live.setVisible(False)
         if link is not None and link in self._surface.content.wires:
             self._surface.content.wires[link].setVisible(True)
+
+
+# Which wires some nodes could have, for the list that wires by the keyboard. Without Qt.
+
+
+@dataclass(frozen=True)
+class Possible:
+    """A link that could be made, and what it would replace; empty inputs come first."""
+
+    link: Link
+    remark: str
+    rank: int
+
+
+def possible_links(network: Network, library: Library, names: Collection[str]) -> list[Possible]:
+    """Every link that fits: of one node to all others, of several nodes among themselves.
+
+    First those into empty inputs that need one, then into other empty ones, then those that would
+    take another link's place.
+    """
+    among = names if len(names) > 1 else network.nodes
+    ours = set(names)
+    possible = []
+    for source in among:
+        for target in among:
+            if source != target and ours & {source, target}:
+                possible += list(_between(network, library, source, target))
+    return sorted(possible, key=lambda possibility: possibility.rank)
+
+
+def _between(network: Network, library: Library, source: str, target: str) -> Iterator[Possible]:
+    taken = {link.input: link for link in network.links_into(target)}
+    for output in _ports(network, library, source, "output"):
+        for entry in _ports(network, library, target, "input"):
+            link = Link(source, output.name, target, entry.name)
+            old = taken.get(entry.name)
+            if old == link or not set(output.types) & set(entry.types):
+                continue
+            if refusal(network, library, link) is not None:
+                continue
+            remark = f"instead of {old.source}.{old.output}" if old is not None else ""
+            yield Possible(link, remark, 2 if old is not None else 0 if entry.required else 1)
+
+
+def _ports(network: Network, library: Library, name: str, side: str) -> tuple[Port, ...]:
+    module = library.get(network.nodes[name].module)
+    if module is None:
+        return ()
+    known = declaration(module)
+    return known.inputs if side == "input" else known.outputs
+
+
+# New nodes: on free ground, behind the selected one, or in a wire whose ends make way.
+
+Size = tuple[float, float]
+
+
+def size_of(surface: Surface, module: str) -> Size:
+    """Width and height that a new node of a module will have."""
+    known = declaration(surface.session.library[module])
+    geometry = geometry_of(face_of(Node(module, module), known, ()), surface.content.style)
+    return geometry.width, geometry.height
+
+
+def free_place(surface: Surface, module: str, at: Point) -> Point:
+    """The point, or the nearest at which a new node of the module stands on no other."""
+    network, sizes = surface.session.network, surface.content.sizes()
+    size = {"": size_of(surface, module)}
+    x, y = free_places({"": at}, size, network, sizes)[""]
+    return float(round(x)), float(round(y))
+
+
+def added(surface: Surface, module: str, at: Point) -> tuple[str, Operation]:
+    """A new node on free ground; with a node selected, wired on to it and beside it."""
+    session = surface.session
+    for selected in session.selection[-1:]:
+        frame = surface.content.nodes[selected].frame()
+        beside = (frame.right() + GAP_X, frame.top())
+        onward = continued(session.network, session.library, selected, module, beside)
+        if onward is not None:
+            return onward[0], _placed(surface, module, selected, *onward)
+    point = free_place(surface, module, at)
+    return new_node(session.network, session.library, module, point)
+
+
+def with_way_made(
+    surface: Surface, operation: Operation, name: str, size: Size | None = None
+) -> Operation:
+    """The operation that puts a node into a wire, with the neighbours moved out of its way.
+
+    `size` is that of a node that is not on the canvas yet.
+    """
+    network = operation.apply(surface.session.network)
+    sizes = surface.content.sizes() | ({name: size} if size is not None else {})
+    behind = reached_from(network, {name}) - {name}
+    places = made_way(network, sizes, name, network.layout[name], behind)
+    whole = {node: (float(round(x)), float(round(y))) for node, (x, y) in places.items()}
+    if not whole:
+        return operation
+    grounds = following(network, whole, sizes)  # else what is pushed leaves its backdrop
+    parts = (operation, Move(dict(whole)), *(() if grounds is None else (grounds,)))
+    return Together(parts, operation.text)
+
+
+def _placed(
+    surface: Surface, module: str, selected: str, name: str, operation: Operation
+) -> Operation:
+    """What adds it, with a place that suits its wires."""
+    grown: Network = operation.apply(surface.session.network)
+    size = size_of(surface, module)
+    if any(link.target == selected and link.source == name for link in grown.links):
+        frame = surface.content.nodes[selected].frame()
+        at = free_place(surface, module, (frame.left() - GAP_X - size[0], frame.top()))
+        return Together((operation, Move({name: at})), operation.text)
+    if grown.followers[name]:
+        return with_way_made(surface, operation, name, size)
+    frame = surface.content.nodes[selected].frame()
+    at = free_place(surface, module, (frame.right() + GAP_X, frame.top()))
+    return Together((operation, Move({name: at})), operation.text)

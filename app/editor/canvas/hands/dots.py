@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QPoint, QPointF
 
-from app.editor.canvas.hands.gestures import Gesture
-from app.editor.canvas.hands.surface import Surface
+from app.editor.canvas.hands.gestures import Gesture, Surface
 from app.editor.canvas.items.hits import place_on_wire, wire_near
 from app.editor.canvas.items.marks import Marks
 from app.editor.canvas.items.wire_item import WireItem

@@ -8,8 +8,8 @@ from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 
 from app.editor.canvas.hands.dots import Dots
-from app.editor.canvas.hands.drag_nodes import backdrop_at, moved_together
-from app.editor.canvas.hands.surface import Surface
+from app.editor.canvas.hands.gestures import Surface
+from app.editor.canvas.hands.mouse import backdrop_at, moved_together
 from app.editor.canvas.items.backdrop_item import BackdropItem
 from app.editor.canvas.items.marks import Marks
 from core.editing.backdrops import change, nodes_on

@@ -11,9 +11,8 @@ from PySide6.QtGui import QAction, QContextMenuEvent
 from PySide6.QtWidgets import QMenu, QWidget
 
 from app.editor.canvas.hands.dots import Dots
-from app.editor.canvas.hands.surface import Surface
-from app.editor.canvas.items.canvas_style import TINTS
-from app.editor.canvas.items.faces import COLOUR
+from app.editor.canvas.hands.gestures import Surface
+from app.editor.canvas.items.canvas_style import COLOUR, TINTS
 from app.editor.canvas.items.hits import Hit
 from app.editor.canvas.items.marks import Marks
 from app.editor.gestures import without_argument

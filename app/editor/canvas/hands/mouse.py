@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QObject, QPoint, Qt, Signal
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+
+from PySide6.QtCore import QObject, QPoint, QPointF, QRectF, QSizeF, Qt, Signal
 from PySide6.QtGui import QMouseEvent
 
+from app.editor.canvas.hands.adding import with_way_made
 from app.editor.canvas.hands.dots import Dots, DragDot
-from app.editor.canvas.hands.drag_nodes import DragNodes, ResizeBackdrop
-from app.editor.canvas.hands.drag_wire import DragWire, Dropped
-from app.editor.canvas.hands.gestures import Cut, Gesture, Pan, RubberBand
-from app.editor.canvas.hands.surface import Surface
-from app.editor.canvas.items.hits import Hit
+from app.editor.canvas.hands.dropping import insertion_at
+from app.editor.canvas.hands.gestures import Cut, Gesture, Pan, RubberBand, Surface
+from app.editor.canvas.items.backdrop_item import SMALLEST, BackdropItem
+from app.editor.canvas.items.hits import Hit, node_at, port_near
 from app.editor.canvas.items.marks import Marks
-from core.editing.backdrops import nodes_on
+from app.editor.canvas.items.node_item import NodePort
+from app.editor.canvas.items.wire_item import WireItem
+from core.editing.backdrops import Backdrop, change, nodes_on
+from core.editing.links import refusal
+from core.editing.operations import Move, Operation, Rewire, Together
+from core.editing.wire_dots import moved_with_dots
+from core.network.network import Link, Network
 
 _LEFT, _MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton
 _ALT, _SHIFT = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ShiftModifier
@@ -156,3 +165,272 @@ class Mouse(QObject):
             session.select([name])
         grabbed = "" if adding else name
         return DragNodes(self._surface, pos, session.selection, grabbed=grabbed)
+
+
+# Drawing a wire with the mouse, from a port to another one or to empty ground.
+
+# What is done with a wire that ends on empty ground: its fixed end, the wire it was before, where.
+Dropped = Callable[[NodePort, Link | None, QPoint], None]
+
+
+class DragWire(Gesture):
+    """Draw a wire from a port. At an input that has a wire, that one is picked up.
+
+    Parameters
+    ----------
+    surface : Surface
+        What it works with.
+    pos : QPoint
+        The pixel of the view that was pressed.
+    port : NodePort
+        The port that was pressed.
+    dropped : callable
+        Called if the wire ends on empty ground.
+    """
+
+    def __init__(self, surface: Surface, pos: QPoint, port: NodePort, dropped: Dropped) -> None:
+        super().__init__(surface, pos)
+        self._carried = _wire_into(surface, port)
+        self._fixed: NodePort = self._carried.output_port if self._carried else port
+        self._dropped = dropped
+        self._network = _without(surface.session.network, self._carried)
+        self._candidates: list[NodePort] = []
+
+    def drag(self, pos: QPoint, point: QPointF) -> None:
+        """The wire's end follows the pointer, to a port where it fits."""
+        surface = self.surface
+        if not self._candidates:
+            self._begin()
+        port, refused = self._target(point)
+        end = port.centre() if port is not None and not refused else point
+        ends = (self._fixed.centre(), end)
+        if self._fixed.face.side == "input":
+            ends = (end, self._fixed.centre())
+        refusing = bool(refused)
+        colour = surface.content.style.port(self._fixed.face.types)
+        surface.live.show_wire(*ends, surface.content.style.error if refusing else colour)
+        surface.hint.show_at(refused or "", pos)
+        shape = Qt.CursorShape.ForbiddenCursor if refusing else Qt.CursorShape.CrossCursor
+        surface.view.viewport().setCursor(shape)
+
+    def drop(self, pos: QPoint, point: QPointF) -> None:
+        """Wire it, show why not, or offer modules to put there."""
+        session = self.surface.session
+        old = self._carried.link if self._carried is not None else None
+        port, refused = self._target(point)
+        if refused:
+            session.message.emit("error", refused)
+        elif port is not None:
+            new = link_between(self._fixed, port)
+            session.do(Rewire(add=(new,), remove=(old,) if old else (), label=f"Connect {new}"))
+        else:
+            self._dropped(self._fixed, old, pos)
+
+    def leave(self) -> None:
+        """Remove the live wire and the marks."""
+        surface = self.surface
+        surface.live.setVisible(False)
+        surface.hint.hide()
+        surface.view.viewport().unsetCursor()
+        if self._carried is not None:
+            self._carried.setVisible(True)
+        for item in surface.content.nodes.values():
+            for port in item.ports.values():
+                port.fits = None
+            item.update()
+
+    def _begin(self) -> None:
+        """Mark which ports it fits."""
+        surface = self.surface
+        if self._carried is not None:
+            self._carried.setVisible(False)
+        for item in surface.content.nodes.values():
+            for port in item.ports.values():
+                if port is not self._fixed:
+                    port.fits = self._refusal(port) is None
+                    self._candidates.append(port)
+            item.update()
+
+    def _target(self, point: QPointF) -> tuple[NodePort | None, str | None]:
+        """The port the wire would end at, or why what is there takes no such wire."""
+        content = self.surface.content
+        port = port_near(content, point, self.surface.view.zoom)
+        if port is self._fixed:
+            return None, None
+        if port is not None:
+            return port, self._refusal(port)
+        node = node_at(content, point)
+        if node is None or node is self._fixed.node:
+            return None, None
+        if self._carried is not None and node is self._carried.input_port.node:
+            return self._carried.input_port, None
+        others = [
+            other for other in node.ports.values() if other.face.side != self._fixed.face.side
+        ]
+        fitting = [other for other in others if self._refusal(other) is None]
+        free = [other for other in fitting if not (other.wires and other.face.side == "input")]
+        if fitting:
+            return (free or fitting)[0], None
+        side = "input" if self._fixed.face.side == "output" else "output"
+        kinds = " or ".join(self._fixed.face.types) or "this wire"
+        return None, f"{node.id} has no {side} for {kinds}"
+
+    def _refusal(self, port: NodePort) -> str | None:
+        if port.face.side == self._fixed.face.side:
+            return f"a wire leads from an output to an input; {port.name} is an {port.face.side}"
+        link = link_between(self._fixed, port)
+        return refusal(self._network, self.surface.session.library, link)
+
+
+def link_between(one: NodePort, other: NodePort) -> Link:
+    """The link between an output and an input, in whichever order."""
+    output, entry = (one, other) if one.face.side == "output" else (other, one)
+    return Link(output.node.id, output.name, entry.node.id, entry.name)
+
+
+def _wire_into(surface: Surface, port: NodePort) -> WireItem | None:
+    if port.face.side != "input":
+        return None
+    wires = surface.content.wires_at(port.node.id)
+    return next((wire for wire in wires if wire.input_port is port), None)
+
+
+def _without(network: Network, wire: WireItem | None) -> Network:
+    return network if wire is None else Rewire(remove=(wire.link,)).apply(network)
+
+
+# Moving nodes and backdrops with the mouse.
+
+
+class DragNodes(Gesture):
+    """Move nodes, and a backdrop with what stands on it. One node on a wire is put into it.
+
+    Parameters
+    ----------
+    surface : Surface
+        What it works with.
+    pos : QPoint
+        The pixel of the view that was pressed.
+    names : iterable of str
+        The nodes to move.
+    backdrop : BackdropItem, optional
+        The backdrop to move.
+    grabbed : str
+        The node under the pointer; a mere click selects it alone.
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        pos: QPoint,
+        names: Iterable[str],
+        backdrop: BackdropItem | None = None,
+        grabbed: str = "",
+    ) -> None:
+        super().__init__(surface, pos)
+        nodes = surface.content.nodes
+        self._from = {name: nodes[name].pos() for name in names if name in nodes}
+        self._backdrop = backdrop
+        self._frame = backdrop.frame() if backdrop is not None else QRectF()
+        self._grabbed = grabbed
+        self._target: WireItem | None = None
+        self._inserting: Operation | None = None
+
+    def drag(self, _pos: QPoint, point: QPointF) -> None:
+        """The items follow the pointer; a wire that takes the node is marked."""
+        by = point - self.start
+        self.surface.content.place({name: at + by for name, at in self._from.items()})
+        if self._backdrop is not None:
+            self._backdrop.place(self._frame.translated(by))
+        self._look_for_wire(point)
+
+    def drop(self, _pos: QPoint, point: QPointF) -> None:
+        """Put them there, as one step."""
+        by = point - self.start
+        session = self.surface.session
+        places = {name: at + by for name, at in self._from.items()}
+        moving = Move({name: _whole(at) for name, at in places.items()})
+        operation = moved_with_dots(session.network, moving)
+        if self._backdrop is not None:
+            frame = self._frame.translated(by)
+            operation = moved_together(session.network, self._backdrop, frame, places)
+        if self._inserting is not None:
+            operation = Together((operation, self._inserting), self._inserting.text)
+            (name,) = self._from
+            operation = with_way_made(self.surface, operation, name)
+        session.do(operation)
+
+    def click(self) -> None:
+        """Of several selected nodes the clicked one stays."""
+        if self._grabbed:
+            self.surface.session.select([self._grabbed])
+
+    def leave(self) -> None:
+        """Everything where the document has it."""
+        self._mark(None)
+        self.surface.content.restore()
+
+    def _look_for_wire(self, point: QPointF) -> None:
+        if len(self._from) != 1 or self._backdrop is not None:
+            return
+        (name,) = self._from
+        insertion = insertion_at(self.surface, name, point)
+        self._mark(insertion[0] if insertion else None)
+        self._inserting = insertion[1] if insertion else None
+
+    def _mark(self, wire: WireItem | None) -> None:
+        if self._target is not None and self._target is not wire:
+            self._target.set_state(target=False)
+        self._target = wire
+        if wire is not None:
+            wire.set_state(target=True)
+
+
+class ResizeBackdrop(Gesture):
+    """Drag a backdrop's corner."""
+
+    def __init__(self, surface: Surface, pos: QPoint, backdrop: BackdropItem) -> None:
+        super().__init__(surface, pos)
+        self._backdrop = backdrop
+        self._frame = backdrop.frame()
+
+    def drag(self, _pos: QPoint, point: QPointF) -> None:
+        """The corner follows the pointer."""
+        self._backdrop.place(self._resized(point))
+
+    def drop(self, _pos: QPoint, point: QPointF) -> None:
+        """Resize it."""
+        session = self.surface.session
+        changed = backdrop_at(self._backdrop.shown, self._resized(point))
+        session.do(change(session.network, self._backdrop.index, changed))
+
+    def leave(self) -> None:
+        """As the document has it."""
+        self.surface.content.restore()
+
+    def _resized(self, point: QPointF) -> QRectF:
+        by = point - self.start
+        size = QSizeF(self._frame.width() + by.x(), self._frame.height() + by.y())
+        return QRectF(self._frame.topLeft(), size.expandedTo(SMALLEST))
+
+
+def moved_together(
+    network: Network, backdrop: BackdropItem, frame: QRectF, places: Mapping[str, QPointF]
+) -> Operation:
+    """Move a backdrop, and nodes with it."""
+    moved = change(network, backdrop.index, backdrop_at(backdrop.shown, frame))
+    whole = {name: _whole(at) for name, at in places.items()}
+    moving = moved_with_dots(network, Move(whole))
+    return Together((moved, moving), f"Move {backdrop.title or 'backdrop'}")
+
+
+def backdrop_at(backdrop: Backdrop, frame: QRectF) -> Backdrop:
+    """The backdrop with this frame, in whole units."""
+    x, y = _whole(frame.topLeft())
+    size = frame.size().expandedTo(SMALLEST)
+    width, height = float(round(size.width())), float(round(size.height()))
+    return replace(backdrop, x=x, y=y, width=width, height=height)
+
+
+def _whole(point: QPointF) -> tuple[float, float]:
+    return float(round(point.x())), float(round(point.y()))

@@ -7,14 +7,146 @@ large as that of the window.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFont, QFontInfo, QFontMetricsF, QPen
 
+from app.editor.declared_text import says_more
 from app.editor.theme import Look, Theme
+from core.modules.declaration import Declaration, Port, package_of
+from core.network.network import Link, Node
+
+# What a node shows of itself, from its module's declaration or, for lack of one, its links.
+
+COLOUR = "colour"  # field of a node in the file
+Side = Literal["input", "output"]
+
+
+@dataclass(frozen=True)
+class PortFace:
+    """A port as it is drawn; without types where the module does not declare it."""
+
+    side: Side
+    name: str
+    types: tuple[str, ...] = ()
+    required: bool = True
+
+    @property
+    def tooltip(self) -> str:
+        """Text shown at the pointer."""
+        if not self.types:
+            return f"{self.name}: {self.side} of an unknown type"
+        kinds = " or ".join(self.types)
+        need = "" if self.side == "output" else ", required" if self.required else ", optional"
+        return f"{self.name}: {self.side}, {kinds}{need}"
+
+
+@dataclass(frozen=True)
+class NodeFace:
+    """A node as it is drawn.
+
+    Parameters
+    ----------
+    id : str
+        The node's id: the user's name for it, which is its title.
+    module : str
+        The module's title; its key where the module is not known.
+    group : str
+        The library's group; empty where the module is not known.
+    summary : str
+        What the module does, for the tooltip.
+    inputs, outputs : tuple of PortFace
+        The ports from top to bottom.
+    known : bool
+        Whether the library has the module.
+    disabled : bool
+        Whether the node only passes its input through.
+    output : bool
+        Whether its picture is marked as what the network delivers.
+    colour : str
+        Name of the colour that the user gave it; empty for that of its group.
+    macro : bool
+        Whether it holds nodes of its own.
+    """
+
+    id: str
+    module: str
+    group: str
+    summary: str
+    inputs: tuple[PortFace, ...]
+    outputs: tuple[PortFace, ...]
+    known: bool = True
+    disabled: bool = False
+    output: bool = False
+    colour: str = ""
+    macro: bool = False
+
+    @property
+    def subtitle(self) -> str:
+        """The module's title, where it is more than the name again."""
+        return self.module if says_more(self.module, self.id) else ""
+
+    @property
+    def tooltip(self) -> str:
+        """Text shown at the pointer."""
+        state = " (disabled: passes its input through)" if self.disabled else ""
+        mark = "\nIts picture is marked as the network's output." if self.output else ""
+        within = "\nDouble-click, or Enter, shows the nodes inside." if self.macro else ""
+        return f"{self.id} · {self.module}{state}\n{self.summary}{mark}{within}"
+
+    def port(self, side: Side, name: str) -> PortFace | None:
+        """The port of that name."""
+        ports = self.inputs if side == "input" else self.outputs
+        return next((port for port in ports if port.name == name), None)
+
+
+def _absent(module: str) -> str:
+    package = package_of(module)
+    of_package = f"; it is of the package {package}" if package else ""
+    return f"The library has no module {module}{of_package}."
+
+
+def face_of(
+    node: Node, declared: Declaration | None, links: Sequence[Link], *, output: bool = False
+) -> NodeFace:
+    """The face of a node with the links at it; ports that only a link names are shown too."""
+    inputs = _faces("input", declared.inputs if declared else ())
+    outputs = _faces("output", declared.outputs if declared else ())
+    coming = (link.input for link in links if link.target == node.id)
+    going = (link.output for link in links if link.source == node.id)
+    return NodeFace(
+        id=node.id,
+        module=declared.title if declared else node.module,
+        group=declared.group if declared else "",
+        summary=declared.summary if declared else _absent(node.module),
+        inputs=inputs + _missing("input", inputs, coming),
+        outputs=outputs + _missing("output", outputs, going),
+        known=declared is not None,
+        disabled=node.disabled,
+        output=output,
+        colour=colour_of(node),
+        macro=node.macro is not None,
+    )
+
+
+def colour_of(node: Node) -> str:
+    """Name of the colour that the user gave a node."""
+    colour = node.extra.get(COLOUR)
+    return colour if isinstance(colour, str) else ""
+
+
+def _faces(side: Side, ports: Iterable[Port]) -> tuple[PortFace, ...]:
+    return tuple(PortFace(side, port.name, port.types, port.required) for port in ports)
+
+
+def _missing(side: Side, known: tuple[PortFace, ...], names: Iterable[str]) -> tuple[PortFace, ...]:
+    there = {port.name for port in known}
+    return tuple(PortFace(side, name) for name in dict.fromkeys(names) if name not in there)
+
 
 TextRole = Literal["title", "id", "port", "backdrop"]
 
@@ -139,3 +271,60 @@ class CanvasStyle:
     def head(self, group: str) -> QColor:
         """Colour of the head of a node of this group."""
         return self.group.get(group, self.unknown_group)
+
+
+# Where the parts of a node lie, in units of the scene.
+
+# A network's grid is 240 by 160: the gaps are for wires, and seven ports have to fit.
+NARROWEST, WIDEST = 168.0, 200.0
+HEAD, HEAD_WITH_ID = 24.0, 39.0
+PORT_ROW = 15.0
+PORT_RADIUS = 4.5
+_PADDING = 9.0
+_FOOT = 6.0
+BADGE_ROOM = 20.0
+
+
+@dataclass(frozen=True)
+class NodeGeometry:
+    """Size of a node, height of its head, and the centres of its ports."""
+
+    width: float
+    height: float
+    head: float
+    ports: dict[tuple[Side, str], QPointF]
+
+    @property
+    def frame(self) -> QRectF:
+        """The node without its ports' outer halves."""
+        return QRectF(0, 0, self.width, self.height)
+
+
+def geometry_of(face: NodeFace, style: CanvasStyle) -> NodeGeometry:
+    """Lay a node out, as narrow as its texts allow."""
+    head = HEAD_WITH_ID if face.subtitle else HEAD
+    title = style.width("title", face.id) + 2 * _PADDING + BADGE_ROOM
+    rows = max(len(face.inputs), len(face.outputs))
+    labels = [_row_width(face, row, style) for row in range(rows)]
+    width = min(max([NARROWEST, title, *labels]), WIDEST)
+    height = head + rows * PORT_ROW + 2 * _FOOT
+    ports = {}
+    for x, faces in ((0.0, face.inputs), (width, face.outputs)):
+        for row, port in enumerate(faces):
+            y = head + _FOOT + (row + 0.5) * PORT_ROW
+            ports[port.side, port.name] = QPointF(x, y)
+    return NodeGeometry(width, height, head, ports)
+
+
+def _row_width(face: NodeFace, row: int, style: CanvasStyle) -> float:
+    texts = [ports[row].name for ports in (face.inputs, face.outputs) if row < len(ports)]
+    return sum(style.width("port", text) + _PADDING for text in texts) + _PADDING
+
+
+def label_room(geometry: NodeGeometry, port: PortFace, face: NodeFace) -> float:
+    """How wide a port's label may be; more where nothing stands on the other side of its row."""
+    own, others = (
+        (face.inputs, face.outputs) if port.side == "input" else (face.outputs, face.inputs)
+    )
+    alone = own.index(port) >= len(others)
+    return geometry.width * (1.0 if alone else 0.62) - 2 * _PADDING

@@ -9,19 +9,17 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtWidgets import QGraphicsScene
 
 from app.editor.canvas.items.backdrop_item import BackdropItem, rect_of
-from app.editor.canvas.items.canvas_style import CanvasStyle
-from app.editor.canvas.items.faces import face_of
+from app.editor.canvas.items.canvas_style import CanvasStyle, face_of
 from app.editor.canvas.items.node_item import NodeItem
-from app.editor.canvas.items.points import points_of
 from app.editor.canvas.items.routing import Ground, hull_of, overlap
 from app.editor.canvas.items.wire_item import DOT_RADIUS, WireItem
 from app.editor.evaluation.queries import Badge
 from core.editing.backdrops import Backdrop, backdrops_of
-from core.editing.layout import Point
+from core.editing.layout import Point, is_in_reach
 from core.editing.wire_dots import dots_of
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.network.macro import SEPARATOR, declared_node
-from core.network.network import Link, Network, Node
+from core.network.network import Link, Network, Node, topological
 
 
 class Content:
@@ -284,3 +282,35 @@ def links_at(network: Network) -> dict[str, list[Link]]:
         for name in {link.source, link.target}:
             links.setdefault(name, []).append(link)
     return links
+
+
+# Where nodes stand: as in the document, else in columns by their depth.
+
+COLUMN, ROW = 240.0, 160.0
+
+
+def points_of(network: Network) -> dict[str, Point]:
+    """A point for every node; those without one stand below the others, each after its sources.
+
+    A point that the canvas does not reach is none.
+    """
+    points: dict[str, Point] = {name: at for name, at in network.layout.items() if is_in_reach(*at)}
+    lost = [name for name in network.nodes if name not in points]
+    if not lost:
+        return points
+    depths = _depths(network)
+    top = max((y for _, y in points.values()), default=-ROW) + ROW
+    rows: dict[int, int] = {}
+    for name in lost:
+        depth = depths.get(name, 0)
+        row = rows[depth] = rows.get(depth, -1) + 1
+        points[name] = (depth * COLUMN, top + row * ROW)
+    return points
+
+
+def _depths(network: Network) -> dict[str, int]:
+    depths: dict[str, int] = {}
+    for name in topological(network.followers):
+        for follower in network.followers[name]:
+            depths[follower] = max(depths.get(follower, 0), depths.get(name, 0) + 1)
+    return depths

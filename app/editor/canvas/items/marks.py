@@ -6,8 +6,8 @@ Held by their names in the document, never as items: items are replaced.
 from __future__ import annotations
 
 from app.editor.canvas.items.backdrop_item import BackdropItem
+from app.editor.canvas.items.canvas_style import Side
 from app.editor.canvas.items.content import Content
-from app.editor.canvas.items.faces import Side
 from app.editor.canvas.items.hits import Hit
 from core.network.network import Link
 

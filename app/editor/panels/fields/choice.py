@@ -6,11 +6,13 @@ from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QWheelEvent
-from PySide6.QtWidgets import QButtonGroup, QComboBox, QSizePolicy
+from PySide6.QtWidgets import QButtonGroup, QComboBox, QSizePolicy, QWidget
 
 from app.editor.declared_text import choice_text
-from app.editor.panels.fields.field import Field
-from app.editor.widgets import FlowLayout, Radio, takes_wheel
+from app.editor.number_text import numbers_of, shown_numbers
+from app.editor.panels.fields.field import Field, TypedField
+from app.editor.widgets import Check, FlowLayout, Radio, takes_wheel
+from core.errors import ParameterError
 from core.modules.parameters import Parameter
 
 MOST_BUTTONS = 4
@@ -112,3 +114,77 @@ class ListField(Field):
 
     def _activated(self, number: int) -> None:
         self.offer(self.choices[number])
+
+
+# A field for what is on or off.
+
+
+class SwitchField(Field):
+    """A check box."""
+
+    def build(self) -> None:
+        """Make the box, which bears the label."""
+        self.box = Check(self.title, self)
+        self.box.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
+        self.named(self.box)
+        self.box.clicked.connect(self._clicked)
+        self.label.hide()
+        self.unit.hide()
+        self.row.addWidget(self.box)
+        self.row.addStretch()
+
+    def marked_label(self) -> QWidget:
+        """The box bears the parameter's name."""
+        return self.box
+
+    def show_value(self, value: Any) -> None:
+        """Show on or off; setting it does not count as a click."""
+        self.box.setChecked(bool(value))
+
+    def _clicked(self) -> None:
+        self.offer(self.box.isChecked())
+
+
+# Fields for a text, and for a list of numbers.
+
+
+class TextField(TypedField):
+    """A line of text."""
+
+    def build(self) -> None:
+        """Make the line, as wide as there is room."""
+        edit = self.build_edit()
+        if self.parameter.empty:
+            edit.setPlaceholderText("empty")
+        self.row.addWidget(self.label, 2)
+        self.row.addWidget(edit, 4)
+        self.row.addWidget(self.unit)
+
+    def show_value(self, value: Any) -> None:
+        """Show the text."""
+        self.edit.show_text("" if value is None else str(value))
+
+
+class NumbersField(TypedField):
+    """A list of numbers: ``0, 0.1``."""
+
+    def build(self) -> None:
+        """Make a line of its own below the label."""
+        edit = self.build_edit()
+        edit.setPlaceholderText("none: type numbers as 0, 0.1")
+        self.row.addWidget(self.label, 1)
+        self.row.addWidget(self.unit)
+        self.column.addWidget(edit)
+
+    def show_value(self, value: Any) -> None:
+        """Show the numbers, all of each."""
+        self.edit.show_text(shown_numbers(value or ()))
+
+    def take(self, text: str) -> None:
+        """Offer what was typed as numbers."""
+        try:
+            numbers = numbers_of(text, self.parameter)
+        except ParameterError as error:
+            self.refuse_typed(error)
+            return
+        self.offer(numbers)

@@ -4,24 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, field
-from typing import Any
+from functools import partial
+from typing import Any, Protocol
 
-from PySide6.QtCore import QPoint, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent
+from PySide6.QtCore import QEvent, QPoint, Qt, Signal
+from PySide6.QtGui import QContextMenuEvent, QGuiApplication, QMouseEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
-from app.editor.declared_text import about, label_of, shown_value, tip
-from app.editor.gestures import AfterRelease
-from app.editor.panels.fields.drag_label import DragLabel
-from app.editor.panels.fields.one_value import add_value_actions, chosen
+from app.editor.declared_text import about, choice_text, label_of, shown_value, tip
+from app.editor.gestures import AfterRelease, without_argument
+from app.editor.number_text import shown_number
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.theme import ERROR, FAINT, Theme, set_ink
 from app.editor.widgets import require_defined
+from core.editing.clipboard import VALUES_FORMAT, read_values
 from core.editing.operations import ABSENT
-from core.errors import ParameterError
+from core.errors import ImagechainError, ParameterError
 from core.modules.parameters import Parameter, plain
 from core.names import thaw
-from core.network.linked_values import LinkError
+from core.network.linked_values import LinkError, expression_text
+from core.network.network import EXPRESSION
 
 
 @dataclass(frozen=True)
@@ -328,3 +330,187 @@ class TypedField(Field):
         """Frame it in red, and show why."""
         super().refuse(error)
         self.edit.mark(self.theme.error)
+
+
+# The name of a number, which is dragged sideways to change it.
+
+PIXELS_A_STEP = 4
+START_PIXELS = 3
+FINER, COARSER = 0.1, 10.0
+
+
+class DragLabel(QLabel):
+    """A label that signals how far it is dragged.
+
+    Signals
+    -------
+    pressed
+        The button is down.
+    dragged(steps)
+        So many steps more, parts of a step included: to the right is up.
+    released
+        The button is up.
+    """
+
+    pressed = Signal()
+    dragged = Signal(float)
+    released = Signal()
+
+    _drags = False
+    _last: float | None = None
+    _moving = False
+
+    def set_drags(self, on: bool) -> None:
+        """Whether it can be dragged; the cursor shows it."""
+        self._drags = on
+        self._show_cursor()
+
+    @property
+    def drags(self) -> bool:
+        """Whether it can be dragged now."""
+        return self._drags and self.isEnabled()
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Follow what is enabled."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.EnabledChange:
+            self._show_cursor()
+
+    def event(self, event: QEvent) -> bool:
+        """A dialog ends a drag: the release of the button behind it does not arrive."""
+        if event.type() == QEvent.Type.WindowBlocked and self._last is not None:
+            self._last = None
+            self.released.emit()
+        return bool(super().event(event))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin."""
+        if event.button() != Qt.MouseButton.LeftButton or not self.drags:
+            super().mousePressEvent(event)
+            return
+        self._last, self._moving = event.position().x(), False
+        self.pressed.emit()
+        event.accept()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Go on, once it is no mere click."""
+        if self._last is None:
+            super().mouseMoveEvent(event)
+            return
+        way = event.position().x() - self._last
+        if not self._moving and abs(way) < START_PIXELS:
+            return
+        self._moving, self._last = True, event.position().x()
+        if way:
+            self.dragged.emit(way / PIXELS_A_STEP * _rate(event.modifiers()))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """End."""
+        if self._last is None or event.button() != Qt.MouseButton.LeftButton:
+            super().mouseReleaseEvent(event)
+            return
+        self._last = None
+        self.released.emit()
+
+    def _show_cursor(self) -> None:
+        if self.drags:
+            self.setCursor(Qt.CursorShape.SizeHorCursor)
+        else:
+            self.unsetCursor()
+
+
+def _rate(modifiers: Qt.KeyboardModifier) -> float:
+    if modifiers & Qt.KeyboardModifier.ShiftModifier:
+        return FINER
+    return COARSER if modifiers & Qt.KeyboardModifier.ControlModifier else 1.0
+
+
+# Copying and pasting the value of one field, as text with its unit.
+
+_SWITCH = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
+
+
+class ValueField(Protocol):
+    """What a field has for its value to be copied and pasted."""
+
+    parameter: Parameter
+    value: Any
+
+    @property
+    def link_text(self) -> str:
+        """The expression it follows; empty for none."""
+
+    def take(self, text: str) -> None:
+        """Offer what is written."""
+
+    def refuse_typed(self, error: ParameterError) -> None:
+        """Show why it is not taken."""
+
+    def discard_typing(self) -> None:
+        """Forget what was typed and not taken yet."""
+
+
+def add_value_actions(menu: QMenu, field: ValueField) -> None:
+    """Offer to copy the field's value, and to paste one."""
+    clipboard = QGuiApplication.clipboard()
+    text = value_text(field)
+    copying = menu.addAction("Copy value")
+    copying.setObjectName("copy_value")
+    copying.setToolTip("Put it on the clipboard with its unit; of a linked one the expression")
+    copying.setEnabled(bool(text))
+    copying.triggered.connect(partial(without_argument, partial(clipboard.setText, text)))
+    pasting = menu.addAction("Paste value")
+    pasting.setObjectName("paste_value")
+    pasting.setToolTip("Take the clipboard's value, in any unit that fits")
+    pasting.setEnabled(bool(clipboard.text().strip()))
+    paste = partial(paste_value, field, clipboard.text())
+    pasting.triggered.connect(partial(without_argument, paste))
+
+
+def value_text(field: ValueField) -> str:
+    """The value with its unit, the expression behind ``=``; empty for none."""
+    if field.link_text:
+        return f"= {field.link_text}"
+    parameter = field.parameter
+    return "" if field.value is None else _text(parameter, field.value, parameter.param.unit)
+
+
+def paste_value(field: ValueField, text: str) -> None:
+    """Give a field the value of a text, or the one of its parameter of a node that was copied."""
+    field.discard_typing()
+    parameter = field.parameter
+    try:
+        text = (_value_of_node(parameter, text) if VALUES_FORMAT in text else text).strip()
+    except ParameterError as error:
+        field.refuse_typed(error)
+    except ImagechainError as error:
+        field.refuse_typed(ParameterError(parameter.name, text[:40], error.message))
+    else:
+        # Not every unit is one that can be typed; its own need not be read.
+        unit = parameter.param.unit
+        is_number = parameter.kind in ("number", "integer") and not text.startswith("=")
+        field.take(text.removesuffix(f" {unit}") if unit and is_number else text)
+
+
+def chosen(parameter: Parameter, text: str) -> Any:
+    """The choice, or the state of a switch, that a text names; the text where there is none."""
+    if parameter.kind == "switch":
+        return _SWITCH.get(text.lower(), text)
+    options = (*parameter.choices, *((None,) if parameter.empty else ()))
+    return next((one for one in options if text in (str(one), choice_text(one))), text)
+
+
+def _value_of_node(parameter: Parameter, text: str) -> str:
+    copied, name = read_values(text), parameter.name
+    if name not in copied.values:
+        raise ParameterError(name, None, "the clipboard's node has no such value")
+    raw = copied.values[name]
+    if isinstance(raw, dict) and EXPRESSION in raw:
+        return f"= {expression_text(raw)}"
+    return "" if raw is None else _text(parameter, raw, copied.units.get(name, ""))
+
+
+def _text(parameter: Parameter, value: Any, unit: str) -> str:
+    if parameter.kind in ("number", "integer") and type(value) in (int, float):
+        return f"{shown_number(value)} {unit}".strip()
+    return "" if value in ((), []) else shown_value(parameter, value)

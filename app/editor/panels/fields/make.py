@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QWidget
 
-from app.editor.panels.fields.choice import MOST_BUTTONS, ButtonsField, ListField, choices_of
+from app.editor.panels.fields.choice import (
+    MOST_BUTTONS,
+    ButtonsField,
+    ListField,
+    NumbersField,
+    SwitchField,
+    TextField,
+    choices_of,
+)
 from app.editor.panels.fields.field import Field
 from app.editor.panels.fields.number import NumberField
 from app.editor.panels.fields.path import PathField
-from app.editor.panels.fields.switch import SwitchField
-from app.editor.panels.fields.text import NumbersField, TextField
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.modules.parameters import Parameter

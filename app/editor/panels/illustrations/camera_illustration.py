@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter
 
-from app.editor.evaluation.queries import Query
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from app.editor.panels.illustrations.painting.axes import Axis
-from app.editor.panels.illustrations.painting.chart import Chart
-from app.editor.panels.illustrations.painting.few_digits import brief, pair
-from app.editor.panels.illustrations.queries.camera_query import CameraQuery
+from app.editor.panels.illustrations.painting.chart import Axis, Chart, brief, pair
+from core.chain.engine import Plan
 from core.physics.sampling.ground_geometry import Camera, field_deg, ground_sample, view_angles
 
 _POINTS = 65
@@ -71,3 +70,34 @@ class CameraIllustration(Illustration):
         )
         for size, colour, (style, _) in zip(self._sizes, colours, _ENDS, strict=True):
             chart.curve(angles, size, colour, style)
+
+
+# The query of a Camera Geometry node's view of the ground.
+
+
+@dataclass(frozen=True)
+class CameraQuery(Query):
+    """The camera, with what its panel leaves empty worked out; None of a disabled node."""
+
+    urgency: ClassVar[int] = 1
+
+    node: str
+
+    def key(self, plan: Plan) -> Hashable:
+        """The camera."""
+        return _camera(plan, self.node)
+
+    def answer(self, passing: Passing) -> Camera | None:
+        """The camera."""
+        return _camera(passing.plan, self.node)
+
+
+def _camera(plan: Plan, node: str) -> Camera | None:
+    planned = plan.node(node)
+    if planned.error is not None:
+        raise planned.error
+    if planned.node.disabled:
+        return None
+    module: Any = planned.module
+    camera: Camera = module.camera(planned.inputs["image"])
+    return camera

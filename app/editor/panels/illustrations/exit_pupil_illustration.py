@@ -2,39 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
-from PySide6.QtCore import QRectF
-from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QImage, QPainter, QTransform
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QImage, QPainter, QPolygonF, QTransform
 from PySide6.QtWidgets import QWidget
 
 from app.editor.declared_text import choice_text
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.queries import Query
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.illustration import NO_EVALUATION, Illustration
-from app.editor.panels.illustrations.painting.axes import Axis
-from app.editor.panels.illustrations.painting.chart import Chart
-from app.editor.panels.illustrations.painting.few_digits import brief
-from app.editor.panels.illustrations.painting.pupil_drawing import (
-    draw_pupil,
-    draw_scale,
-    light_and_dark,
-)
+from app.editor.panels.illustrations.painting.chart import Axis, Chart, brief, signed
 from app.editor.panels.illustrations.painting.wavefront import (
     Wavefront,
     coloured,
     open_share,
     wavefront_of,
 )
-from app.editor.panels.illustrations.queries.pupil_query import PupilQuery, SmallPupil
+from app.editor.panels.illustrations.queries.shrinking import shrunk
 from app.editor.session import Session
 from app.editor.theme import Theme
+from core.chain.engine import Plan
 from core.chain.wires import Pupil
 from core.errors import ImagechainError
 from core.modules.declaration import NodeContext
 from core.names import thaw
 from core.network.network import Node
+from core.physics.optics.pupil_shapes import PupilShape, vane_direction
 
 _FILE = "file"
 _MARGIN = 1.2  # of what is drawn around the aperture
@@ -201,3 +199,135 @@ class ExitPupilIllustration(Illustration):
         self.prepare()
         if self._is_file():  # of all else the document is newer than an answer on its way
             super()._answered(answer)
+
+
+# Painting an exit pupil from its geometry: what is open, and what obstructs it.
+
+_SHADES = 64
+
+
+def draw_pupil(
+    painter: QPainter,
+    box: QRectF,
+    shape: PupilShape,
+    size: tuple[float, float],
+    light: QBrush,
+    dark: QColor,
+) -> None:
+    """Paint the middle of a pupil array into a box.
+
+    Parameters
+    ----------
+    painter : QPainter
+        Paints it.
+    box : QRectF
+        Where it is to be; y runs downwards, as rows do.
+    shape : PupilShape
+        The pupil, lengths in samples.
+    size : (float, float)
+        Samples across and along that the box shows.
+    light : QBrush
+        What is transparent; a texture lies in samples from the centre.
+    dark : QColor
+        What is opaque.
+    """
+    painter.save()
+    painter.setClipRect(box)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.translate(box.center())
+    painter.scale(box.width() / size[0], box.height() / size[1])
+    wide, high = size[0] / 2, size[1] / 2
+    painter.fillRect(QRectF(-wide, -high, 2 * wide, 2 * high), dark)
+    radius, inner = shape.radius, shape.inner_radius
+    painter.setBrush(light)
+    if shape.shape == "half_moon":
+        around = QRectF(-radius, -radius, 2 * radius, 2 * radius)
+        painter.drawChord(around, -90 * 16, 180 * 16)
+    else:
+        painter.drawEllipse(QPointF(), radius, radius)
+    painter.setBrush(dark)
+    if inner > 0:
+        painter.drawEllipse(QPointF(), inner, inner)
+    if shape.bar_width > 0:
+        painter.drawRect(QRectF(-shape.bar_width / 2, -radius, shape.bar_width, 2 * radius))
+    for index in range(shape.vane_count):
+        cos, sin = vane_direction(index=index, count=shape.vane_count)
+        along = QPointF(cos, sin) * (1.01 * radius)
+        across = QPointF(-sin, cos) * (shape.vane_width / 2)
+        painter.drawPolygon(QPolygonF([across, along + across, along - across, -across]))
+    painter.restore()
+
+
+def draw_scale(
+    painter: QPainter, area: QRectF, end: float, colours: tuple[str, str, str], theme: Theme
+) -> None:
+    """The colours of a wavefront error from −`end` to `end` waves, and what they stand for."""
+    shades = coloured(np.linspace(-1, 1, _SHADES)[np.newaxis], colours)
+    image = QImage(shades.data, _SHADES, 1, 4 * _SHADES, QImage.Format.Format_RGB32)
+    metrics = QFontMetricsF(painter.font())
+    line = metrics.height()
+    bar = QRectF(area.left(), area.top(), area.width() - line / 2, line * 0.7)
+    painter.drawImage(bar, image)
+    text = bar.translated(0, line * 0.85)
+    text.setHeight(line)
+    painter.setPen(QColor(theme.text))
+    written = brief(end, 2)
+    painter.drawText(text, Qt.AlignmentFlag.AlignLeft, signed(f"-{written}"))
+    if metrics.horizontalAdvance(f"{written} waves {written}") + line * 2 < text.width():
+        painter.drawText(text, Qt.AlignmentFlag.AlignHCenter, "waves")
+    painter.drawText(text, Qt.AlignmentFlag.AlignRight, f"+{written}")
+
+
+def light_and_dark(theme: Theme) -> tuple[str, str]:
+    """The theme's lightest and darkest, for what is open and what is opaque."""
+    dark, light = sorted((theme.base, theme.text), key=lambda name: QColor(name).lightness())
+    return light, dark
+
+
+# The query for the samples of a pupil that has no geometric shape.
+
+MOST_SAMPLES = 256  # across or along, of what is drawn
+
+
+@dataclass(frozen=True, eq=False)
+class SmallPupil:
+    """A pupil's transmission, ready to be drawn.
+
+    Parameters
+    ----------
+    levels : ndarray of uint8, shape (high, wide)
+        0 opaque to 255 transparent, C order.
+    rows, columns : int
+        Of the pupil array itself.
+    open_share : float
+        Mean transmission of the array.
+    """
+
+    levels: NDArray[np.uint8]
+    rows: int
+    columns: int
+    open_share: float
+
+
+@dataclass(frozen=True)
+class PupilQuery(Query):
+    """What the file of an exit pupil holds."""
+
+    urgency: ClassVar[int] = 1
+
+    node: str
+
+    def key(self, plan: Plan) -> Hashable:
+        """The pupil."""
+        pupil: Pupil = plan.output(f"{self.node}.pupil")
+        return pupil.key
+
+    def answer(self, passing: Passing) -> SmallPupil | None:
+        """The samples, fewer of them; None for a geometric shape."""
+        pupil: Pupil = passing.plan.output(f"{self.node}.pupil")
+        if pupil.shape is not None:
+            return None
+        samples = passing.work.value(pupil.samples)
+        small = shrunk(samples, MOST_SAMPLES)
+        levels = np.rint(255 * np.clip(small, 0, 1)).astype(np.uint8)
+        return SmallPupil(levels, pupil.rows, pupil.columns, float(samples.mean()))

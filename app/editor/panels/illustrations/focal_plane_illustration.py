@@ -2,23 +2,107 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen
 
-from app.editor.evaluation.queries import Query
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from app.editor.panels.illustrations.painting.bars import Bar, paint_bars
-from app.editor.panels.illustrations.painting.few_digits import brief, electrons, kelvin
-from app.editor.panels.illustrations.queries.electrons_query import ElectronBudget, ElectronsQuery
-from app.editor.panels.illustrations.queries.response_query import (
+from app.editor.panels.illustrations.painting.chart import Bar, brief, electrons, kelvin, paint_bars
+from app.editor.panels.illustrations.response_illustration import (
     ResponseOverSpectrum,
     ResponseQuery,
+    paint_response,
 )
 from app.editor.panels.illustrations.response_illustration import in_words as response_in_words
-from app.editor.panels.illustrations.response_illustration import paint_response
+from core.chain.engine import Plan
+
+# The query of a focal plane's electrons and noises.
+
+
+@dataclass(frozen=True)
+class ElectronBudget:
+    """Where a pixel's electrons come from, and its noise by source, at the picture's mean.
+
+    Parameters
+    ----------
+    sources_e, noises_e : mapping of str to float
+        Electrons by their source; standard deviations by theirs.
+    temporal_e : float
+        All noise that changes from frame to frame.
+    full_well_e : float or None
+        None where none is given.
+    per_K : float or None
+        Electrons per kelvin of the scene, where it is warm.
+    netd_K, snr : float or None
+        Where they mean something.
+    """
+
+    sources_e: Mapping[str, float]
+    noises_e: Mapping[str, float]
+    temporal_e: float
+    full_well_e: float | None
+    per_K: float | None
+    netd_K: float | None
+    snr: float | None
+
+    @property
+    def total_e(self) -> float:
+        """All electrons."""
+        return max(sum(self.sources_e.values()), 0.0)
+
+    @property
+    def fill(self) -> float | None:
+        """Share of the well that is full; above 1 it overflows."""
+        return self.total_e / self.full_well_e if self.full_well_e else None
+
+
+@dataclass(frozen=True)
+class ElectronsQuery(Query):
+    """The figures of a focal plane; None of a disabled node."""
+
+    urgency: ClassVar[int] = 1
+
+    node: str
+
+    def key(self, plan: Plan) -> Hashable:
+        """The table of figures."""
+        planned = plan.node(self.node)
+        if planned.error is not None:
+            raise planned.error
+        table = planned.outputs.get("table")
+        return table and table.key
+
+    def answer(self, passing: Passing) -> ElectronBudget | None:
+        """Electrons and noises."""
+        planned = passing.plan.node(self.node)
+        if planned.error is not None:
+            raise planned.error
+        table = planned.outputs.get("table")
+        if planned.node.disabled or table is None:
+            return None
+        figures: dict[str, Any] = passing.work.value(table.recipe).as_dict()
+        module: Any = planned.module
+        sources = ("scene", "signal_e"), ("optics", "optics_e"), ("housing", "housing_e")
+        noises = (
+            ("shot", "shot_noise_e"),
+            ("read", "read_noise_e"),
+            ("rounding", "quantization_noise_e"),
+            ("fixed pattern", "fixed_pattern_e"),
+        )
+        return ElectronBudget(
+            sources_e={name: figures[key] for name, key in (*sources, ("dark", "dark_e"))},
+            noises_e={name: figures[key] for name, key in noises},
+            temporal_e=figures["temporal_noise_e"],
+            full_well_e=module.full_well_e,
+            per_K=figures["responsivity_e_per_K"],
+            netd_K=figures["netd_K"],
+            snr=figures["snr"],
+        )
+
 
 _LINES, _CHART = 12.5, 9.0  # of text: without a chart, and what that takes
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter

@@ -12,15 +12,13 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.illustrations.illustration import Illustration
-from app.editor.panels.illustrations.painting.axes import Axis
-from app.editor.panels.illustrations.painting.chart import Chart
-from app.editor.panels.illustrations.painting.few_digits import brief
+from app.editor.panels.illustrations.painting.chart import Axis, Chart, brief
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.errors import ImagechainError
 from core.names import thaw
 from core.network.network import Node
-from core.physics.electronics.periodic_wave import periodic_pattern
+from core.physics.noise.flicker_noise import periodic_pattern
 
 _POINTS = 801
 _PERIODS, _ENVELOPES = 6.0, 1.5

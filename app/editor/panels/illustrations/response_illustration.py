@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter
 
-from app.assessment.response_over_band import DrawnResponse
-from app.editor.evaluation.queries import Query
+from app.assessment.edge_measurement import DrawnResponse, response_over_band
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from app.editor.panels.illustrations.painting.axes import Axis
-from app.editor.panels.illustrations.painting.chart import Chart
-from app.editor.panels.illustrations.painting.few_digits import brief
-from app.editor.panels.illustrations.queries.response_query import (
-    MeanSpectrum,
-    ResponseOverSpectrum,
-    ResponseQuery,
-)
+from app.editor.panels.illustrations.painting.chart import Axis, Chart, brief
 from app.editor.theme import Theme
+from core.chain.engine import Plan, PlannedNode
+from core.chain.wires import Image
 
 _ROOM = 1.12  # above a response of 1 stands what the spectrum's peak is
 _HIGHEST = 0.9  # share of the axis that the spectrum's peak takes
@@ -103,3 +101,78 @@ def _response_in_words(response: DrawnResponse) -> str:
         return f"{response.name} 0"
     ends = f"from {brief(lit[0])} to {brief(lit[-1])} µm"
     return f"{response.name} up to {brief(float(response.values.max()))} {ends}"
+
+
+# The query of a response over wavelength, beside the mean spectrum of the picture it is for.
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class MeanSpectrum:
+    """The mean of every band of a picture.
+
+    Parameters
+    ----------
+    centres_um, means : ndarray, shape (bands,)
+        Where the bands lie, and their means.
+    unit : str
+        Of the means.
+    """
+
+    centres_um: Vector
+    means: Vector
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseOverSpectrum:
+    """A response and a spectrum, as far as there are; the node may be disabled."""
+
+    response: DrawnResponse | None = None
+    spectrum: MeanSpectrum | None = None
+
+
+@dataclass(frozen=True)
+class ResponseQuery(Query):
+    """The response of a node over the mean spectrum of the picture that comes in.
+
+    Parameters
+    ----------
+    node : str
+        A Focal Plane or a Spectral Response.
+    """
+
+    node: str
+
+    def key(self, plan: Plan) -> Hashable:
+        """What comes in, and what is made of it."""
+        planned = _planned(plan, self.node)
+        made = planned.outputs.get("table") or planned.outputs.get("image")
+        image = planned.inputs.get("image")
+        bands = image.bands.key if isinstance(image, Image) and image.bands is not None else None
+        return made and made.key, bands, repr(planned.module), planned.node.disabled
+
+    def answer(self, passing: Passing) -> ResponseOverSpectrum:
+        """Both."""
+        planned = _planned(passing.plan, self.node)
+        response = response_over_band(planned, passing.plan.folder)
+        if response is None:
+            return ResponseOverSpectrum()
+        return ResponseOverSpectrum(response, mean_spectrum(planned.inputs.get("image"), passing))
+
+
+def mean_spectrum(image: Image | None, passing: Passing) -> MeanSpectrum | None:
+    """Of a picture with bands."""
+    if image is None or image.bands is None:
+        return None
+    unit = f"{image.unit}/µm" if image.bands.density else image.unit
+    means = np.asarray(passing.work.value(image.bands.means()), np.float64)
+    return MeanSpectrum(np.array(image.bands.centres_um), means, unit)
+
+
+def _planned(plan: Plan, node: str) -> PlannedNode:
+    planned = plan.node(node)
+    if planned.error is not None:
+        raise planned.error
+    return planned

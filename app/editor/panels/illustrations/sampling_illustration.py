@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen, QPolygonF
 
-from app.editor.evaluation.queries import Query
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from app.editor.panels.illustrations.painting.axes import round_step
-from app.editor.panels.illustrations.painting.few_digits import brief, pair
-from app.editor.panels.illustrations.queries.sampling_query import SamplingQuery
+from app.editor.panels.illustrations.painting.chart import brief, pair, round_step
+from core.chain.engine import Plan
 from core.chain.wires import Context
 from core.physics.sampling.detector_sampling import ifov_mrad
 
@@ -210,3 +209,31 @@ def facts(context: Context) -> list[str]:
 def _around(centre: QPointF, size: tuple[float, float], scale: float) -> QRectF:
     wide, high = size[0] * scale, size[1] * scale
     return QRectF(centre.x() - wide / 2, centre.y() - high / 2, wide, high)
+
+
+# The query how an Init & Trans node samples the scene.
+
+
+@dataclass(frozen=True)
+class SamplingQuery(Query):
+    """The sensor's geometry, as its data structure; None of a disabled node."""
+
+    urgency: ClassVar[int] = 1
+
+    node: str
+
+    def key(self, plan: Plan) -> Hashable:
+        """The data structure."""
+        context = _context(plan, self.node)
+        return context and context.key
+
+    def answer(self, passing: Passing) -> Context | None:
+        """The data structure."""
+        return _context(passing.plan, self.node)
+
+
+def _context(plan: Plan, node: str) -> Context | None:
+    planned = plan.node(node)
+    if planned.error is not None:
+        raise planned.error
+    return planned.outputs.get("context")

@@ -11,9 +11,7 @@ from PySide6.QtGui import QPainter
 
 from app.editor.evaluation.queries import Query
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from app.editor.panels.illustrations.painting.axes import Axis, round_step
-from app.editor.panels.illustrations.painting.chart import Chart
-from app.editor.panels.illustrations.painting.few_digits import brief, pair
+from app.editor.panels.illustrations.painting.chart import Axis, Chart, brief, pair, round_step
 from app.editor.panels.illustrations.queries.transfer_query import (
     LOWEST_SHARE,
     TransferLine,

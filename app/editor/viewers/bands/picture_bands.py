@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtWidgets import QWidget
 
-from app.editor.evaluation.queries import Answer, Query
+from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.theme import Theme
 from app.editor.viewers.bands.band_bar import BandBar
 from app.editor.viewers.bands.spectrum_plot import NO_SAMPLE, SpectrumPlot
-from app.editor.viewers.bands.spectrum_query import MeanSpectrumQuery, SampleSpectrumQuery
 from app.editor.viewers.pixels.band_choice import BandChoice, bands_of
 from app.editor.viewers.pixels.picture_query import Picture
+from core.chain.engine import Plan
 from core.spectrum.band_stack import BandStack
 
 _LONGEST = 110  # letters of a problem beside the curves
@@ -161,3 +164,58 @@ def _problem(answer: Answer) -> str:
     """Why there is no spectrum; of a long line its end, as it begins with the name of a file."""
     text = "" if answer.error is None else " ".join(str(answer.error).split())
     return text if len(text) <= _LONGEST else f"…{text[1 - _LONGEST :]}"
+
+
+# The queries of a picture's spectra: its mean, and that of one sample.
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MeanSpectrumQuery(Query):
+    """The mean of every band of the picture on a port; None where it has no bands.
+
+    It waits until edits pause: the whole of a file may have to be read for it.
+    """
+
+    waits: ClassVar[bool] = True
+
+    port: str
+
+    def key(self, plan: Plan) -> Hashable:
+        """The bands."""
+        bands = bands_of(plan.output(self.port))
+        return bands and bands.key
+
+    def answer(self, passing: Passing) -> Vector | None:
+        """Means, (bands,)."""
+        bands = bands_of(passing.plan.output(self.port))
+        return None if bands is None else np.asarray(passing.work.value(bands.means()))
+
+
+@dataclass(frozen=True)
+class SampleSpectrumQuery(Query):
+    """All bands of one sample of the picture on a port.
+
+    None where the picture has no bands or no such sample, or every band would have to be filtered.
+    """
+
+    urgency: ClassVar[int] = 1
+
+    port: str
+    row: int
+    column: int
+
+    def key(self, plan: Plan) -> Hashable:
+        """The bands, and where."""
+        bands = bands_of(plan.output(self.port))
+        return bands and (bands.key, self.row, self.column)
+
+    def answer(self, passing: Passing) -> Vector | None:
+        """The spectrum, (bands,)."""
+        image: Any = passing.plan.output(self.port)
+        bands = bands_of(image)
+        if bands is None or not (0 <= self.row < image.rows and 0 <= self.column < image.columns):
+            return None
+        recipe = bands.spectrum(self.row, self.column)
+        return None if recipe is None else np.asarray(passing.work.value(recipe))

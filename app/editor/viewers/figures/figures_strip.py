@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+import math
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
 
+from app.editor.declared_text import error_text
 from app.editor.evaluation.freshness import Freshness
-from app.editor.evaluation.queries import Answer, PassDone, Query
+from app.editor.evaluation.queries import Answer, PassDone, Passing, Query
 from app.editor.session import Session
 from app.editor.theme import FAINT, Theme, set_ink
-from app.editor.viewers.figures.figure_text import NONE, figure_text
-from app.editor.viewers.figures.figures_query import Figure, Figures, FiguresQuery
+from app.editor.viewers.network_ports import HOW_TO_MARK
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets import ElidedLabel
-from app.run.figures import ELECTRONICS_FIGURES, SENSOR_FIGURES
+from app.run.figures import ELECTRONICS_FIGURES, SENSOR_FIGURES, sensor_node
+from app.run.output import find_output
+from app.run.shipped import sound_part
+from core.chain.engine import Plan
+from core.errors import ImagechainError
 
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
+
 
 RUN_TIME = "run_time"
 OUTPUT = "output"
@@ -188,3 +195,141 @@ class FiguresStrip(Viewer):
             kind = f"a preview of 1:{done.reduced}" if done.reduced > 1 else "all that is shown"
             about = f"Time that {kind} took after the last change: {done.seconds:.4f} s"
             self.label(RUN_TIME).show_text(figure_text(done.seconds, "s"), about)
+
+
+# The query of the figures strip: the sensor's figures among the electronics' read-outs.
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One read-out; `value` None where there is none, `reason` why, where that is known."""
+
+    name: str
+    caption: str
+    value: Any
+    unit: str
+    meaning: str
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """The read-outs of one node.
+
+    Parameters
+    ----------
+    node : str or None
+        The electronics; None where there is none, or it is not clear which leads to the output.
+    figures : tuple of Figure
+        Its read-outs.
+    output : str or None
+        Port of the picture that the network delivers.
+    missing : str
+        Why there is none, in one line.
+    choices : tuple of str
+        Ports of the pictures that could be meant, where none is marked.
+    """
+
+    node: str | None
+    figures: tuple[Figure, ...] = ()
+    output: str | None = None
+    missing: str = ""
+    choices: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class FiguresQuery(Query):
+    """Figures of the electronics that lead to the final picture.
+
+    Parameters
+    ----------
+    preferred : str or None
+        The node to show if there are several; else it is the last one.
+    """
+
+    urgency: ClassVar[int] = 1
+
+    preferred: str | None = None
+
+    def key(self, plan: Plan) -> Hashable:
+        """The node and what its figures are made of."""
+        output = _output_of(plan)
+        name = sensor_node(plan, self.preferred)
+        if name is None:
+            return self, output
+        planned = plan.node(name)
+        if planned.error is not None:
+            raise planned.error
+        table = planned.outputs.get("table")
+        return self, output, name, planned.node.disabled, getattr(table, "key", None)
+
+    def answer(self, passing: Passing) -> Figures:
+        """The figures."""
+        plan = passing.plan
+        output = _output_of(plan)
+        name = sensor_node(plan, self.preferred)
+        if name is None:
+            return Figures(None, (), *output)
+        planned = plan.node(name)
+        if planned.error is not None:
+            raise planned.error
+        engine, values, reasons = passing.engine, dict[str, Any](), dict[str, str]()
+        if not planned.node.disabled:
+            values = engine.readouts(plan, name, passing.work)
+            reasons = {
+                readout: engine.why_none(plan, name, passing.work, readout)
+                for readout, _ in SENSOR_FIGURES[planned.node.module]
+                if values.get(readout) is None
+            }
+        declared = {readout.name: readout for readout in planned.declaration.readouts}
+        return Figures(
+            name,
+            tuple(
+                Figure(
+                    readout,
+                    caption,
+                    values.get(readout),
+                    declared[readout].unit,
+                    declared[readout].meaning,
+                    reasons.get(readout, ""),
+                )
+                for readout, caption in SENSOR_FIGURES[planned.node.module]
+            ),
+            *output,
+        )
+
+
+def _output_of(plan: Plan) -> tuple[str | None, str, tuple[str, ...]]:
+    """The picture that the network delivers, or why there is none, and the candidates for it."""
+    try:
+        output = find_output(sound_part(plan))
+    except ImagechainError as error:
+        return None, error_text(error), ()
+    missing = f"{output.missing}; {HOW_TO_MARK}" if output.choices else output.missing
+    return output.port, missing, output.choices
+
+
+# Figures as text: four digits, and a unit with the prefix that reads well.
+
+NONE = "—"
+_PREFIXED = ("Hz", "K", "s", "W/m²/sr", "e-")
+_PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+
+
+def figure_text(value: Any, unit: str) -> str:
+    """A figure in four digits with its unit, which may get a prefix; a dash for none."""
+    if value is None:
+        return NONE
+    if not isinstance(value, int | float):
+        return str(value)
+    factor, shown_unit = prefixed(value, unit)
+    text = f"{value / factor:.4g} {shown_unit}"
+    return text.strip().replace("-", "\N{MINUS SIGN}")
+
+
+def prefixed(value: float, unit: str) -> tuple[float, str]:
+    """What a figure is divided by to be read well, and its unit with the prefix for that."""
+    if unit in _PREFIXED and value and math.isfinite(value):
+        power = min(9, max(-9, 3 * math.floor(math.log10(abs(float(f"{value:.4g}"))) / 3)))
+        return 10.0**power, f"{_PREFIXES[power]}{unit}"
+    return 1.0, unit

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -26,20 +27,16 @@ from app.editor.viewers.picture.kept_side import (
     query_beside,
     sides_of,
 )
-from app.editor.viewers.picture.picture_bar import PictureBar
+from app.editor.viewers.picture.picture_bar import PictureBar, open_context_menu
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
-from app.editor.viewers.picture.picture_context_menu import open_context_menu
-from app.editor.viewers.picture.picture_probe import PictureProbe
-from app.editor.viewers.picture.picture_saving import save_picture, shown_png
+from app.editor.viewers.picture.picture_probe import PictureProbe, save_picture, shown_png
 from app.editor.viewers.picture.region_tool import RegionTool
-from app.editor.viewers.picture.zoom_links import ZoomLinks
-from app.editor.viewers.pixels.colour_maps import NAMES, colour_table
+from app.editor.viewers.pixels.grey_levels import NAMES, colour_table
 from app.editor.viewers.pixels.picture_choices import Choices, numbers_of
 from app.editor.viewers.pixels.picture_facts import Facts, laid_over
 from app.editor.viewers.pixels.picture_query import Picture, PictureQuery
 from app.editor.viewers.pixels.picture_text import facts_text
-from app.editor.viewers.status_line import StatusLine
-from app.editor.viewers.viewer import Viewer
+from app.editor.viewers.viewer import StatusLine, Viewer
 from app.editor.widgets import centred_hint
 from core.errors import UsageError
 from core.network.network import Network
@@ -421,3 +418,33 @@ class ImageViewer(Viewer):
         compare.fill_others(groups, self.choices.other)
         linked = {viewer.number: self.links.has(viewer.links) for viewer in neighbours(self)}
         compare.fill_links(linked)
+
+
+# Pictures that are zoomed and moved together.
+
+
+class ZoomLinks:
+    """The pictures that show the same part as one does, as shares of their sizes.
+
+    Links are mutual but not passed on from one to the next, and hold no picture.
+    """
+
+    def __init__(self, canvas: PictureCanvas) -> None:
+        self._canvas = canvas
+        self._linked: weakref.WeakSet[ZoomLinks] = weakref.WeakSet()
+
+    def link(self, other: ZoomLinks, on: bool) -> None:
+        """Link to another, or end the link."""
+        for one, two in ((self, other), (other, self)):
+            (one._linked.add if on else one._linked.discard)(two)
+        if on:
+            self._canvas.set_zoom(other._canvas.zoom)
+
+    def has(self, other: ZoomLinks) -> bool:
+        """Whether the other one is linked."""
+        return other in self._linked
+
+    def apply_zoom(self) -> None:
+        """Zoom the others to the part that is seen now."""
+        for other in list(self._linked):
+            other._canvas.set_zoom(self._canvas.zoom)

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from app.editor.viewers.picture.picture_canvas import Sides
-from app.editor.viewers.pixels.kept_picture import KeptPicture
 from app.editor.viewers.pixels.picture_choices import AUTOMATIC_LEVELS, Choices
+from app.editor.viewers.pixels.picture_layers import KeptPicture
 from app.editor.viewers.pixels.picture_query import Picture, PictureQuery
 
 Way = Literal["flip", "wipe"]

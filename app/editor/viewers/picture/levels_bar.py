@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import sys
+from collections.abc import Iterator
 from itertools import zip_longest
 
 import numpy as np
@@ -11,10 +14,8 @@ from PySide6.QtCore import QTimer, Signal
 from PySide6.QtGui import QPainter
 
 from app.editor.theme import Theme
-from app.editor.viewers.pixels.colour_maps import colour_map
-from app.editor.viewers.pixels.grey_levels import Range, Spread
+from app.editor.viewers.pixels.grey_levels import Range, Spread, colour_map
 from app.editor.viewers.plot.plot_looks import paint_axis, see_through
-from app.editor.viewers.without_matplotlib import without_matplotlib
 
 SPREAD_MS = 100
 """While pictures follow one another, the histogram is drawn at most so often.
@@ -153,3 +154,25 @@ def _bars(spread: Spread, ends: Range) -> tuple[NDArray[np.float64], NDArray[np.
     bars /= max(1.0, float(bars.max()))
     centres = spread.centres if spread.high > spread.low else np.linspace(*ends, len(bars))
     return centres, bars
+
+
+# Keeping pyqtgraph from loading all of matplotlib for a menu that is never opened.
+
+_NAME = "matplotlib"
+
+
+@contextlib.contextmanager
+def without_matplotlib() -> Iterator[None]:
+    """Make matplotlib seem not to be installed, unless it has been loaded already.
+
+    A histogram of pyqtgraph lists matplotlib's colour maps in the menu of its gradient, which takes
+    a third of a second of the time until the first picture.
+    """
+    if _NAME in sys.modules:
+        yield
+        return
+    sys.modules[_NAME] = None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        del sys.modules[_NAME]

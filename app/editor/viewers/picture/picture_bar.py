@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QHBoxLayout, QWidget
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from typing import Protocol
 
+from PySide6.QtCore import QObject, QPoint, Signal
+from PySide6.QtGui import QAction, QActionGroup
+from PySide6.QtWidgets import QHBoxLayout, QMenu, QWidget
+
+from app.editor.gestures import without_argument
 from app.editor.session import Session
-from app.editor.viewers.network_ports import PICTURE_TYPES
-from app.editor.viewers.picture.picture_menus import CompareMenu, DisplayMenu
-from app.editor.viewers.port_choice import PortChoice
+from app.editor.viewers.network_ports import PICTURE_TYPES, NodePorts, PortChoice
+from app.editor.viewers.pixels.grey_levels import NAMES
 from app.editor.widgets import menu_button, toggle_button, tool_button
 
 
@@ -58,3 +63,189 @@ class PictureBar(QWidget):
         layout.setSpacing(3)
         for widget in (self.ports, shown, compared, self.region, self.fit, self.dots):
             layout.addWidget(widget, 1 if widget is self.ports else 0)
+
+
+# The menus of an image viewer: how the picture is drawn, and what it is compared with.
+
+MAPPINGS = {
+    "linear": "&Linear",
+    "log": "Lo&garithm",
+    "spectrum": "Centred &Spectrum",
+}
+LEVELS = {
+    "extremes": "&Least to Greatest",
+    "percentiles": "&0.5 % to 99.5 %",
+    "manual": "&As Set in the Histogram",
+}
+MODES = {"alone": "&Alone", "wipe": "&Wipe", "difference": "&Difference"}
+
+
+class Radio(QObject):
+    """Actions of a menu of which one is chosen.
+
+    Signals
+    -------
+    chosen(name)
+        The person has chosen another.
+    """
+
+    chosen = Signal(str)
+
+    def __init__(self, menu: QMenu, texts: Mapping[str, str]) -> None:
+        super().__init__(menu)
+        self._group = QActionGroup(self)
+        self._actions: dict[str, QAction] = {}
+        for name, text in texts.items():
+            action = QAction(text, self._group, checkable=True)
+            action.setObjectName(name)
+            action.setData(name)
+            menu.addAction(action)
+            self._actions[name] = action
+        self._group.triggered.connect(self._triggered)
+
+    def choose(self, name: str) -> None:
+        """Mark one as chosen, without a signal."""
+        self._actions[name].setChecked(True)
+
+    def _triggered(self, action: QAction) -> None:
+        self.chosen.emit(str(action.data()))
+
+
+class DisplayMenu(QObject):
+    """How the picture is drawn: mapping, levels, colours, histogram, line, spectra of its bands."""
+
+    def __init__(self, menu: QMenu) -> None:
+        super().__init__(menu)
+        menu.addSection("Samples")
+        self.mapping = Radio(menu, MAPPINGS)
+        menu.addSection("Black to white")
+        self.levels = Radio(menu, LEVELS)
+        menu.addSeparator()
+        colours = menu.addMenu("&Colours")
+        self.colours = Radio(colours, NAMES)
+        self.shape = self._toggle(menu, "shape", "&True Shape of Pixels")
+        self.histogram = self._toggle(menu, "histogram", "&Histogram")
+        self.profile = self._toggle(menu, "profile", "Line &Profile")
+        self.spectra = self._toggle(menu, "spectra", "Spectrum over &Wavelength")
+
+    def _toggle(self, menu: QMenu, name: str, text: str) -> QAction:
+        action = QAction(text, menu, checkable=True)
+        action.setObjectName(name)
+        menu.addAction(action)
+        return action
+
+
+class CompareMenu(QObject):
+    """What the picture is compared with, and how; which viewers it moves with.
+
+    Signals
+    -------
+    other_chosen(port)
+        The other wire.
+    linked(number, on)
+        Whether to move with the viewer of that number.
+    """
+
+    other_chosen = Signal(str)
+    linked = Signal(int, bool)
+
+    def __init__(self, menu: QMenu) -> None:
+        super().__init__(menu)
+        self.menu = menu
+        menu.addSection("Show")
+        self.mode = Radio(menu, MODES)
+        menu.addSeparator()
+        self.others = menu.addMenu("With &Other Wire")
+        self.others.setObjectName("others")
+        self.links = menu.addMenu("&Move With")
+        self.links.setObjectName("links")
+
+    def fill_others(self, groups: Iterable[NodePorts], chosen: str | None) -> None:
+        """Offer these ports, each node's in a menu of its own."""
+        self._empty(self.others)
+        for group in groups:
+            menu = self.others.addMenu(group.node.replace("&", "&&"))
+            for port in group.ports:
+                action = menu.addAction(port.rpartition(".")[2].replace("&", "&&"))
+                action.setData(port)
+                action.setCheckable(True)
+                action.setChecked(port == chosen)
+                action.triggered.connect(self._other_triggered)
+        self.others.setEnabled(not self.others.isEmpty())
+
+    def fill_links(self, viewers: Mapping[int, bool]) -> None:
+        """Offer these viewers, and whether they are moved with."""
+        self._empty(self.links)
+        for number, linked in viewers.items():
+            action = self.links.addAction(f"Viewer &{number}")
+            action.setData(number)
+            action.setCheckable(True)
+            action.setChecked(linked)
+            action.triggered.connect(self._link_triggered)
+        self.links.setEnabled(not self.links.isEmpty())
+
+    @staticmethod
+    def _empty(menu: QMenu) -> None:
+        for action in menu.actions():
+            inner = action.menu()
+            menu.removeAction(action)
+            (inner if isinstance(inner, QMenu) else action).deleteLater()
+
+    def _other_triggered(self) -> None:
+        action = self.sender()
+        if isinstance(action, QAction):
+            self.other_chosen.emit(str(action.data()))
+
+    def _link_triggered(self) -> None:
+        action = self.sender()
+        if isinstance(action, QAction):
+            self.linked.emit(int(action.data()), action.isChecked())
+
+
+# The menu of a right click on a picture: the bar's menus, and what concerns the whole.
+
+
+class Bar(Protocol):
+    """The menus of the bar above the picture."""
+
+    @property
+    def menus(self) -> tuple[QMenu, ...]:
+        """Display and Compare."""
+
+
+def open_context_menu(
+    viewer: QWidget,
+    point: QPoint,
+    *,
+    bar: Bar,
+    own: Iterable[tuple[str, str, Callable[[], None]]],
+    window_actions: Iterable[QAction],
+) -> None:
+    """Open the menu at a point of the screen.
+
+    Parameters
+    ----------
+    viewer : QWidget
+        The viewer; the menu goes with it.
+    point : QPoint
+        Where, on the screen.
+    bar : Bar
+        Its menus become submenus.
+    own : iterable of (str, str, callable)
+        Text, the key that does the same or "", and what is done.
+    window_actions : iterable of QAction
+        Actions of the window that concern what is shown.
+    """
+    menu = QMenu(viewer)
+    menu.setObjectName("picture_menu")
+    menu.aboutToHide.connect(menu.deleteLater)
+    for text, keys, done in own:
+        action = menu.addAction(f"{text}\t{keys}" if keys else text)
+        action.triggered.connect(partial(without_argument, done))
+    menu.addSeparator()
+    for inner in bar.menus:
+        menu.addMenu(inner)
+    menu.addSeparator()
+    for action in window_actions:
+        menu.addAction(action)
+    menu.popup(point)

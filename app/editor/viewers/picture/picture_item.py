@@ -8,7 +8,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainter
 
-from app.editor.viewers.pixels.colour_maps import Table, colour_table
+from app.editor.viewers.pixels.grey_levels import Table, colour_table
 from app.editor.viewers.pixels.picture_facts import Facts
 from app.editor.viewers.pixels.picture_query import Picture
 

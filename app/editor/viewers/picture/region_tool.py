@@ -11,7 +11,7 @@ from app.editor.session import Session
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.picture.picture_item import extent
 from app.editor.viewers.pixels.picture_query import Picture
-from app.editor.viewers.pixels.regions import (
+from app.editor.viewers.pixels.probing import (
     PARAMETERS,
     as_it_was,
     has_region,

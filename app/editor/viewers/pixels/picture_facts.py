@@ -10,7 +10,7 @@ from app.editor.viewers.network_ports import PICTURE_TYPES
 from core.chain.wires import Image, Magnitude, Phase, Pupil, SpectrumWire, Transfer
 from core.errors import NetworkError
 from core.spectrum.band_stack import BandStack
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid
 
 Band = tuple[float, float]
 Kind = Literal["picture", "plane", "pupil"]

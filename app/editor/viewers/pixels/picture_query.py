@@ -13,7 +13,6 @@ from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.pixels import picture_steps as steps
 from app.editor.viewers.pixels.band_choice import ALL, BandChoice
 from app.editor.viewers.pixels.grey_levels import Range, Spread, grey_levels, spread_of
-from app.editor.viewers.pixels.kept_picture import KeptPicture, why_not_compared
 from app.editor.viewers.pixels.picture_facts import (
     Facts,
     check_is_picture,
@@ -27,9 +26,11 @@ from app.editor.viewers.pixels.picture_facts import (
 from app.editor.viewers.pixels.picture_layers import (
     Automatic,
     Channel,
+    KeptPicture,
     Layer,
     composed,
     together,
+    why_not_compared,
 )
 from core.chain.engine import Plan
 from core.chain.wires import Image, Pupil, Transfer

@@ -10,18 +10,17 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.error_text import error_text
+from app.editor.declared_text import error_text
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.network_ports import HOW_TO_MARK
 from app.run.responses import LineStageResponse, responses_along
-from app.run.sound_plan import sound_part
+from app.run.shipped import sound_part
 from app.run.transfer_chain import Chain, Stage, find_chain
 from core.chain.engine import Plan
 from core.chain.results import CurveData, TableData
 from core.chain.wires import Curve, Table
 from core.errors import NetworkError
-from core.transfer.factors import Planar
-from core.transfer.grid import Grid
+from core.transfer.factors import Grid, Planar
 from nodes.analysis.lineage.line_transfer import Line
 
 Vector = NDArray[np.float64]

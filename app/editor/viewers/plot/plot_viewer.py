@@ -3,35 +3,54 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-from PySide6.QtCore import QSize
-from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QStackedWidget, QVBoxLayout, QWidget
+import numpy as np
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QAction, QResizeEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QBoxLayout,
+    QHBoxLayout,
+    QHeaderView,
+    QStackedWidget,
+    QTableWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
 
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.editor.viewers.figures.figure_table import FigureTable
 from app.editor.viewers.network_ports import followed
 from app.editor.viewers.plot.bar_chart import BarChart
 from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery, TransferCurves
-from app.editor.viewers.plot.kept_lines import with_kept
 from app.editor.viewers.plot.plot_bar import PlotBar
 from app.editor.viewers.plot.plot_canvas import PlotCanvas
 from app.editor.viewers.plot.plot_export import Data, export
-from app.editor.viewers.plot.plotted_lines import Drawing, Parts, curve_drawing, transfer_drawing
-from app.editor.viewers.status_line import StatusLine
-from app.editor.viewers.viewer import Viewer
-from core.chain.results import CurveData, TableData
+from app.editor.viewers.plot.plotted_lines import (
+    Drawing,
+    Entry,
+    Line,
+    Panel,
+    Parts,
+    curve_drawing,
+    transfer_drawing,
+)
+from app.editor.viewers.viewer import StatusLine, Viewer
+from app.editor.widgets import CopiedTable
+from app.run.readout_tables import number_text
+from core.chain.results import CurveData, TableData, TableRow
 from core.errors import UsageError
 from core.network.network import Network
 
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
+
 
 _LIST_SHARE = 0.36  # of the width, at most, for the legend; of the height where it lies below
 _NO_LIMIT = 16_777_215  # of a size: Qt's largest
@@ -334,3 +353,141 @@ class PlotViewer(Viewer):
         beyond = [mark for mark in curves.marks if mark.frequency > end * (1 + 1e-9)]
         texts = [f"{mark.text} at {mark.frequency:.4g} cyc/mrad" for mark in beyond]
         self.status.show_text(f"beyond the plot: {', '.join(texts)}" if texts else "")
+
+
+# The curves of a kept state, A, drawn beside those of the present one, B.
+
+MARK = "A "
+"""What the names of kept curves begin with."""
+
+
+def with_kept(drawing: Drawing, kept: Drawing, name: str) -> Drawing:
+    """The drawing with the kept curves that differ from the present ones of the same title.
+
+    They stand behind the present ones in the legend, and are drawn dashed in their colours. Where
+    the two have other axes, only a note says so.
+
+    Parameters
+    ----------
+    drawing, kept : Drawing
+        Of the present state and of the kept one, made alike.
+    name : str
+        What the kept state is called.
+    """
+    if not kept.panels or not drawing.panels:
+        return drawing
+    if drawing.bars or kept.bars:
+        return _noted(drawing, f"A {name}: bars are not drawn beside others")
+    axes = [(d.x_label, d.log_x) for d in (kept, drawing)]
+    if axes[0] != axes[1]:
+        return _noted(drawing, f"A {name} is not drawn: it is over {kept.x_label}")
+    old, new = _titles(kept), _titles(drawing)
+    panels, differing = [], set()
+    for panel in drawing.panels:
+        of = next((other for other in kept.panels if other.y_label == panel.y_label), None)
+        lines = () if of is None else _differing(panel, of, new, old)
+        differing |= {line.name for line in lines}
+        panels.append(replace(panel, lines=(*panel.lines, *lines)))
+    drawn = {panel.y_label for panel in kept.panels} & {panel.y_label for panel in drawing.panels}
+    if not drawn:
+        units = ", ".join(panel.y_label for panel in kept.panels)
+        return _noted(drawing, f"A {name} is not drawn: it is {units}")
+    entries = tuple(
+        Entry(MARK + entry.name, f"A: {entry.title}", entry.total, entry.shown, of=entry.name)
+        for entry in drawing.entries
+        if MARK + entry.name in differing
+    )
+    return replace(drawing, entries=(*drawing.entries, *entries), panels=tuple(panels))
+
+
+def _titles(drawing: Drawing) -> Mapping[str, str]:
+    return {entry.title: entry.name for entry in drawing.entries}
+
+
+def _differing(
+    panel: Panel, kept: Panel, titles: Mapping[str, str], kept_titles: Mapping[str, str]
+) -> tuple[Line, ...]:
+    """Lines of the kept panel that are not as in the present one, under their names there."""
+    now = {line.name: line for line in panel.lines}
+    before = {line.name: line for line in kept.lines}
+    lines = []
+    for title, name in titles.items():
+        old = before.get(kept_titles.get(title, ""))
+        new = now.get(name)
+        if old is not None and (new is None or not _same(old, new)):
+            lines.append(Line(MARK + name, old.x, old.y))
+    return tuple(lines)
+
+
+def _same(one: Line, other: Line) -> bool:
+    return np.array_equal(one.x, other.x) and np.array_equal(one.y, other.y, equal_nan=True)
+
+
+def _noted(drawing: Drawing, note: str) -> Drawing:
+    return replace(drawing, note=f"{drawing.note}; {note}" if drawing.note else note)
+
+
+# Named figures as a table.
+
+_HEADS = ("Name", "Value", "Unit", "Meaning")
+_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+
+
+class FigureTable(CopiedTable):
+    """Rows of name, value, unit and meaning; the tooltip of a value has all its digits.
+
+    Ctrl+C copies the rows that are marked, or all, for a spreadsheet: with all digits.
+    """
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(0, len(_HEADS), parent)
+        self.setAccessibleName("Figures; Ctrl+C copies them")
+        self.setHorizontalHeaderLabels(list(_HEADS))
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setTabKeyNavigation(False)
+        self.setShowGrid(False)
+        self.setAlternatingRowColors(True)
+        self.setWordWrap(True)
+        self.verticalHeader().hide()
+        self.verticalHeader().setMinimumSectionSize(self.fontMetrics().height() + 6)
+        head = self.horizontalHeader()
+        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        head.setStretchLastSection(True)
+        head.setHighlightSections(False)
+        copy = QAction("&Copy", self)
+        copy.setObjectName("figures.copy")
+        copy.triggered.connect(self.copy)
+        self.addAction(copy)
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+        self._figures: tuple[TableRow, ...] = ()
+
+    def show_table(self, table: TableData) -> None:
+        """Show these figures."""
+        self._figures = table.rows
+        self.setRowCount(len(table.rows))
+        for row, figure in enumerate(table.rows):
+            shown = number_text(figure.value).replace("-", "\N{MINUS SIGN}")
+            if figure.value is None:
+                shown = "—"
+            elif isinstance(figure.value, str):
+                shown = figure.value
+            for column, text in enumerate((figure.name, shown, figure.unit, figure.meaning)):
+                item = QTableWidgetItem(text)
+                item.setToolTip(_exact(figure) if column == 1 else text)
+                item.setTextAlignment(_RIGHT if column == 1 else _LEFT)
+                self.setItem(row, column, item)
+        self.resizeRowsToContents()
+
+    def cells(self, row: int) -> Sequence[str]:
+        """Name, value with all digits, unit and meaning."""
+        figure = self._figures[row]
+        return figure.name, _exact(figure), figure.unit, figure.meaning
+
+
+def _exact(figure: TableRow) -> str:
+    """The value with all its digits; nothing where there is none."""
+    if figure.value is None:
+        return ""
+    return figure.value if isinstance(figure.value, str) else repr(figure.value)

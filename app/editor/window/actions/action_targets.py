@@ -19,10 +19,10 @@ from app.editor.window.background.background_runs import BackgroundRuns
 from app.editor.window.docks.fit_dock import FitDock
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
-from app.editor.window.docks.layouts import DEFAULT, LayoutName
 from app.editor.window.docks.measure_dock import MeasureDock
 from app.editor.window.docks.snapshot_dock import SnapshotDock
 from app.editor.window.docks.viewer_docks import ViewerDocks
+from app.editor.window.docks.window_layout import DEFAULT, LayoutName
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.preset_shelf import PresetShelf
 from core.editing.layout import EDGES, WAYS

@@ -5,22 +5,33 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import QObject, Qt
-from PySide6.QtWidgets import QApplication, QDialog, QMessageBox, QWidget
+from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, Qt, QTimer, QUrl, Signal
+from PySide6.QtGui import QDesktopServices
+from PySide6.QtWidgets import (
+    QApplication,
+    QDialog,
+    QDialogButtonBox,
+    QMessageBox,
+    QPlainTextEdit,
+    QVBoxLayout,
+    QWidget,
+)
 
+from app.editor.declared_text import flowing
 from app.editor.session import Session
 from app.editor.tradeoff.tradeoff_view import TradeOffView
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot import plot_export
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from app.editor.window.actions.handbook_opening import HandbookOpening
 from app.editor.window.actions.menu_actions import Actions
-from app.editor.window.actions.module_text import ModuleText
 from app.editor.window.actions.shortcut_list import ShortcutList
 from app.editor.window.docks.viewer_docks import ViewerDocks
-from app.editor.window.documents.save_dialog import SaveDialog
+from app.editor.window.documents.files import SaveDialog
 from app.options.command_options import version
+from app.run.shipped import command, environment
 from core.errors import ImagechainError
+from core.modules.declaration import Declaration
+from core.names import in_line
 from nodes.files.common.file_format import CSV, dialog_filter
 from nodes.files.formats import WRITTEN
 
@@ -151,3 +162,123 @@ class Help(QObject):
         dialog.setModal(False)  # as a message box begins
         dialog.show()
         dialog.activateWindow()
+
+
+# Opening a page of the handbook in the browser; its pages are made where there are none yet.
+
+_PATIENCE_MS = 2_500  # pages that are there already take less
+_CLOSING_MS = 3_000
+
+
+class HandbookOpening(QObject):
+    """Has a process of its own find a page, and write the pages first if need be.
+
+    Parameters
+    ----------
+    session : Session
+        Where to say what becomes of it.
+    parent : QObject
+        Qt's owner.
+    """
+
+    def __init__(self, session: Session, parent: QObject) -> None:
+        super().__init__(parent)
+        self._session = session
+        self._process = QProcess(self)
+        self._process.finished.connect(self._finished)
+        self._process.errorOccurred.connect(self._failed_to_start)
+        self._long = QTimer(self)
+        self._long.setSingleShot(True)
+        self._long.timeout.connect(self._say_that_it_takes_long)
+        self._closed = False
+
+    def open(self, word: str = "") -> None:
+        """Open the page of a module, or the first; at once the one that was wanted last."""
+        if self._process.state() != QProcess.ProcessState.NotRunning:
+            self._session.message.emit("note", "the handbook is being opened")
+            return
+        variables = QProcessEnvironment()
+        for name, value in environment().items():
+            variables.insert(name, value)
+        self._process.setProcessEnvironment(variables)
+        program, *words = command("app.command.cli", "handbook", "--path", *filter(None, [word]))
+        self._process.start(program, words)
+        self._long.start(_PATIENCE_MS)
+
+    def close(self) -> None:
+        """Stop what is being written; nothing of it goes on."""
+        self._closed = True
+        self._long.stop()
+        if self._process.state() != QProcess.ProcessState.NotRunning:
+            self._process.terminate()
+            if not self._process.waitForFinished(_CLOSING_MS):
+                self._process.kill()
+                self._process.waitForFinished(_CLOSING_MS)
+
+    def _say_that_it_takes_long(self) -> None:
+        self._session.message.emit("note", "the handbook's pages are being made, once")
+
+    def _finished(self, code: int, status: QProcess.ExitStatus) -> None:
+        self._long.stop()
+        printed = bytes(self._process.readAllStandardOutput().data()).decode().strip()
+        errors = bytes(self._process.readAllStandardError().data()).decode("utf-8", "replace")
+        if self._closed:
+            return
+        if code or status == QProcess.ExitStatus.CrashExit or not printed:
+            reason = in_line(errors.strip().removeprefix("imagechain: ")) or "its process was ended"
+            self._session.message.emit("error", f"the handbook is not opened: {reason}")
+        elif QDesktopServices.openUrl(QUrl.fromLocalFile(str(Path(printed)))):
+            self._session.message.emit("note", f"the handbook is in the browser: {printed}")
+        else:
+            self._session.message.emit("error", f"no browser opens {printed}")
+
+    def _failed_to_start(self, error: QProcess.ProcessError) -> None:
+        if error == QProcess.ProcessError.FailedToStart:
+            self._long.stop()
+            reason = self._process.errorString()
+            self._session.message.emit("error", f"Python cannot be started: {reason}")
+
+
+# The text of a module, to be read at leisure.
+
+_WIDE, _HIGH = 96, 34  # letters, lines
+
+
+class ModuleText(QDialog):
+    """A window with what a module does; it scrolls where that is long.
+
+    Signals
+    -------
+    more_wanted(key)
+        The module's page in the handbook is to be opened.
+    """
+
+    more_wanted = Signal(str)
+
+    def __init__(self, declared: Declaration, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setObjectName("module_help")
+        self.setWindowTitle(declared.title)
+        self.text = QPlainTextEdit(flowing(declared.text), self)
+        self.text.setReadOnly(True)
+        self.text.setObjectName("module_help.text")
+        self.text.setAccessibleName(f"What {declared.title} does")
+        self.text.setTabChangesFocus(True)
+        self.text.setTextInteractionFlags(
+            Qt.TextInteractionFlag.TextSelectableByMouse
+            | Qt.TextInteractionFlag.TextSelectableByKeyboard
+        )
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
+        self.more = buttons.addButton(
+            "More in the &Handbook", QDialogButtonBox.ButtonRole.ActionRole
+        )
+        self.more.setObjectName("module_help.more")
+        self.more.setToolTip("Formulas, sources, curves and an example, in the browser (F1)")
+        self.more.setShortcut("F1")
+        self.more.clicked.connect(lambda *_: self.more_wanted.emit(declared.key))
+        buttons.rejected.connect(self.reject)
+        layout = QVBoxLayout(self)
+        layout.addWidget(self.text)
+        layout.addWidget(buttons)
+        metrics = self.fontMetrics()
+        self.resize(metrics.averageCharWidth() * _WIDE, metrics.height() * _HIGH)

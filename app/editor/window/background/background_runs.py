@@ -9,16 +9,13 @@ from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QDialog, QDockWidget, QMainWindow
 
 from app.editor.runs.add_run import AddRun
-from app.editor.runs.network_job import file_stem, job_of
-from app.editor.runs.report_status import ReportStatus
+from app.editor.runs.network_job import failures_text, file_stem, job_of
 from app.editor.runs.run_queue import RunQueue
-from app.editor.runs.run_words import failures_text
-from app.editor.runs.runs_view import RunsView
+from app.editor.runs.runs_view import ReportStatus, RunsView
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.editor.window.docks.dock_places import add_dock
-from app.editor.window.documents.questions import Question, runs_go_on
-from app.editor.window.documents.save_dialog import SaveDialog
+from app.editor.window.docks.viewer_docks import add_dock
+from app.editor.window.documents.files import Question, SaveDialog, runs_go_on
 from app.options.option_values import REPORTS
 from core.errors import ImagechainError
 from core.names import shown

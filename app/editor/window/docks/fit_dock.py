@@ -10,10 +10,9 @@ from PySide6.QtWidgets import QMainWindow
 from app.editor.fit.fit_view import FitView
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.editor.window.docks.dock_places import add_dock
 from app.editor.window.docks.measure_dock import MeasureDock
-from app.editor.window.docks.viewer_docks import ViewerDocks
-from app.editor.window.documents.picture_dialog import choose_pictures
+from app.editor.window.docks.viewer_docks import ViewerDocks, add_dock
+from app.editor.window.documents.drops import choose_pictures
 
 
 class FitDock(QObject):

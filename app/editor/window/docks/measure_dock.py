@@ -9,13 +9,12 @@ from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QApplication, QMainWindow
 
 from app.editor.measure.measure_view import MeasureView
-from app.editor.measure.viewer_pictures import picture_of, shown_in
+from app.editor.measure.measure_worker import picture_of, shown_in
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.editor.window.docks.dock_places import add_dock
-from app.editor.window.docks.viewer_docks import ViewerDocks
-from app.editor.window.documents.picture_dialog import choose_pictures, show_beside
-from app.editor.window.documents.save_dialog import SaveDialog
+from app.editor.window.docks.viewer_docks import ViewerDocks, add_dock
+from app.editor.window.documents.drops import choose_pictures, show_beside
+from app.editor.window.documents.files import SaveDialog
 from core.errors import UsageError
 from nodes.files.common.file_format import CSV, HTML, JSON, dialog_filter
 

@@ -13,8 +13,7 @@ from app.editor.session import Session
 from app.editor.snapshots.snapshots import Comparing, Snapshots
 from app.editor.snapshots.snapshots_view import SnapshotsView
 from app.editor.theme import Theme
-from app.editor.window.docks.dock_places import add_dock
-from app.editor.window.docks.viewer_docks import ViewerDocks
+from app.editor.window.docks.viewer_docks import ViewerDocks, add_dock
 
 _KEYS = ("keep_snapshot", "flip", "wipe")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtCore import QByteArray, QObject, Qt, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QWidget
 from shiboken6 import isValid
@@ -16,8 +16,7 @@ from app.editor.tradeoff.tradeoff_view import TradeOffView
 from app.editor.viewers.network_ports import PICTURE_TYPES, PLOT_TYPES
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from app.editor.window.docks.dock_places import add_dock
-from app.editor.window.documents.first_look import FirstLook
+from app.editor.window.documents.welcome import FirstLook, first_look
 
 _BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 
@@ -170,3 +169,111 @@ class ViewerDocks(QObject):
             return
         for bar in self._window.findChildren(QTabBar):
             bar.setAccessibleName(bar.accessibleName() or "Parts behind one another")
+
+
+# Docks of the window.
+
+
+def add_dock(
+    window: QMainWindow, title: str, name: str, widget: QWidget, area: Qt.DockWidgetArea
+) -> QDockWidget:
+    """Put a widget in a dock of that title; `name` is what its place is remembered under."""
+    dock = QDockWidget(title, window)
+    dock.setObjectName(name)
+    dock.setWidget(widget)
+    window.addDockWidget(area, dock)
+    return dock
+
+
+def stand_behind(window: QMainWindow, front: QDockWidget, dock: QDockWidget) -> None:
+    """Have a dock that is closed open behind another one.
+
+    What a window of an earlier version has stored has no place for it.
+    """
+    if dock.isHidden() and not front.isFloating():
+        window.tabifyDockWidget(front, dock)
+
+
+class Curtain(QObject):
+    """Hides the docks while the first page is shown."""
+
+    def __init__(self, window: QMainWindow) -> None:
+        super().__init__(window)
+        self._window = window
+        self._arranged: QByteArray | None = None
+
+    def close(self) -> None:
+        """Hide the docks that belong to the window."""
+        if self._arranged is None:
+            self._arranged = self._window.saveState()
+            for dock in self._window.findChildren(QDockWidget):
+                if not dock.isFloating():
+                    dock.hide()
+
+    def open(self) -> None:
+        """Show them again as they were."""
+        if self._arranged is not None:
+            self._window.restoreState(self._arranged)
+            self._arranged = None
+
+
+# Showing what is most useful of a network that has just been opened: its picture first.
+
+
+class FirstViews(QObject):
+    """Follows what is opened.
+
+    The picture is looked at as soon as the network is planned, before anything is computed. What
+    stands beside it comes with the end of that pass: a viewer of its own takes 0.1 s to make, in
+    which the picture would wait.
+
+    Parameters
+    ----------
+    session : Session
+        The document.
+    evaluator : Evaluator
+        Plans and computes.
+    viewers : ViewerDocks
+        Where it is shown.
+    """
+
+    def __init__(self, session: Session, evaluator: Evaluator, viewers: ViewerDocks) -> None:
+        super().__init__(viewers)
+        self._session = session
+        self._evaluator = evaluator
+        self._viewers = viewers
+        self._due = False
+        self._beside: FirstLook | None = None
+        session.opened.connect(self._opened)
+        evaluator.planned.connect(self._planned)
+        evaluator.pass_done.connect(self._pass_done)
+
+    def _opened(self) -> None:
+        self._due = True
+        self._beside = None
+
+    def _planned(self, _plan: object) -> None:
+        plan = self._evaluator.plan
+        if not self._due or plan is None or not plan.network.nodes:
+            return  # an empty network waits for its first nodes
+        self._due = False
+        self._beside = look = first_look(plan)
+        if look.pictures:
+            self._viewers.look_at(1, look.pictures[0])
+        if look.front > 1:
+            self._look_beside()
+
+    def _pass_done(self, done: object) -> None:
+        if self._due:
+            self._planned(done)
+        elif self._beside is not None:
+            self._viewers.images[1].canvas.viewport().repaint()  # before the others are made
+            self._look_beside()
+
+    def _look_beside(self) -> None:
+        look, self._beside = self._beside, None
+        if look is None:
+            return
+        self._viewers.look_beside(look)
+        if look.node is not None and not self._session.selection:
+            self._session.select([look.node])

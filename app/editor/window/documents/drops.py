@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QMimeData, QObject, QPointF
+from PySide6.QtCore import QEvent, QMimeData, QObject, QPointF, Qt
 from PySide6.QtGui import QDropEvent
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QDialog, QFileDialog, QMainWindow, QWidget
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.gestures import accept_copy
@@ -18,7 +19,9 @@ from core.chain.engine import Engine
 from core.editing.operations import Operation, Restored, Together, set_parameter
 from core.editing.wiring import new_node
 from core.errors import ImagechainError
-from core.network.expansion import expanded
+from core.network.macro import expanded
+from nodes.files.common.file_format import dialog_filter
+from nodes.files.formats import PICTURES
 
 READ_IMAGE = "read_image"
 _DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
@@ -111,3 +114,31 @@ def dropped_files(data: QMimeData) -> list[str]:
 
 def _named(paths: list[str]) -> str:
     return Path(paths[0]).name if len(paths) == 1 else f"{len(paths)} files"
+
+
+# The dialog in which pictures to look at are chosen, beside the work.
+
+
+def choose_pictures(
+    window: QMainWindow, title: str, *, name: str, chosen: Callable[[tuple[Path, ...]], object]
+) -> None:
+    """Ask the person for files with pictures or frames; `name` is that of the dialog."""
+    formats = [one for one in PICTURES if one.suffixes]
+    kinds = ";;".join((dialog_filter("Pictures and frames", *formats), "All files (*)"))
+    dialog = QFileDialog(window, title, str(Path.cwd()), kinds)
+    dialog.setObjectName(name)
+    dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
+    dialog.setFileMode(QFileDialog.FileMode.ExistingFiles)
+    dialog.filesSelected.connect(lambda texts: chosen(tuple(map(Path, texts))))
+    show_beside(window, dialog)
+
+
+def show_beside(window: QMainWindow, dialog: QDialog) -> None:
+    """Show a dialog beside the work, in the place of another of its name."""
+    for other in window.findChildren(QDialog, dialog.objectName()):
+        if other is not dialog:
+            other.reject()
+    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    dialog.setModal(False)
+    dialog.show()
+    dialog.activateWindow()

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Literal
 
-from PySide6.QtCore import QObject, Signal
-from PySide6.QtWidgets import QFileDialog, QWidget
+from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from app.editor.session import Session
 from app.editor.window.documents.opening import NETWORK_SUFFIX, Opened, open_named
-from app.editor.window.documents.questions import Question, changed_file, save_changes
-from app.editor.window.documents.remembered_settings import Settings
-from app.editor.window.documents.save_dialog import SaveDialog
+from app.editor.window.documents.recent_files import Settings
 from core.editing.document import Document, rebased
 from core.errors import ImagechainError
 from core.network.network import Network
@@ -212,3 +211,155 @@ class Files(QObject):
     def _forget(self, dialog: QFileDialog) -> None:
         if self._dialog is dialog:
             self._dialog = None
+
+
+# A dialog for the name of a file to be written, with a question before one is replaced.
+
+_ROLE = QMessageBox.ButtonRole
+
+
+class SaveDialog(QFileDialog):
+    """Asks the person, without blocking, whether an existing file is to be replaced.
+
+    Qt's own question would stop the window until it is answered, and swallow the close that the
+    window's manager sends meanwhile.
+    """
+
+    def __init__(self, parent: QWidget, title: str, folder: str, kinds: str) -> None:
+        super().__init__(parent, title, folder, kinds)
+        self.setOption(QFileDialog.Option.DontUseNativeDialog)
+        self.setOption(QFileDialog.Option.DontConfirmOverwrite)
+        self.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+        self._agreed: str | None = None
+        self._question: QMessageBox | None = None
+
+    def accept(self) -> None:
+        """Take the name, unless a file of that name is there and the person has not agreed."""
+        files = self.selectedFiles()
+        if files and Path(files[0]).is_file() and files[0] != self._agreed:
+            self._ask(files[0])
+        else:
+            super().accept()
+
+    def done(self, result: int) -> None:
+        """Take the question away with the dialog."""
+        self._drop_question()
+        super().done(result)
+
+    def _ask(self, file: str) -> None:
+        self._drop_question()
+        box = QMessageBox(self)
+        box.setObjectName("replace_file")
+        box.setIcon(QMessageBox.Icon.Question)
+        box.setWindowTitle("Replace file?")
+        box.setText(f"{Path(file).name} is there already. Replace it?")
+        replace = box.addButton("&Replace", _ROLE.AcceptRole)
+        replace.setObjectName("replace")
+        cancel = box.addButton("Cancel", _ROLE.RejectRole)
+        cancel.setObjectName("cancel")
+        box.setDefaultButton(cancel)
+        box.setEscapeButton(cancel)
+        replace.clicked.connect(lambda: self._agree(file))
+        box.finished.connect(self._forget_question)  # before it is deleted
+        box.finished.connect(box.deleteLater)
+        self._question = box
+        box.setModal(False)
+        box.show()
+        box.activateWindow()
+
+    def _agree(self, file: str) -> None:
+        self._agreed = file
+        self.accept()
+
+    def _forget_question(self) -> None:
+        self._question = None
+
+    def _drop_question(self) -> None:
+        box, self._question = self._question, None
+        if box is not None:
+            box.hide()
+            box.deleteLater()
+
+
+# The questions before work is lost. Each blocks the window until it is answered.
+
+Answer = Literal["save", "discard", "reload", "overwrite", "save_as", "stop", "cancel"]
+
+
+class Question(QMessageBox):
+    """A question whose answers have names; Esc, or closing it, is to cancel."""
+
+    def __init__(self, parent: QWidget, name: str, title: str) -> None:
+        super().__init__(parent)
+        self.setObjectName(name)
+        self.setIcon(QMessageBox.Icon.Question)
+        self.setWindowTitle(title)
+        self.finished.connect(self.deleteLater)
+
+    def offer(self, answer: Answer, text: str, role: QMessageBox.ButtonRole) -> None:
+        """Offer an answer with a text of its own; Enter takes the first one."""
+        button = self.addButton(text, role)
+        button.setObjectName(answer)
+        if len(self.buttons()) == 1:
+            self.setDefaultButton(button)
+        if role == _ROLE.RejectRole:
+            self.setEscapeButton(button)
+
+    @property
+    def answer(self) -> Answer:
+        """What was answered."""
+        button = self.clickedButton()
+        names: dict[str, Answer] = {
+            "save": "save",
+            "discard": "discard",
+            "reload": "reload",
+            "overwrite": "overwrite",
+            "save_as": "save_as",
+            "stop": "stop",
+        }
+        return names.get(button.objectName(), "cancel") if button is not None else "cancel"
+
+
+def save_changes(parent: QWidget, network: str) -> Question:
+    """What is to become of unsaved work."""
+    box = Question(parent, "save_changes", "Save changes?")
+    box.setText(f"Save the changes of {network or 'this network'}?")
+    box.setInformativeText("Without saving they are lost.")
+    for answer, text, standard in (
+        ("save", "&Save", QMessageBox.StandardButton.Save),
+        ("discard", "&Discard", QMessageBox.StandardButton.Discard),
+        ("cancel", "Cancel", QMessageBox.StandardButton.Cancel),
+    ):
+        button = box.addButton(standard)
+        button.setObjectName(answer)
+        button.setText(text)  # with a key to each on every desktop
+    box.setDefaultButton(QMessageBox.StandardButton.Save)
+    return box
+
+
+def changed_file(parent: QWidget, file: str, done: str) -> Question:
+    """What is to become of a file that was changed or removed by another program."""
+    box = Question(parent, "changed_file", "Save over it?")
+    box.setText(f"{file} has been {done} by another program since it was opened or saved here.")
+    box.offer("save_as", "Save &As…", _ROLE.AcceptRole)
+    if done == "removed":
+        box.setInformativeText("Overwrite makes it anew.")
+    else:
+        consequence = "Overwrite loses what was changed there; Reload loses the changes made here."
+        box.setInformativeText(consequence)
+        box.offer("reload", "&Reload", _ROLE.DestructiveRole)
+    box.offer("overwrite", "&Overwrite", _ROLE.DestructiveRole)
+    box.offer("cancel", "Cancel", _ROLE.RejectRole)
+    return box
+
+
+def runs_go_on(parent: QWidget, runs: Sequence[str]) -> Question:
+    """Whether runs in the background are to end with the window."""
+    box = Question(parent, "runs_go_on", "Stop the runs?")
+    number = f"{len(runs)} runs are" if len(runs) > 1 else "A run is"
+    box.setText(f"{number} not done yet: {runs[0]}{' …' if len(runs) > 1 else ''}")
+    box.setTextFormat(Qt.TextFormat.PlainText)
+    box.setInformativeText("Quitting stops them; what they have not written yet is lost.")
+    box.offer("cancel", "&Keep Running", _ROLE.RejectRole)
+    box.offer("stop", "&Stop and Quit", _ROLE.DestructiveRole)
+    return box

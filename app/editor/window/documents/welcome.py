@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, Signal
+from PySide6.QtCore import QEvent, QSize, Qt, Signal
+from PySide6.QtGui import QPixmap, QPixmapCache, QResizeEvent
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
@@ -15,16 +17,20 @@ from PySide6.QtWidgets import (
     QLabel,
     QPushButton,
     QScrollArea,
+    QSizePolicy,
+    QToolButton,
     QVBoxLayout,
     QWidget,
 )
 
 from app.editor.recovery.recovery_files import Recovered
-from app.editor.window.documents.network_card import NetworkCard
 from app.editor.window.documents.recent_files import folder_text
+from app.run.output import ANALYSIS, find_output, source_images
 from app.run.shipped import shipped_networks
+from core.chain.engine import Plan
+from core.chain.wires import Curve, Image, Table
 from core.errors import ImagechainError
-from core.modules.library_type import Library
+from core.modules.declaration import Library
 from core.network.unchanged_file import read_unchanged
 
 COLUMNS = 3
@@ -195,3 +201,163 @@ def _clear(layout: QVBoxLayout) -> None:
         widget = item.widget()
         if widget is not None:
             widget.deleteLater()
+
+
+# A shipped network on the first page: its picture, name and description, as one button.
+
+_PICTURE = QSize(14, 9)  # in lines of text
+_MARGIN = 8
+
+
+class NetworkCard(QToolButton):
+    """A button as high as its description needs at its width.
+
+    Parameters
+    ----------
+    name, title, about : str
+        The network's short name, its own name, and what it shows.
+    picture : Path
+        Its thumbnail; there may be none.
+    """
+
+    def __init__(
+        self, name: str, title: str, about: str, picture: Path, parent: QWidget | None = None
+    ) -> None:
+        super().__init__(parent)
+        self.setObjectName(f"welcome.{name}")
+        self.setAccessibleName(title)
+        self.setAccessibleDescription(about)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        self.picture = QLabel(self)
+        self.picture.setPixmap(self._scaled(picture))
+        self.title = QLabel(title, self)
+        font = self.title.font()
+        font.setBold(True)
+        self.title.setFont(font)
+        self.about = QLabel(about, self)
+        column = self._column = QVBoxLayout(self)
+        column.setContentsMargins(_MARGIN, _MARGIN, _MARGIN, _MARGIN)
+        column.setSpacing(4)
+        for label in (self.picture, self.title, self.about):
+            label.setTextFormat(Qt.TextFormat.PlainText)
+            label.setWordWrap(True)
+            label.setAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop)
+            label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+            column.addWidget(label)
+        self.about.setAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop)
+        column.addStretch(1)
+
+    def sizeHint(self) -> QSize:
+        """Wide enough for the picture; as high as all of it is at its present width."""
+        line = self.fontMetrics().height()
+        width = max(self.width(), _PICTURE.width() * line + 2 * _MARGIN)
+        return QSize(_PICTURE.width() * line + 2 * _MARGIN, self._needed(width))
+
+    def minimumSizeHint(self) -> QSize:
+        """The same: nothing of it is cut."""
+        return self.sizeHint()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Ask for the height that the new width needs."""
+        super().resizeEvent(event)
+        if event.size().width() != event.oldSize().width():
+            self.updateGeometry()
+
+    def _needed(self, width: int) -> int:
+        return self._column.totalHeightForWidth(width)
+
+    def _scaled(self, file: Path) -> QPixmap:
+        """Sharp on screens of any scale; Qt holds it for the next window."""
+        try:
+            when = file.stat().st_mtime_ns
+        except OSError:
+            return QPixmap()
+        ratio = self.devicePixelRatioF()
+        line = self.fontMetrics().height()
+        scaled = QPixmap()
+        key = f"thumbnail {file} {when} {line} {ratio}"
+        if QPixmapCache.find(key, scaled):
+            return scaled
+        picture = QPixmap(str(file))
+        if picture.isNull():
+            return picture
+        room = _PICTURE * line * ratio
+        keep, smooth = (
+            Qt.AspectRatioMode.KeepAspectRatio,
+            Qt.TransformationMode.SmoothTransformation,
+        )
+        scaled = picture.scaled(room, keep, smooth)
+        scaled.setDevicePixelRatio(ratio)
+        QPixmapCache.insert(key, scaled)
+        return scaled
+
+
+# What to show of a network that has just been opened.
+#
+# Of a network with an analysis node that has figures, the control panel of the first such node is
+# opened, and its first curve plotted. Else no node is selected, and the chain's transfer
+# functions
+# are plotted.
+
+DIFFERENCE = "difference"  # the output of what a node's picture differs in from the usual
+
+
+@dataclass(frozen=True)
+class FirstLook:
+    """Ports and a node to look at.
+
+    Parameters
+    ----------
+    node : str or None
+        The node whose panel is opened.
+    curve : str or None
+        What is plotted; None for the chain's transfer functions.
+    pictures : tuple of str
+        What the image viewers show: as many as there are, up to two.
+    front : int
+        Number of the viewer in front.
+    """
+
+    node: str | None
+    curve: str | None
+    pictures: tuple[str, ...]
+    front: int = 1
+
+
+def first_look(plan: Plan) -> FirstLook:
+    """The node with figures, its curve; the final picture, and beside it the input picture.
+
+    In front of the input picture's place comes the difference that this node makes, if it makes
+    one: it is what cannot be seen by comparing the two.
+    """
+    node = node_with_figures(plan)
+    outputs = plan.nodes[node].outputs if node is not None else {}
+    curves = [f"{node}.{name}" for name, value in outputs.items() if isinstance(value, Curve)]
+    pictures = first_ports(plan)
+    if pictures and isinstance(outputs.get(DIFFERENCE), Image):
+        return FirstLook(node, (*curves, None)[0], (pictures[0], f"{node}.{DIFFERENCE}"), 2)
+    return FirstLook(node, (*curves, None)[0], pictures)
+
+
+def node_with_figures(plan: Plan) -> str | None:
+    """The first analysis node, in the network's order, that has a table of figures; None for none.
+
+    Slices of transfer functions have none: the curves of the chain show the same.
+    """
+    for name, planned in plan.nodes.items():
+        if planned.module is None or planned.declaration.group != ANALYSIS:
+            continue
+        if any(isinstance(value, Table) for value in planned.outputs.values()):
+            return name
+    return None
+
+
+def first_ports(plan: Plan) -> tuple[str, ...]:
+    """The final picture and the input picture it is to be compared with; as many as there are."""
+    try:
+        final = find_output(plan).port
+    except ImagechainError:
+        final = None
+    sources = [port for port in source_images(plan) if port != final]
+    return tuple(port for port in (final, *sources[:1]) if port is not None)

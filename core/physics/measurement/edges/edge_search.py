@@ -9,20 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_limits import (
-    why_clipped,
-    why_cut_off,
-    why_piled_up,
-    without_those_at,
-)
-from core.physics.measurement.edges.edge_samples import (
-    EdgeSamples,
-    edge_samples,
-    rectangle_samples,
-)
-from core.physics.measurement.edges.edge_softness import without_soft
-from core.physics.measurement.edges.edge_surroundings import (
     BEYOND,
     LARGEST_REACH,
     LEAST_LENGTH,
@@ -31,15 +18,30 @@ from core.physics.measurement.edges.edge_surroundings import (
     frame_reach,
     least_contrast,
     surroundings,
+    why_clipped,
+    why_cut_off,
+    why_piled_up,
+    without_those_at,
+)
+from core.physics.measurement.edges.edge_line import (
+    EdgeSamples,
+    edge_samples,
+    rectangle_samples,
 )
 from core.physics.measurement.edges.picture_suspicions import (
+    FoundEdge,
     clear_of,
     missing_samples,
     why_no_picture,
 )
-from core.physics.measurement.edges.ridges.ridge_points import SMOOTHING, ridge_points, rough_noise
-from core.physics.measurement.edges.ridges.spread_out import spread_out
-from core.physics.measurement.edges.ridges.straight_pieces import Piece, straight_pieces
+from core.physics.measurement.edges.ridges.straight_pieces import (
+    SMOOTHING,
+    Piece,
+    ridge_points,
+    rough_noise,
+    spread_out,
+    straight_pieces,
+)
 from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
 
 _ENDS = 1.0  # samples left off at both ends, where corners are rounded
@@ -331,3 +333,68 @@ def _off_course(samples: EdgeSamples, fit: SpreadFit, half_length: float) -> flo
     moved = np.bincount(piece, slope * fit.residual, pieces) / np.maximum(square, 1e-300)
     noise = float(np.std(fit.residual))
     return float(np.max(np.abs(moved) - 3.0 * noise / np.sqrt(np.maximum(square, 1e-300))))
+
+
+# Edges that are soft in the scene itself, among those that the camera made as soft as they are.
+
+_ALIKE_DEG = 35.0  # between directions whose blur is nearly the same
+_SOFTER = 1.8  # times the width of the sharpest edge of the same direction
+_SOFTER_THAN_ANY = 4.0  # times that of any direction: motion may blur so much
+_COMPARABLE = 0.5  # of an edge's contrast over its noise, that a sharper one must have
+
+
+def without_soft(*, edges: Sequence[FoundEdge]) -> list[FoundEdge]:
+    """Refuse edges that are far wider than the sharpest ones.
+
+    Parameters
+    ----------
+    edges : sequence of FoundEdge
+        Edges, used and refused.
+
+    Returns
+    -------
+    list of FoundEdge
+        The same, the soft ones with their reason.
+
+    Notes
+    -----
+    A camera blurs all edges of one direction alike, where its blur does not change over the
+    field; shadows, vapour and what lies out of focus are soft by themselves. The same is done by
+    width classes in natural scene derived frequency responses (van Zwanenberg and others, 2021).
+    Blur by motion differs with direction, and an edge of another direction is only compared with
+    much sharper ones.
+    """
+    used = [edge for edge in edges if edge.used]
+    return [_judged(edge, used) if edge.used else edge for edge in edges]
+
+
+def _judged(edge: FoundEdge, others: Sequence[FoundEdge]) -> FoundEdge:
+    surer = [
+        other
+        for other in others
+        if _clarity(other) >= _COMPARABLE * _clarity(edge) and other.softness > 0.0
+    ]
+    alike = [other.softness for other in surer if _between(edge, other) <= _ALIKE_DEG]
+    for widths, times in (
+        (alike, _SOFTER),
+        ([other.softness for other in surer], _SOFTER_THAN_ANY),
+    ):
+        sharpest = min(widths)
+        if edge.softness > times * sharpest:
+            return replace(
+                edge,
+                used=False,
+                why_not=f"soft in the scene: its spread is {edge.softness:.2g} samples wide, "
+                f"that of others {sharpest:.2g}",
+            )
+    return edge
+
+
+def _clarity(edge: FoundEdge) -> float:
+    return edge.contrast / max(edge.noise_sigma, 1e-12 * abs(edge.contrast))
+
+
+def _between(one: FoundEdge, other: FoundEdge) -> float:
+    """Angle between two edges' courses, 0 to 90°."""
+    turn = np.abs(one.angle_deg - other.angle_deg) % 180.0
+    return float(min(turn, 180.0 - turn))

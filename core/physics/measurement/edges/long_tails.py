@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.edge_found import FoundEdge
-from core.physics.measurement.edges.edge_samples import EdgeSamples, rectangle_samples
+from core.physics.measurement.edges.edge_line import EdgeSamples, rectangle_samples
+from core.physics.measurement.edges.picture_suspicions import FoundEdge
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from core.errors import DataError
 from core.physics.measurement.levels.flat_field import FlatField
-from core.physics.noise.noise_components import COMPONENTS
-from core.physics.noise.noise_cube import MeasuredNoise
+from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise
 
 Vector = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -9,29 +9,290 @@ own finest waves, and the bias of that choice is known and taken off.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from core.physics.measurement.noise.picture_blocks import (
-    COARSE,
-    FINE,
-    MIDDLE,
-    MIDDLE_DOWN,
-    PictureBlocks,
-)
-from core.physics.measurement.noise.structure_share import (
-    FINE_DOUBT,
-    StructureShare,
-    mean_below,
-    structure_share,
-)
 from core.physics.measurement.noise.variance_line import VarianceLine, variance_line
 
+# A picture in blocks of 8 × 8 samples: the level of a block, and its power by frequency.
+#
+# White noise has the same variance in all coefficients of an orthonormal cosine transform, and
+# those
+# of normal noise are independent. So the blocks can be chosen by some coefficients, and the noise
+# measured in others: the choice leaves no bias (Ponomarenko et al. 2007).
+
+Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+SIDE = 8
+_STRIP = 64  # rows of blocks at a time
+_ORDER = np.arange(SIDE)
+_DOWN, _ACROSS = (order.ravel() for order in np.meshgrid(_ORDER, _ORDER, indexing="ij"))
+_BOTH = (_DOWN > 0) & (_ACROSS > 0)  # neither a row's nor a column's own offset
+FINE = (_DOWN >= SIDE // 2) & (_ACROSS >= SIDE // 2)  # where the scene's power is least
+COARSE = _BOTH & (_DOWN + _ACROSS >= 3) & (_DOWN + _ACROSS <= 6)
+MIDDLE = _BOTH & (_DOWN + _ACROSS >= 7) & ~FINE
+MIDDLE_DOWN = MIDDLE & (_DOWN > _ACROSS)  # as many as the others, those finer across
+_WAVES_DOWN = (_ACROSS == 0) & (_DOWN >= 1)
+_WAVES_ACROSS = (_DOWN == 0) & (_ACROSS >= 1)
+WAVES = SIDE - 2  # of rows or columns; the first one is mostly shading
+
+
+@dataclass(frozen=True)
+class PictureBlocks:
+    """Blocks without bad samples, in the order of the picture's rows.
+
+    Parameters
+    ----------
+    level : ndarray, shape (blocks,)
+        Mean of the samples.
+    power : ndarray, shape (blocks, 64)
+        Squares of the coefficients, by frequency down and across; the first is 0.
+    rows, columns : ndarray, shape (blocks, 6)
+        Coefficients of the waves down, and across, with their signs, less a ramp through the block.
+    place : ndarray of int, shape (blocks,)
+        Which block of the picture: row of blocks times blocks in a row, plus column.
+    grid : tuple of int
+        Rows and columns of blocks of the picture.
+    """
+
+    level: Vector
+    power: NDArray[np.float32]
+    rows: NDArray[np.float32]
+    columns: NDArray[np.float32]
+    place: NDArray[np.intp]
+    grid: tuple[int, int]
+
+    def axis_power(self) -> Vector:
+        """Mean square of the waves along one axis alone, of a block: edges along the axes too."""
+        squares = np.square(self.rows).sum(axis=1) + np.square(self.columns).sum(axis=1)
+        return np.asarray(squares / (2.0 * WAVES), np.float64)
+
+    def mean_power(self, coefficients: Mask) -> Vector:
+        """Mean square of these coefficients of a block."""
+        chosen = np.flatnonzero(coefficients)
+        weight = np.zeros(SIDE * SIDE, np.float32)
+        weight[chosen] = 1.0 / len(chosen)
+        return np.asarray(self.power @ weight, np.float64)
+
+
+def picture_blocks(
+    *, picture: Matrix, good: Mask | None = None, check: Callable[[], None] = lambda: None
+) -> PictureBlocks:
+    """Level and power of the blocks whose samples are all good.
+
+    Parameters
+    ----------
+    picture : ndarray, shape (rows, columns)
+        Samples; what is left of whole blocks at the right and below is not looked at.
+    good : ndarray of bool, optional
+        Which samples count; all.
+    check : callable
+        Called between strips; may raise to stop.
+    """
+    grid = picture.shape[0] // SIDE, picture.shape[1] // SIDE
+    transform = _transform()
+    level, power, rows, columns, place = [], [], [], [], []
+    for first in range(0, grid[0], _STRIP):
+        check()
+        last = min(first + _STRIP, grid[0])
+        samples = _in_blocks(picture, first, last, grid[1])
+        at = np.arange(first * grid[1], last * grid[1])
+        if good is not None:
+            whole = _in_blocks(good, first, last, grid[1]).all(axis=1)
+            samples, at = samples[whole], at[whole]
+        mean = samples.mean(axis=1)
+        residual = (samples - mean[:, np.newaxis]).astype(np.float32)
+        coefficients = residual @ transform
+        rows.append(_level_waves(coefficients[:, _WAVES_DOWN]))
+        columns.append(_level_waves(coefficients[:, _WAVES_ACROSS]))
+        level.append(mean)
+        power.append(np.square(coefficients, out=coefficients))
+        place.append(at)
+    if not level:
+        empty = np.zeros(0)
+        waves = np.zeros((0, WAVES), np.float32)
+        nothing = np.zeros((0, SIDE * SIDE), np.float32)
+        return PictureBlocks(empty, nothing, waves, waves, np.zeros(0, np.intp), grid)
+    return PictureBlocks(
+        np.concatenate(level),
+        np.concatenate(power),
+        np.concatenate(rows),
+        np.concatenate(columns),
+        np.concatenate(place),
+        grid,
+    )
+
+
+def _in_blocks(picture: NDArray[Any], first: int, last: int, across: int) -> NDArray[Any]:
+    """Rows of blocks, samples of a block in a row."""
+    strip = picture[first * SIDE : last * SIDE, : across * SIDE]
+    blocks = strip.reshape(last - first, SIDE, across, SIDE).transpose(0, 2, 1, 3)
+    return blocks.reshape(-1, SIDE * SIDE)
+
+
+def _level_waves(waves: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Waves from the second on, less those of the ramp that the first one shows."""
+    ramp = (_cosines()[1:] @ (_ORDER - _ORDER.mean())).astype(np.float32)
+    return np.asarray(waves[:, 1:] - waves[:, :1] * (ramp[1:] / ramp[0]), np.float32)
+
+
+def _transform() -> NDArray[np.float32]:
+    """Orthonormal cosine transform of a block, to be multiplied from the right."""
+    one = _cosines()
+    return np.kron(one, one).T.astype(np.float32)
+
+
+def _cosines() -> Matrix:
+    """The waves of a line of samples (type II), orthonormal."""
+    angle = math.pi * np.outer(_ORDER, _ORDER + 0.5) / SIDE
+    one = math.sqrt(2.0 / SIDE) * np.cos(angle)
+    one[0] = math.sqrt(1.0 / SIDE)
+    return one
+
+
+# How much of the power of blocks is structure, and which waves show the noise best.
+#
+# White noise has equal power in all waves; what a scene leaves after the optics falls with the
+# frequency. What coarse waves have more than the others shows how much structure there is; how it
+# falls from there is known of scenes in general, with an error. Middle and fine waves are
+# weighted by
+# what they are worth: by their own scatter and by that error, which both share.
+
+
+# Power of structure in middle and in fine waves over what the coarse ones show of it: means and
+# covariance of 1/f² texture, discs, bars and polygons behind random optics. Wide, since structure
+# of a few strong blocks shows less in the coarse waves, by which they were chosen.
+_FALL = 0.11, 0.037
+_MIDDLE_SPREAD, _FINE_SPREAD, _SHARED = 0.12, 0.05, 0.97
+FINE_DOUBT = math.hypot(_FALL[1], _FINE_SPREAD)  # where none is taken off
+_STEP = 0.02  # of structure, by which the slope of the truncated mean is taken
+_NARROWEST, _WIDEST = 0.3, 8.0
+
+
+@dataclass(frozen=True)
+class StructureShare:
+    """Power of structure over that of noise, and what to take for the noise of a block.
+
+    Parameters
+    ----------
+    coarse, coarse_error : float
+        Structure in the coarse waves before the choice cut them, and its standard error by chance.
+    weight : float
+        Of the middle waves in a block's variance; the fine ones have the rest.
+    removal : float
+        Of a block's coarse excess over its variance, what is taken off the variance.
+    shown : float
+        By how much the chosen blocks' coarse power, over that of noise alone, rises with structure.
+    doubt : float
+        Standard error of what is left in the variance, over the structure in the coarse waves.
+    middle, middle_error : float
+        Excess of the middle waves over the fine ones, and its standard error.
+    """
+
+    coarse: float
+    coarse_error: float
+    weight: float
+    removal: float
+    shown: float
+    doubt: float
+    middle: float
+    middle_error: float
+
+    def variance(self, *, coarse: Vector, middle: Vector, fine: Vector, cut: float) -> Vector:
+        """Of blocks, from the mean power of their waves.
+
+        `cut` is the mean of the chosen blocks' coarse power, over the noise's, of noise alone.
+        """
+        power = self.weight * middle + (1.0 - self.weight) * fine
+        return np.asarray(power - self.removal * (coarse / cut - power), np.float64)
+
+    def doubtful(self, *, coarse: Vector, middle: Vector, fine: Vector, cut: float) -> Vector:
+        """What may be left in the blocks' variances, all together one standard error too much."""
+        power = self.weight * middle + (1.0 - self.weight) * fine
+        return np.asarray(self.doubt / self.shown * (coarse / cut - power), np.float64)
+
+
+def structure_share(
+    *, coarse: Vector, middle: Vector, fine: Vector, limit: float, freedom: tuple[int, int, int]
+) -> StructureShare:
+    """Power of structure in blocks that were chosen by their coarse power.
+
+    Parameters
+    ----------
+    coarse, middle, fine : ndarray, shape (blocks,)
+        Mean power of the waves over the variance of the noise at the block's level.
+    limit : float
+        Largest coarse power that was chosen.
+    freedom : tuple of int
+        Numbers of coarse, middle and fine waves.
+
+    Notes
+    -----
+    Generalized least squares: middle and fine power are the noise's plus structure of the fall that
+    scenes have in the mean; their errors are those of χ² and the fall's, by the structure's square.
+    No test decides which waves are used, as that would choose by how the noise came out. What is
+    taken off shrinks by its own chance, as of an amplitude whose variance is measured too.
+    """
+    many = len(fine)
+    level = float(middle.mean()) * freedom[1] + float(fine.mean()) * freedom[2]
+    level /= freedom[1] + freedom[2]
+    excess = float(middle.mean() / fine.mean()) - 1.0
+    error = float(np.std(middle - (1.0 + excess) * fine)) / (math.sqrt(many) * level)
+    mean, limit = float(coarse.mean()) / level, limit / level
+    seen = _width(mean, limit, freedom[0]) - 1.0
+    cut = mean_below(limit=limit, freedom=freedom[0])
+    slope = (_mean_of(1.0 + _STEP, limit, freedom[0]) / cut - 1.0) / _STEP
+    chance = float(coarse.std()) / (math.sqrt(many) * level * cut * slope)
+    share = seen**2 / (seen**2 + chance**2) if seen > 0.0 else 0.0
+    covariance = _fall_covariance()
+    own = np.diag([2.0 / (many * freedom[1]), 2.0 / (many * freedom[2])])
+    square = share * (share * seen**2 + chance**2)
+    weights = np.linalg.solve(own + square * covariance, np.ones(2))
+    weights /= weights.sum()
+    fall = float(weights @ _FALL)
+    doubt = math.hypot(math.sqrt(float(weights @ covariance @ weights)), (1.0 - share) * fall)
+    known = max(seen, _STEP)
+    shown = (_mean_of(1.0 + known, limit, freedom[0]) / cut - 1.0) / known
+    removal = share * fall / (shown - fall)
+    return StructureShare(seen, chance, float(weights[0]), removal, shown, doubt, excess, error)
+
+
+def _fall_covariance() -> Matrix:
+    """Of the structure's power in middle and fine waves, over that in the coarse."""
+    both = _SHARED * _MIDDLE_SPREAD * _FINE_SPREAD
+    return np.array([[_MIDDLE_SPREAD**2, both], [both, _FINE_SPREAD**2]])
+
+
+def mean_below(*, limit: float, freedom: int) -> float:
+    """Mean of χ²/freedom where it is below a limit."""
+    half = freedom / 2.0
+    below = float(special.gammainc(half, limit * half))
+    return float(special.gammainc(half + 1.0, limit * half)) / below
+
+
+def _mean_of(width: float, limit: float, freedom: int) -> float:
+    """Mean below the limit of a χ²/freedom that is wider by a factor."""
+    return width * mean_below(limit=limit / width, freedom=freedom)
+
+
+def _width(mean: float, limit: float, freedom: int) -> float:
+    """Factor of a χ² that has this mean below the limit."""
+    low, high = _NARROWEST, _WIDEST
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        if _mean_of(middle, limit, freedom) < mean:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
 
 _FINE, _COARSE, _MIDDLE = (int(waves.sum()) for waves in (FINE, COARSE, MIDDLE))
 _SHARES = 0.98, 0.8, 0.5  # of the blocks with nothing but noise that are chosen

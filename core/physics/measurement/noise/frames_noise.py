@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from scipy import special
 
 from core.errors import DataError
-from core.physics.measurement.noise.clipped_ends import clipped_ends
-from core.physics.measurement.noise.picture_blocks import SIDE
-from core.physics.measurement.noise.rounding_step import rounding_step
+from core.physics.measurement.noise.clipped_ends import clipped_ends, rounding_step
+from core.physics.measurement.noise.flat_blocks import SIDE
 from core.physics.measurement.noise.variance_levels import (
     LevelVariance,
     gain_figure,
@@ -21,7 +20,7 @@ from core.physics.measurement.noise.variance_levels import (
     read_noise_figure,
 )
 from core.physics.measurement.noise.variance_line import VarianceLine, variance_line
-from core.physics.noise.noise_cube import MeasuredNoise, NoiseCube
+from core.physics.noise.noise_components import MeasuredNoise, NoiseCube
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]

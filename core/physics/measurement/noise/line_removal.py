@@ -8,18 +8,19 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.noise.flat_blocks import FlatBlocks, flat_blocks
+from core.physics.measurement.noise.flat_blocks import (
+    COARSE,
+    FINE,
+    FlatBlocks,
+    PictureBlocks,
+    flat_blocks,
+    picture_blocks,
+)
 from core.physics.measurement.noise.line_patterns import scene_pattern
 from core.physics.measurement.noise.periodic_lines import (
     PeriodicLine,
     fitted_lines,
     line_frequencies,
-)
-from core.physics.measurement.noise.picture_blocks import (
-    COARSE,
-    FINE,
-    PictureBlocks,
-    picture_blocks,
 )
 
 Matrix = NDArray[np.float64]

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from core.physics.measurement.noise.picture_blocks import SIDE
+from core.physics.measurement.noise.flat_blocks import SIDE
 
 Matrix = NDArray[np.float64]
 Single = NDArray[np.float32]

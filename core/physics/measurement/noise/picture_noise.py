@@ -14,19 +14,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.noise.block_compression import compressed_in_blocks
-from core.physics.measurement.noise.clipped_ends import clipped_ends, samples_that_count
-from core.physics.measurement.noise.flat_blocks import FlatBlocks
-from core.physics.measurement.noise.line_removal import flat_without_lines
-from core.physics.measurement.noise.periodic_lines import PeriodicLine
-from core.physics.measurement.noise.picture_blocks import (
+from core.physics.measurement.noise.clipped_ends import (
+    clipped_ends,
+    compressed_in_blocks,
+    rounding_step,
+    samples_that_count,
+)
+from core.physics.measurement.noise.flat_blocks import (
     FINE,
     SIDE,
+    FlatBlocks,
     PictureBlocks,
     picture_blocks,
 )
+from core.physics.measurement.noise.line_removal import flat_without_lines
+from core.physics.measurement.noise.periodic_lines import PeriodicLine
 from core.physics.measurement.noise.power_parts import NoisePower, noise_power
-from core.physics.measurement.noise.rounding_step import rounding_step
 from core.physics.measurement.noise.variance_levels import (
     LevelVariance,
     gain_figure,

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.noise.flat_blocks import FlatBlocks
+from core.physics.measurement.noise.flat_blocks import SIDE, FlatBlocks, PictureBlocks
 from core.physics.measurement.noise.periodic_lines import PeriodicLine
-from core.physics.measurement.noise.picture_blocks import SIDE, PictureBlocks
 
 Vector = NDArray[np.float64]
 

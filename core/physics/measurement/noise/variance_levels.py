@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.noise.picture_blocks import SIDE
+from core.physics.measurement.noise.flat_blocks import SIDE
 from core.physics.measurement.noise.variance_line import VarianceLine
 
 Vector = NDArray[np.float64]

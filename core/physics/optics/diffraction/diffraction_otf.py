@@ -11,26 +11,25 @@ integrated exactly in narrow panels, over each of which the OTF is taken for a c
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
+import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
-from core.physics.detector.response_curve import ResponseCurve
-from core.physics.numerics.quadrature import gauss_legendre
+from core.physics.detector.detectivity import ResponseCurve
+from core.physics.numerics.quadrature import chebyshev_sum, gauss_legendre
 from core.physics.numerics.scalar_checks import positive
 from core.physics.optics.annular_otf import annular_otf
-from core.physics.optics.diffraction.annular_defocus import MOST_DEFOCUS_WAVES, annular_defocus_otf
 from core.physics.optics.diffraction.band_weights import (
     SpectralWeighting,
     Spectrum,
     panel_wavelengths,
 )
-from core.physics.optics.diffraction.radial_series import RadialSeries
-from core.physics.optics.diffraction.wavefront_factor import wavefront_factor
 
 Vector = NDArray[np.float64]
 COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
@@ -271,3 +270,223 @@ def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
             "many as the tolerance needs"
         )
     return places, weights / np.sum(weights)
+
+
+# OTF of a centrally obscured circular aperture out of focus.
+
+MOST_DEFOCUS_WAVES = 100.0
+_NODES = 24  # Gauss-Legendre nodes of a panel
+_PHASE_PER_PANEL = 12.0  # [rad]; 24 nodes integrate cos over it to rounding
+_VALUES_PER_BLOCK = 1 << 19
+
+
+def annular_defocus_otf(
+    *, frequency_ratio: ArrayLike, w20_waves: ArrayLike, obscuration_ratio: float = 0.0
+) -> Vector:
+    """OTF of a disc or annulus with the wavefront error W = W20 rho², real and signed.
+
+    Parameters
+    ----------
+    frequency_ratio : array_like
+        Radial frequency over the cutoff (aperture diameter over wavelength), 0 or above.
+    w20_waves : array_like
+        Wavefront error at the outer rim [waves], at most 100 in size; broadcasts.
+    obscuration_ratio : float
+        Inner over outer radius, 0 up to but not including 1.
+
+    Returns
+    -------
+    ndarray
+        1 at zero, 0 from the cutoff on; absolute error near 1e-15.
+
+    Raises
+    ------
+    ParameterError
+        If defocus or obscuration are out of range.
+    DataError
+        If a frequency is not finite.
+
+    Notes
+    -----
+    Pupils moved by ±v differ in phase by kx, k = 8π·W20·v, so that the OTF is the integral of
+    cos(kx) over the area they share, (D − d)(D' − d') with discs D and obscurations d: a lens of
+    the discs, less twice that of a disc and the other's obscuration, and one of the obscurations.
+    Each is bounded by arcs x = c + R·cos t, whose chords are 2R·sin t. Source: Hopkins 1955, Proc.
+    R. Soc. A 231, 91, for the disc; O'Neill 1956, JOSA 46, 285, for the parts of the annulus.
+    """
+    inner = float(obscuration_ratio)
+    if not 0.0 <= inner < 1.0:
+        raise ParameterError(
+            "obscuration_ratio", inner, "0 up to but not including 1 (an opening must remain)"
+        )
+    v, w20 = np.broadcast_arrays(
+        np.asarray(frequency_ratio, np.float64), np.abs(np.asarray(w20_waves, np.float64))
+    )
+    if not np.all(np.isfinite(v)) or np.any(v < 0.0):
+        raise DataError("frequency_ratio holds a value that is negative or not finite")
+    if not np.all(w20 <= MOST_DEFOCUS_WAVES):
+        worst = float(w20[~(w20 <= MOST_DEFOCUS_WAVES)][0])
+        allowed = f"at most {MOST_DEFOCUS_WAVES:g} in size"
+        raise ParameterError("defocus_waves", worst, allowed, unit="waves")
+    flat, rate = v.ravel(), (8.0 * np.pi * w20 * v).ravel()
+    otf = np.zeros(flat.size)
+    inside = np.flatnonzero(flat < 1.0)
+    panels = np.ceil(rate[inside] * (1.0 + inner) / _PHASE_PER_PANEL).astype(np.int64) + 1
+    sizes = 1 << np.ceil(np.log2(panels)).astype(np.int64)
+    for size in np.unique(sizes):
+        chosen = inside[sizes == size]
+        nodes, weights = _panel_rule(int(size))
+        step = max(1, _VALUES_PER_BLOCK // len(nodes))
+        for start in range(0, chosen.size, step):
+            block = chosen[start : start + step]
+            otf[block] = _shared(flat[block], rate[block], inner, nodes, weights)
+    otf[flat == 0.0] = 1.0
+    return otf.reshape(v.shape)
+
+
+def _shared(v: Vector, k: Vector, inner: float, nodes: Vector, weights: Vector) -> Vector:
+    """∫ cos(kx) over what two annuli moved by ±v share, over the area of one."""
+
+    def arc(centre: Vector, radius: float, low: Vector, high: Vector) -> Vector:
+        """∫ of 2·√(R² − (x − c)²)·cos(kx) over x from low to high, 0 where high ≤ low."""
+        first = np.arccos(np.clip((high - centre) / radius, -1.0, 1.0))
+        last = np.arccos(np.clip((low - centre) / radius, -1.0, 1.0))
+        width = np.maximum(last - first, 0.0)
+        angle = first[:, np.newaxis] + width[:, np.newaxis] * nodes
+        x = centre[:, np.newaxis] + radius * np.cos(angle)
+        values = np.sin(angle) ** 2 * np.cos(k[:, np.newaxis] * x)
+        made: Vector = 2.0 * radius**2 * width * (values @ weights)
+        return made
+
+    zero = np.zeros_like(v)
+    area = 2.0 * arc(-v, 1.0, zero, 1.0 - v)
+    if inner > 0.0:
+        area += 2.0 * arc(-v, inner, zero, np.maximum(inner - v, 0.0))
+        # The disc about −v bounds the obscuration about v beyond where their outlines cross.
+        with np.errstate(divide="ignore"):
+            crossing = np.where(v > 0.0, (1.0 - inner**2) / (4.0 * v), np.inf)
+        crossing = np.clip(crossing, v - inner, v + inner)
+        area -= 2.0 * arc(v, inner, v - inner, crossing)
+        beyond = np.where(crossing < v + inner, 1.0 - v, crossing)
+        area -= 2.0 * arc(-v, 1.0, crossing, np.maximum(beyond, crossing))
+    return np.asarray(area / (np.pi * (1.0 - inner**2)))
+
+
+def _panel_rule(panels: int) -> tuple[Vector, Vector]:
+    """Nodes and weights over [0, 1] in equal panels."""
+    nodes, weights = gauss_legendre(_NODES)
+    places = (np.arange(panels)[:, np.newaxis] + 0.5 * (nodes + 1.0)) / panels
+    return places.ravel(), np.tile(0.5 * weights / panels, panels)
+
+
+# A function of the radial frequency as series between its kinks, to a given tolerance.
+#
+# Between kinks of half-integer powers, as edges of apertures make them, ρ = a + (b −
+# a)·sin²(πs/2)
+# makes the function an analytic one of s, whose Chebyshev series converges like a power.
+
+SIZES = (16, 32, 64, 128, 256, 512, 1024)
+
+
+@dataclass(frozen=True)
+class RadialSeries:
+    """Chebyshev series on pieces; 0 beyond the last."""
+
+    ends: tuple[float, ...]
+    coefficients: tuple[Vector, ...]
+
+    @classmethod
+    def of(
+        cls, function: Callable[[Vector], Vector], *, ends: tuple[float, ...], tolerance: float
+    ) -> RadialSeries:
+        """Fit a function of radii.
+
+        Parameters
+        ----------
+        function : callable
+            What is fitted.
+        ends : tuple of float
+            Where pieces begin and end, rising from 0; beyond the last one the function is 0.
+        tolerance : float
+            Largest error.
+
+        Raises
+        ------
+        DataError
+            If 1024 terms of a piece do not reach it.
+        """
+        pieces = (_fit(function, low, high, tolerance) for low, high in pairwise(ends))
+        return cls(ends, tuple(pieces))
+
+    def at(self, rho: Vector) -> Vector:
+        """Values at radii, 0 or above."""
+        values = np.zeros(rho.shape)
+        piece = np.searchsorted(self.ends, rho, side="right") - 1
+        for index, coefficients in enumerate(self.coefficients):
+            chosen = piece == index
+            if chosen.any():
+                low, high = self.ends[index], self.ends[index + 1]
+                share = np.clip((rho[chosen] - low) / (high - low), 0.0, 1.0)
+                place = 4.0 / np.pi * np.arcsin(np.sqrt(share)) - 1.0
+                values[chosen] = chebyshev_sum(coefficients, place)
+        return values
+
+
+def _fit(function: Callable[[Vector], Vector], low: float, high: float, tolerance: float) -> Vector:
+    for size in SIZES:
+        place = np.cos(np.pi * (np.arange(size) + 0.5) / size)
+        radii = low + (high - low) * np.sin(0.25 * np.pi * (place + 1.0)) ** 2
+        coefficients = scipy.fft.dct(function(radii), type=2) / size
+        coefficients[0] /= 2.0
+        rest = np.cumsum(np.abs(coefficients[::-1]))[::-1]
+        if rest[size - size // 4] <= tolerance:
+            return np.asarray(coefficients[: max(2, int(np.count_nonzero(rest > tolerance / 8)))])
+    raise DataError(
+        f"the polychromatic OTF between {low:g} and {high:g} cycles/mrad takes more than "
+        f"{SIZES[-1]} terms: give a larger tolerance, a number of wavelengths, or fewer waves of "
+        "defocus"
+    )
+
+
+# What a small random wavefront error takes off the MTF, known by its rms alone.
+
+MOST_RMS_WAVES = 0.18
+
+
+def wavefront_factor(*, frequency_ratio: ArrayLike, rms_waves: ArrayLike) -> NDArray[np.float64]:
+    """Shannon's aberration transfer factor.
+
+    Parameters
+    ----------
+    frequency_ratio : array_like
+        Radial frequency over the cutoff, 0 to 1; beyond there is no contrast left.
+    rms_waves : array_like
+        Wavefront error over the pupil [waves rms], 0 to 0.18; broadcasts.
+
+    Returns
+    -------
+    ndarray
+        1 − (W/0.18)²·(1 − 4(ν − 1/2)²), least at half the cutoff.
+
+    Raises
+    ------
+    ParameterError
+        For an error out of range: beyond 0.18 waves the form gives negative contrast.
+
+    Notes
+    -----
+    Source: Shannon 1994, "Optical specifications", in Handbook of Optics, 2nd ed., vol. I, chapter
+    35. An empirical mean over aberrations of low order; a known wavefront belongs to Exit Pupils.
+    """
+    rms = np.asarray(rms_waves, np.float64)
+    if not np.all((rms >= 0.0) & (rms <= MOST_RMS_WAVES)):
+        worst = float(rms.max() if np.all(rms >= 0.0) else rms.min())
+        raise ParameterError(
+            "rms_wavefront_waves",
+            worst,
+            f"0 to {MOST_RMS_WAVES:g} waves of the shortest wavelength, within which Shannon's "
+            "form holds: give a larger error to Exit Pupils",
+            unit="waves",
+        )
+    ratio = np.minimum(np.abs(np.asarray(frequency_ratio, np.float64)), 1.0)
+    return np.asarray(1.0 - (rms / MOST_RMS_WAVES) ** 2 * (1.0 - 4.0 * (ratio - 0.5) ** 2))

@@ -5,7 +5,7 @@ import time
 import pytest
 from PySide6.QtCore import QObject
 
-from app.editor.evaluation.frames import FRAME_MS, Frames
+from app.editor.evaluation.evaluator import FRAME_MS, Frames
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 """Queries by owner: those that stay keep their number, and old answers are of no use."""
 
-from app.editor.evaluation.owned_queries import OwnedQueries
+from app.editor.evaluation.evaluator import OwnedQueries
 from app.editor.evaluation.queries import Answer
 
 

@@ -11,8 +11,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
 
-from app.editor.free_numbers import FreeNumber
-from app.editor.measure.viewer_pictures import picture_of
+from app.editor.measure.measure_worker import picture_of
+from app.editor.number_text import FreeNumber
 from core.editing.operations import Rename, set_parameter
 from edge_truth import blur_network, gaussian_edge
 from window_hands import WindowHands

@@ -15,7 +15,7 @@ from scipy.special import erf
 from app.editor.measure.edge_canvas import edge_look
 from app.editor.measure.measure_view import MeasureView
 from app.editor.theme import DARK, LIGHT
-from app.measure.edge_looks import REFUSED, REMOVED, USED
+from app.measure.measurement_text import REFUSED, REMOVED, USED
 from child_process import PATIENCE_S
 from core.editing.operations import set_network_field
 

@@ -5,13 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from app.editor.panels.illustrations.exit_pupil_illustration import PupilQuery
 from app.editor.panels.illustrations.painting.wavefront import open_share, wavefront_of
-from app.editor.panels.illustrations.queries.pupil_query import PupilQuery
-from app.editor.panels.illustrations.queries.sampling_query import SamplingQuery
 from app.editor.panels.illustrations.queries.shrinking import shrunk
-from app.editor.panels.illustrations.queries.thumbnail_query import ThumbnailQuery
 from app.editor.panels.illustrations.queries.transfer_query import TransferQuery, half_contrast
-from app.editor.panels.illustrations.sampling_illustration import footprint_of
+from app.editor.panels.illustrations.sampling_illustration import SamplingQuery, footprint_of
+from app.editor.panels.illustrations.thumbnail_illustration import ThumbnailQuery
 from core.errors import ImagechainError, UnconnectedError
 from core.modules.declaration import NodeContext
 from core.network.network import Network, Node

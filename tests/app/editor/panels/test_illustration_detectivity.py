@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import constants, integrate
 
-from app.editor.panels.illustrations.queries.detectivity_query import DetectivityQuery
+from app.editor.panels.illustrations.electronics_illustration import DetectivityQuery
 from app.run.shipped import shipped_networks
 from core.errors import ParameterError
 from core.network.file import load_network

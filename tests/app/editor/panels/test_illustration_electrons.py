@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PySide6.QtGui import QColor, QImage
 
-from app.editor.panels.illustrations.queries.electrons_query import ElectronBudget, ElectronsQuery
+from app.editor.panels.illustrations.focal_plane_illustration import ElectronBudget, ElectronsQuery
 from app.editor.theme import DARK
 from illustration_hands import IllustrationBench, answer, sensor, told
 

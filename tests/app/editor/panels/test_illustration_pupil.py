@@ -8,7 +8,7 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QBrush, QColor, QImage, QPainter
 
 from app.editor.evaluation.queries import Answer
-from app.editor.panels.illustrations.painting.pupil_drawing import draw_pupil
+from app.editor.panels.illustrations.exit_pupil_illustration import draw_pupil
 from core.editing.operations import set_parameter
 from core.errors import DataError
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil

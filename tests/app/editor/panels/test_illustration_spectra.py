@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PySide6.QtGui import QColor, QImage
 
-from app.editor.panels.illustrations.queries.path_query import PathQuery
-from app.editor.panels.illustrations.queries.response_query import ResponseQuery
+from app.editor.panels.illustrations.path_illustration import PathQuery
+from app.editor.panels.illustrations.response_illustration import ResponseQuery
 from app.editor.theme import DARK, LIGHT
 from core.editing.operations import set_node_field
 from core.network.file import load_network

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from app.editor.number_text import number_of, numbers_of, shown_figure, shown_number
-from app.editor.panels.fields.slider_scale import Scale, scale_of
+from app.editor.panels.fields.number import Scale, scale_of
 from app.editor.panels.panel_area import PanelArea
 from app.editor.session import Session
 from app.editor.theme import DARK

@@ -14,9 +14,9 @@ from child_process import PATIENCE_S, ROOT, finished, kill_program
 from core.editing.document import Document
 from core.editing.operations import Remove, set_network_field
 from core.errors import FileError, NetworkError
+from core.leftovers import own_token
 from core.network.file import read_network
 from core.network.network import Network, Node
-from core.process_token import own_token
 
 # Leaves work behind, as a process that ends without a word.
 CRASH = """
@@ -47,7 +47,7 @@ from pathlib import Path
 from app.editor.recovery.recovery_files import Autosave
 from core.editing.document import Document
 from core.editing.operations import set_network_field
-from core.process_token import own_token
+from core.leftovers import own_token
 from core.network.network import Network, Node
 document = Document(Network("busy"), library={})
 autosave = Autosave(document, Path(sys.argv[1]))
@@ -65,7 +65,7 @@ from app.editor.recovery.recovery_files import Autosave
 from core.editing.document import Document
 from core.editing.operations import set_network_field
 from core.errors import FileError
-from core.process_token import own_token
+from core.leftovers import own_token
 from core.network.network import Network, Node
 document = Document(Network("a"), library={})
 autosave = Autosave(document, Path(sys.argv[1]))

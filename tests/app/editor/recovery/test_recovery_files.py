@@ -11,8 +11,8 @@ from app.editor.recovery.recovery_files import recoverable
 from child_process import run_program
 from core.errors import NetworkError
 from core.file_lock import is_held, take
+from core.leftovers import own_token, runs
 from core.network.network import Network
-from core.process_token import own_token, runs
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def test_a_process_is_known_by_its_start():
     assert runs(os.getpid(), own_token())
     assert not runs(1, own_token())  # the first process of all did not start just now
     assert not runs(os.getpid(), "")
-    told = run_program("from core.process_token import own_token; print(own_token())")
+    told = run_program("from core.leftovers import own_token; print(own_token())")
     assert told.stdout.strip() not in ("", own_token())
 
 

@@ -5,10 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from app.editor.runs.network_job import duration, state_text, whole_text
 from app.editor.runs.run_queue import Entry
-from app.editor.runs.run_words import duration, state_text, whole_text
-from app.run.job import Job
-from app.run.job_messages import Result
+from app.run.job import Job, Result
 
 
 def entry(kind="sweep", **given):

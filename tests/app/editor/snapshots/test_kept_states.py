@@ -17,8 +17,8 @@ from app.editor.snapshots.states import (
     held_bytes,
 )
 from app.editor.viewers.pixels.grey_levels import spread_of
-from app.editor.viewers.pixels.kept_picture import KeptPicture
 from app.editor.viewers.pixels.picture_facts import Axis, Facts
+from app.editor.viewers.pixels.picture_layers import KeptPicture
 from app.editor.viewers.plot.curves_query import CurvesQuery
 from core.network.network import Network
 

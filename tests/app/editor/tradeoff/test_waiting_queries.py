@@ -8,7 +8,7 @@ import pytest
 
 from app.editor.evaluation import runner
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.tradeoff.side_work import SideStore, SideWork
+from app.editor.tradeoff.tradeoff_view import SideStore, SideWork
 from child_process import PATIENCE_S
 from core.editing.operations import set_parameter
 from core.evaluation.policy import Policy

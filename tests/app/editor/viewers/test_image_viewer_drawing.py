@@ -8,8 +8,7 @@ from PySide6.QtGui import QImage
 
 from app.editor.theme import DARK
 from app.editor.viewers.picture.image_viewer import ImageViewer
-from app.editor.viewers.pixels.colour_maps import NAMES, colour_table
-from app.editor.viewers.pixels.grey_levels import Spread, grey_levels
+from app.editor.viewers.pixels.grey_levels import NAMES, Spread, colour_table, grey_levels
 from app.editor.viewers.pixels.picture_query import Picture
 from core.editing.operations import set_parameter
 from core.errors import ImagechainError

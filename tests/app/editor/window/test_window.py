@@ -10,10 +10,9 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QMessageBox, QPushButton, QWidget
 
-from app.editor.recovery.autosaving import DELAY_MS
-from app.editor.recovery.recovery_files import recoverable
+from app.editor.recovery.recovery_files import DELAY_MS, recoverable
 from app.editor.theme import DARK, LIGHT
-from app.editor.window.documents.remembered_settings import Settings
+from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow
 from app.editor.window.start import built
 from app.options.command_options import Options

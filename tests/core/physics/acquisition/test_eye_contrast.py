@@ -9,7 +9,7 @@ import pytest
 from mpmath import mp, mpf
 
 from core.errors import ParameterError
-from core.physics.acquisition.eye_contrast import eye_contrast_threshold, system_contrast_threshold
+from core.physics.acquisition.eye import eye_contrast_threshold, system_contrast_threshold
 
 mp.dps = 30
 

@@ -10,12 +10,15 @@ import pytest
 from scipy.special import ndtr
 
 from core.errors import ParameterError
-from core.physics.acquisition.edge_response import (
+from core.physics.acquisition.giqe import (
+    beyond_limits,
     edge_overshoot,
     edge_response,
+    giqe_3,
+    giqe_4,
+    giqe_5,
     relative_edge_response,
 )
-from core.physics.acquisition.giqe import beyond_limits, giqe_3, giqe_4, giqe_5
 from reference_cases import CAMERA, reference_cases
 
 

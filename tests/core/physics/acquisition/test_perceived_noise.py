@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.acquisition.perceived_noise import eyeball_mtf, perceived_share
+from core.physics.acquisition.mrtd import eyeball_mtf, perceived_share
 
 DISPLAY = {"magnification": 3.0, "luminance_cd_m2": 34.0}
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.physics.acquisition.threshold_curve import interpolated
+from core.physics.acquisition.ttp import interpolated
 
 FREQUENCY = np.array([0.5, 0.7, 1.4, 1.7, 3.0, 3.2])
 BETWEEN = np.array([0.5, 0.6, 1.0, 1.55, 2.0, 2.9, 3.1, 3.2])

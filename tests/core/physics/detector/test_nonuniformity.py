@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.errors import DataError
-from core.physics.detector.nonuniformity import (
+from core.physics.electrons.collection import (
     one_point_offset,
     two_point_gain,
     two_point_offset,

@@ -13,20 +13,18 @@ from hypothesis import strategies as st
 from core.errors import ParameterError
 from core.physics.detector.charge_transfer import MODELS, charge_transfer_mtf, charge_transfer_ptf
 from core.physics.electronics.filters import (
+    KINDS,
     corner_frequency_hz,
+    corner_in_cyc_per_mrad,
     dwell_time_s,
     lowpass_mtf,
     lowpass_ptf,
     mirror_scan_velocity_mrad_per_s,
     noise_bandwidth_hz,
-)
-from core.physics.electronics.periodic_wave import periodic_pattern
-from core.physics.electronics.post_filter import (
-    KINDS,
-    corner_in_cyc_per_mrad,
     post_filter_mtf,
     post_filter_ptf,
 )
+from core.physics.noise.flicker_noise import periodic_pattern
 from core.physics.sampling.detector_sampling import interval_mrad
 
 _PHASES = np.array([-math.pi, -1.0, -1e-5, 0.0, 1e-200, 1e-8, 0.3, 0.99, 1.01, 2.0, math.pi])

@@ -8,10 +8,15 @@ import pytest
 from mpmath import mpf
 
 from core.errors import ParameterError
-from core.physics.electrons import collection, electron_noise
-from core.physics.electrons.nonlinear_response import bent_response, bent_slope
+from core.physics.electrons import collection
+from core.physics.electrons import collection as electron_noise
+from core.physics.electrons.collection import (
+    bent_response,
+    bent_slope,
+    rule_07_A_per_cm2,
+    rule_07_e_per_s,
+)
 from core.physics.electrons.photon_conversion import PhotonWeights, conversion_between
-from core.physics.electrons.rule_07 import rule_07_A_per_cm2, rule_07_e_per_s
 from core.physics.electrons.spectral_photons import QuantumEfficiency
 from core.physics.radiometry.planck import band_radiance, brightness_temperature
 from reference_cases import CAMERA, reference_cases

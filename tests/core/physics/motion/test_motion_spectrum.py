@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.motion.motion_spectrum import (
+from core.physics.motion.vibration import (
     WAVES,
     MotionSpectrum,
     between_exposures_mrad,

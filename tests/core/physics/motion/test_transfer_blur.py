@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.errors import ParameterError
-from core.physics.detector.detector_aperture import aperture_mtf
+from core.physics.detector.charge_transfer import aperture_mtf
 from core.physics.motion.platform_motion import (
     blur_mrad,
     line_motion_mtf,
@@ -19,7 +19,7 @@ from core.physics.motion.platform_motion import (
     scan_blur_mrad,
 )
 from core.physics.motion.vibration import vibration_mtf, vibration_otf
-from core.physics.numerics.sinc import sinc
+from core.physics.numerics.quadrature import sinc
 from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
 from core.physics.sampling.detector_sampling import (
     ifov_mrad,

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from core.errors import DataError
-from core.physics.noise.loss_shares import loss, shares_of_losses
+from core.physics.noise.noise_equivalent import loss, shares_of_losses
 
 LN2 = 0.6931471805599453
 

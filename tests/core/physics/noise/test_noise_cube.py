@@ -10,10 +10,10 @@ from core.errors import DataError, ParameterError
 from core.physics.noise.noise_components import (
     COMPONENTS,
     Moments,
+    NoiseCube,
     NoiseVariances,
     components_of_moments,
 )
-from core.physics.noise.noise_cube import NoiseCube
 
 AXES = {"t": 0, "v": 1, "h": 2}
 

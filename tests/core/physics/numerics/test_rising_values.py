@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import isotonic_regression
 
-from core.physics.numerics.rising_values import nearest_rising
+from core.physics.measurement.edges.edge_limits import nearest_rising
 
 
 def test_by_hand():

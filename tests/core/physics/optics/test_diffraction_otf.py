@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from core.errors import DataError, ParameterError
-from core.physics.detector.response_curve import ResponseCurve
+from core.physics.detector.detectivity import ResponseCurve
 from core.physics.optics.annular_otf import annular_otf
-from core.physics.optics.defocus_otf import defocus_otf
-from core.physics.optics.diffraction.annular_defocus import annular_defocus_otf
 from core.physics.optics.diffraction.band_weights import Spectrum
 from core.physics.optics.diffraction.diffraction_otf import (
     Aperture,
+    annular_defocus_otf,
     diffraction_otf,
+    wavefront_factor,
     wavelengths_needed,
 )
-from core.physics.optics.diffraction.wavefront_factor import wavefront_factor
+from core.physics.optics.pupil_otf import defocus_otf
 from reference_cases import CAMERA, reference_cases
 
 

@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.optics.enclosing_circle import smallest_circle, support_circle
-from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
+from core.physics.optics.pupil_shapes import (
+    PupilShape,
+    sample_pupil,
+    smallest_circle,
+    support_circle,
+)
 
 
 def by_all(points):

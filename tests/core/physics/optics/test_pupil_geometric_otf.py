@@ -9,7 +9,7 @@ import pytest
 
 from core.errors import DataError, ParameterError
 from core.physics.optics.annular_otf import annular_otf
-from core.physics.optics.geometric_otf import geometric_otf
+from core.physics.optics.pupil_otf import geometric_otf
 from core.physics.optics.pupil_shapes import PupilShape
 from reference_cases import reference_cases
 from slow_reference.pupil_area import overlap

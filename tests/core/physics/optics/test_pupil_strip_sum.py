@@ -5,7 +5,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from core.physics.optics.geometric_otf import geometric_otf
+from core.physics.optics.pupil_otf import geometric_otf
 from core.physics.optics.pupil_shapes import PupilShape
 from core.physics.optics.strip_overlap import Strip, StripPupil, strip_overlap_area
 from core.physics.optics.strip_sum import strip_sum_area, strips_add_up

@@ -8,8 +8,12 @@ import numpy as np
 import pytest
 
 from clipped_areas import area, clipped_mean
-from core.physics.sampling.footprint_means import footprint_coverage, footprint_means, strips_error
-from core.physics.sampling.footprints import footprints
+from core.physics.sampling.footprint_means import (
+    footprint_coverage,
+    footprint_means,
+    footprints,
+    strips_error,
+)
 from core.physics.sampling.ground_geometry import (
     Camera,
     across,

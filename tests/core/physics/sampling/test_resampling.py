@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.physics.sampling.resampling import folded, resampling_response
+from core.physics.sampling.interpolation import folded, resampling_response
 
 FREQUENCY = np.array([0.0, 0.03, 0.11, 0.2, 0.37, 0.49])
 OLD = 400

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from app.assessment.expected_row_average import edge_row
+from app.assessment.edge_measurement import edge_row
 from core.chain.engine import Engine
 from core.chain.frame_sequence import at_frame
 from core.chain.wires import Image

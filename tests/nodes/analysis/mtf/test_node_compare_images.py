@@ -8,7 +8,7 @@ import pytest
 from core.chain.engine import Engine
 from core.errors import DataError
 from core.evaluation.policy import Policy
-from core.modules.library_type import library_of
+from core.modules.declaration import library_of
 from linked_network import linked_network
 from nodes.analysis.mtf.compare_images import CompareImages
 from nodes.input_output.read_image import ReadImage

@@ -10,7 +10,7 @@ import pytest
 from core.chain.engine import Engine
 from core.errors import DataError, ImagechainError, ParameterError
 from core.evaluation.policy import Policy
-from core.modules.library_type import library_of
+from core.modules.declaration import library_of
 from edge_pictures import edge_mtf, edge_picture
 from linked_network import linked_network
 from nodes.analysis.mtf.measured_mtf import MeasuredMTF

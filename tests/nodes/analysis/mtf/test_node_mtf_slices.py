@@ -12,10 +12,8 @@ from core.chain.results import SampledTransfer
 from core.chain.wires import Magnitude, Transfer
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
-from core.modules.declaration import NodeContext
-from core.modules.library_type import library_of
-from core.transfer.factors import Law, Planar, Separable
-from core.transfer.grid import Grid
+from core.modules.declaration import NodeContext, library_of
+from core.transfer.factors import Grid, Law, Planar, Separable
 from linked_network import linked_network
 from nodes.analysis.mtf.mtf_slices import MtfSlices
 from nodes.input_output.test_scene import TestScene

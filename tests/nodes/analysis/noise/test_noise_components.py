@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from core.chain.frame_sequence import at_frame
-from core.physics.noise.noise_components import COMPONENTS
-from core.physics.noise.noise_cube import NoiseCube
+from core.physics.noise.noise_components import COMPONENTS, NoiseCube
 from nodes.analysis.lineage import NoiseOf, noise_free
 from noisy_sensors import SOURCES, noisy_sensor, picture_of
 

@@ -5,8 +5,8 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.kept_lines import with_kept
 from app.editor.viewers.plot.plot_looks import entry_pen
+from app.editor.viewers.plot.plot_viewer import with_kept
 from app.editor.viewers.plot.plotted_lines import curve_drawing
 from core.chain.results import CurveData, Series
 

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from core.errors import DataError
-from core.physics.measurement.edges.edge_found import FoundEdge
-from core.physics.measurement.edges.edge_mtf import EdgeMtf, measure_edge
-from core.physics.measurement.edges.edge_pooling import pooled_mtf
+from core.physics.measurement.edges.edge_mtf import EdgeMtf, measure_edge, pooled_mtf
 from core.physics.measurement.edges.edge_search import find_edges
+from core.physics.measurement.edges.picture_suspicions import FoundEdge
 from edge_pictures import edge_mtf, edge_picture
 
 FREQUENCY = np.linspace(0.0, 0.4, 21)  # cycles per sample, to 0.8 of Nyquist

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.measure.edge_measuring import edges_of
 from app.measure.measurement_text import remarks
-from app.measure.measuring import Source, measure_pictures
+from app.measure.measuring import Source, edges_of, measure_pictures
 from app.measure.picture_measurement import MeasuredFile
 from camera_scenes import box, half, turned
 from oversampled_camera import Camera, half_plane, take, true_mtf

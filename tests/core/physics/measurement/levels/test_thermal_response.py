@@ -14,7 +14,7 @@ from core.physics.measurement.levels.thermal_response import (
     filled,
     thermal_response,
 )
-from core.physics.noise.noise_cube import NoiseCube
+from core.physics.noise.noise_components import NoiseCube
 
 BANDS = {
     "3–5 µm, photons": (3.0, 5.0, 4),

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy import special
 
-from core.physics.measurement.noise.flat_blocks import flat_blocks
-from core.physics.measurement.noise.picture_blocks import picture_blocks
+from core.physics.measurement.noise.flat_blocks import flat_blocks, picture_blocks
 from core.physics.measurement.noise.picture_noise import noise_of_picture
 from core.physics.measurement.noise.variance_line import variance_line
 from noisy_scenes import Sensor, blurred, polygons
