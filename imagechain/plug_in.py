@@ -5,17 +5,17 @@
 The names here stay where they are; those of the layers below may move.
 """
 
+from core.chain.linear_change import Linear
+from core.chain.noise_power import NoisePower
+from core.chain.random_fields import Stream, normal_field
+from core.chain.step_lineage import AtStep, Noise, picture_step, source_step
 from core.chain.wires import Context, Image, Magnitude, Phase, Pupil, Transfer
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.work import Work
-from core.lineage.linear_change import Linear
-from core.lineage.step_lineage import AtStep, Noise, picture_step, source_step
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.noise.noise_power import NoisePower
-from core.noise.random_fields import Stream, normal_field
 from core.transfer.factors import Law, Planar, Separable
 from nodes.shared.factor_helpers import radial, separable
 from nodes.shared.flicker_deviates import SeededModule

@@ -5,16 +5,16 @@ from __future__ import annotations
 from functools import cache
 
 from core.modules.declaration import Module, PackagedLibrary, library_of
-from nodes.analysis.camera.camera_geometry import CameraGeometry
-from nodes.analysis.camera.line_by_line import LineByLine
-from nodes.analysis.merit.figures_of_merit import FiguresOfMerit
-from nodes.analysis.merit.image_quality import ImageQuality
-from nodes.analysis.mtf.compare_images import CompareImages
-from nodes.analysis.mtf.measured_mtf import MeasuredMTF
-from nodes.analysis.mtf.mtf_slices import MtfSlices
-from nodes.analysis.noise.noise_3d import Noise3D
-from nodes.analysis.noise.noise_budget import NoiseBudget
-from nodes.analysis.space.spatial_blur import SpatialBlur
+from nodes.analysis.camera_geometry import CameraGeometry
+from nodes.analysis.compare_images import CompareImages
+from nodes.analysis.figures_of_merit import FiguresOfMerit
+from nodes.analysis.image_quality import ImageQuality
+from nodes.analysis.line_by_line import LineByLine
+from nodes.analysis.measured_mtf import MeasuredMTF
+from nodes.analysis.mtf_slices import MtfSlices
+from nodes.analysis.noise_3d import Noise3D
+from nodes.analysis.noise_budget import NoiseBudget
+from nodes.analysis.spatial_blur import SpatialBlur
 from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
 from nodes.atmosphere.atmospheric_path import AtmosphericPath
 from nodes.atmosphere.reflected_light import ReflectedLight

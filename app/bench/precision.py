@@ -17,9 +17,9 @@ from app.bench.chains import PIXELS, Chain, Kodak, sensor_network
 from app.bench.tables import T0_HEADS, Chart, Table, figure_text
 from app.bench.timing import Settings, paired, round_trip, seconds
 from core.chain.back_transformed import Delivered
+from core.chain.random_fields import Stream, normal_field, poisson_field
 from core.evaluation.policy import Policy, Precision
 from core.network.network import Network
-from core.noise.random_fields import Stream, normal_field, poisson_field
 from core.physics.detector.charge_transfer import MODELS, charge_transfer_mtf, charge_transfer_ptf
 from core.threads import ForEach
 from core.transfer.factors import Grid, Planar

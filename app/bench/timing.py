@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from app.options.command_options import version
 from app.run import shipped as own_process
 from core.errors import UsageError
-from core.filtering.periodic import backend
 from core.threads import physical_bytes
+from core.transfer.periodic import backend
 
 Array = NDArray[Any]
 Seconds = Callable[[], float]

@@ -6,8 +6,8 @@ import threading
 from functools import partial
 
 from app.command.run import input_files, open_network, policy_of
+from app.fit.fit_page import fit_json, fit_text
 from app.fit.free_parameter import free_parameters
-from app.fit.page.fit_page import fit_json, fit_text
 from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
 from app.options.command_options import Options
 from app.options.progress import Progress
@@ -69,7 +69,7 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
             text = format_network(moved.apply(fitted) if moved else fitted, library=library)
             staging.write(options.fit_output, partial(write_text, content=text))
         if options.fit_report is not None:
-            from app.fit.page.fit_page import (
+            from app.fit.fit_page import (
                 fit_page,  # matplotlib and a template: only where wanted
             )
 

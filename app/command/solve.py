@@ -13,7 +13,7 @@ from app.options.overrides import listed, named_parameter
 from app.options.progress import Progress
 from app.run.readout_tables import warning_lines
 from app.run.shipped import find_network
-from app.solving.solve_readout import Sample, Solution, search_range, solve
+from app.tradeoff.solve_readout import Sample, Solution, search_range, solve
 from app.tradeoff.tradeoff_figures import Figure, computed, figures_of
 from app.tradeoff.tradeoff_results import shown_value, with_value
 from core.chain.engine import Engine, Plan

@@ -6,9 +6,9 @@ import re
 
 from app.editor.number_text import number_of
 from core.errors import ParameterError
-from core.expressions.arithmetic import value_of
-from core.expressions.grammar import ExpressionError, parse_expression
 from core.modules.parameters import Parameter
+from core.network.expression_arithmetic import value_of
+from core.network.expression_grammar import ExpressionError, parse_expression
 
 _THOUSANDS = re.compile(r"(?<![\d.,])[1-9]\d{0,2},\d{3}(?![\d,.])")
 _DECIMAL_COMMA = re.compile(r"(?<=\d),(?=\d)")

@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 from app.fit.spread_table import HIGHEST, SpreadTable, frequencies, spread_table
 from app.run.output import find_output, how_to_choose
 from core.chain.engine import Engine, Plan
+from core.chain.linear_change import PlaceDependent
+from core.chain.step_lineage import lineage_of
 from core.chain.wires import Image
 from core.errors import DataError, UsageError
 from core.evaluation.work import Work
-from core.lineage.linear_change import PlaceDependent
-from core.lineage.step_lineage import lineage_of
 from core.physics.detector.charge_transfer import aperture_mtf
-from core.physics.numerics.quadrature import sinc
+from core.physics.quadrature import sinc
 from core.physics.sampling.interpolation import block_mean_mtf
 from core.transfer.factors import Factor, Planar, Separable
 from nodes.analysis.lineage import ImageTransfer, transfer_of

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from app.fit.chain_fit import ChainFit
 from app.fit.identifiability import Combination, Identified, identified
-from app.fit.known_scene.scene_match import SceneFit
 from app.fit.parameter_search import Refit, profiled_spread
+from app.fit.scene_match import SceneFit
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
 Vector = NDArray[np.float64]

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from app.fit.chain_transfer import final_image
 from app.run.transfer_chain import find_chain
 from core.chain.engine import Engine, Plan, PlannedNode
+from core.chain.step_lineage import source_step
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
-from core.lineage.step_lineage import source_step
 from core.physics.measurement.noise.variance_levels import LevelVariance
 from nodes.analysis.lineage import ImageNoise, NoiseOf
 

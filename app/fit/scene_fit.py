@@ -13,17 +13,17 @@ from app.fit.chain_fit import ChainFit, end_of, positive, scales_of
 from app.fit.chain_transfer import ChainAt, final_image
 from app.fit.fit_result import FitResult, result_of
 from app.fit.free_parameter import FreeParameter
-from app.fit.known_scene.scene_match import OWN, Registration, SceneFit, SceneMatch
 from app.fit.misfit import Misfit
 from app.fit.parameter_search import middle_of, places
+from app.fit.scene_match import OWN, Registration, SceneFit, SceneMatch
 from app.run.transfer_chain import find_chain
 from core.chain.engine import Engine, Plan
 from core.chain.realize import realize
+from core.chain.step_lineage import source_step
 from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
-from core.lineage.step_lineage import source_step
 from nodes.analysis.lineage import noise_free
 
 Matrix = NDArray[np.float64]

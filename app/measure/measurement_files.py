@@ -22,7 +22,7 @@ from app.measure.picture_measurement import (
 from core.errors import DataError
 from core.physics.measurement.noise.frames_noise import FramesNoise
 from nodes.files.common.table_cells import csv_lines
-from nodes.files.lens.mtf_table import LARGEST_MTF
+from nodes.files.mtf_table import LARGEST_MTF
 
 Json = dict[str, Any]
 

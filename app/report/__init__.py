@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from app.report.facts.report_facts import report_facts
+from app.report.report_facts import report_facts
 from app.run.evaluation import Evaluation
 from app.run.readout_tables import jsonable
 from core.atomic import write_text

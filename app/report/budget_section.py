@@ -8,7 +8,7 @@ from typing import Any
 from app.report.blocks import Block, Drawn, Grid, Heading, Text, of_many
 from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, strongest
 from app.report.drawing.printed_numbers import number
-from nodes.analysis.noise.budget_shares import source_title
+from nodes.analysis.budget_shares import source_title
 
 Fact = dict[str, Any]
 _ACROSS, _ALONG = COLOURS[0], COLOURS[1]

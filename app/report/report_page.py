@@ -20,6 +20,7 @@ from app.report.blocks import (
     of_many,
 )
 from app.report.budget_section import budget, spectrum
+from app.report.data_sheet_facts import DIFFERENT, REPRODUCED, TIMES
 from app.report.drawing.curves import Part, product_png, stages_png
 from app.report.drawing.node_curves import MOST, curves_png, node_curves
 from app.report.drawing.picture_drawing import named, noise_png, panels_png, pictures_png
@@ -27,7 +28,6 @@ from app.report.drawing.printed_numbers import number
 from app.report.drawing.pupils import pupil_panels
 from app.report.economy_section import economy, state
 from app.report.edge_section import judged
-from app.report.facts.data_sheet_facts import DIFFERENT, REPRODUCED, TIMES
 from app.report.html_page import html_page
 from app.run.evaluation import Evaluation
 from app.run.figures import Figure, figure_rows

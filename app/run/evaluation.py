@@ -24,7 +24,7 @@ from core.evaluation.work import Work
 from core.modules.panel_sections import Caution, PendingCheck
 from core.network.network import Network
 from core.network.validation import NetworkProblems
-from core.scratch.scratch_disk import BlockRun
+from core.scratch_disk import BlockRun
 from core.threads import Workers
 from nodes.files.read import check_finite
 

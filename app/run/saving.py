@@ -24,7 +24,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import number_bits
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.scratch.scratch_disk import is_on_disk
+from core.scratch_disk import is_on_disk
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.digital_numbers import integer_type
 from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
@@ -41,8 +41,8 @@ from nodes.files.frames.frame_writing import (
 )
 from nodes.files.frames.tiled_tiff import write_tiled_tiff
 from nodes.files.read import check_finite
-from nodes.files.stores.zarr_array import check_zarr, write_store
 from nodes.files.write import write_picture
+from nodes.files.zarr_array import check_zarr, write_store
 from nodes.input_output.write_image import Cube
 
 Array = NDArray[Any]

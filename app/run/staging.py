@@ -17,7 +17,7 @@ from core.errors import FileError, ImagechainError
 from core.file_lock import FileLock, take
 from core.leftovers import FOLDER_PREFIX, LOCK, new_mark, sweep
 from nodes.files.common.file_format import ZARR
-from nodes.files.stores.store_folder import is_store
+from nodes.files.store_folder import is_store
 
 Writer = Callable[[Path], None]
 Guard = Callable[[Path], None]

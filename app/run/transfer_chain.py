@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from app.run.output import Output, ancestors, find_output, source_images
 from core.chain.back_transformed import Delivered
 from core.chain.engine import Plan
+from core.chain.step_lineage import lineage_of
 from core.chain.wires import Image, Transfer
-from core.lineage.step_lineage import lineage_of
 from core.transfer.factors import Factor, Grid
 
 

@@ -21,7 +21,7 @@ from core.atomic import write_text
 from core.errors import FileError, ImagechainError, UsageError
 from core.file_lock import in_turn
 from core.names import shown
-from nodes.files.stores.store_folder import is_store
+from nodes.files.store_folder import is_store
 
 OPTION = "--allow-writes-to"
 FORMAT, VERSION = "imagechain-writes", 1

@@ -9,25 +9,25 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.band_stack import BandStack, Row, SteppedBands, weighted_factors
+from core.chain.filtered_sum import FilteredSum
+from core.chain.linear_change import Axis, Blocks, Filtering, Linear, Vector
+from core.chain.noise_power import NoisePower
+from core.chain.pixel_samples import PixelSamples
 from core.chain.results import DeliveredBands
+from core.chain.step_lineage import Lineage, picture_step
+from core.chain.wavelength_rank import WavelengthRank, spectral_of
 from core.chain.wires import Image, Magnitude, Phase
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.filtering.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
-from core.filtering.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
-from core.filtering.sampled_waves import sampled_filter
-from core.lineage.linear_change import Axis, Blocks, Filtering, Linear, Vector
-from core.lineage.pixel_samples import PixelSamples
-from core.lineage.step_lineage import Lineage, picture_step
-from core.noise.noise_power import NoisePower
-from core.spectrum.band_stack import BandStack, Row, SteppedBands, weighted_factors
-from core.spectrum.filtered_sum import FilteredSum
-from core.spectrum.wavelength_rank import WavelengthRank, spectral_of
 from core.transfer.factors import Edges, Factor, Grid
+from core.transfer.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
+from core.transfer.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
 from core.transfer.planar_blocks import Axes, axes_of, known_planes
 from core.transfer.product import Product, Skipped, spend
+from core.transfer.sampled_waves import sampled_filter
 
 Array = NDArray[Any]
 BinMode = Literal["mean", "sum"]

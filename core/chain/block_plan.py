@@ -14,7 +14,7 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe, Step
-from core.scratch.scratch_disk import BlockRun, ScratchDisk, Shape
+from core.scratch_disk import BlockRun, ScratchDisk, Shape
 from core.threads import amount_text
 
 IN_MEMORY_AT_ONCE = 8

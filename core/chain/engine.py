@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from core.chain.band_stack import BandStack
 from core.chain.realize import realize, transfer_plane
 from core.chain.wires import Image, SpectrumWire, Transfer
 from core.errors import ImagechainError, NetworkError, UnconnectedError
@@ -32,7 +33,6 @@ from core.modules.declaration import (
 from core.modules.panel_sections import Caution, PendingCheck, checked
 from core.network.linked_values import with_values
 from core.network.network import Link, Network, Node, passed_through
-from core.spectrum.band_stack import BandStack
 from core.threads import Workers
 
 

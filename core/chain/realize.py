@@ -15,8 +15,8 @@ from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.filtering.periodic import fourier
 from core.transfer.factors import Factor, Separable
+from core.transfer.periodic import fourier
 from core.transfer.product import nyquist_lines
 
 Array = NDArray[Any]

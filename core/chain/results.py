@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.band_stack import BandStack, Row, Rows, stacked
 from core.evaluation.recipes import Recipe
-from core.spectrum.band_stack import BandStack, Row, Rows, stacked
 
 
 @dataclass(frozen=True)

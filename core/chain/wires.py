@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal, Self
 
+from core.chain.band_stack import BandStack
 from core.chain.results import CameraSheet
 from core.errors import DataError, NetworkError
 from core.evaluation.recipes import Recipe, content_key
 from core.physics.atmosphere.air_path import AirPath
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.optics.pupil_shapes import PupilShape
-from core.spectrum.band_stack import BandStack
 from core.transfer.factors import Edges, Factor, Grid
 
 Platform = Literal["line", "push", "array"]

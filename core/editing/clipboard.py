@@ -24,10 +24,10 @@ from core.editing.references import WIRE_DOTS
 from core.editing.room import free_places
 from core.editing.wire_dots import dots_along, dots_among, joined_fields
 from core.errors import ImagechainError, NetworkError
-from core.expressions.grammar import ExpressionError
 from core.modules.declaration import Declaration, Library
 from core.modules.parameters import Parameter, plain
 from core.names import shown, thaw
+from core.network.expression_grammar import ExpressionError
 from core.network.file import format_network
 from core.network.linked_values import LinkError, named_nodes, naming, resolved, with_names
 from core.network.network import EXPRESSION, Link, Network, Node

@@ -14,9 +14,9 @@ from core.editing.operations import Operation, fresh_name, named
 from core.editing.references import of_nodes, renamed, without_dots
 from core.editing.wire_dots import dots_among, dots_of, joined_fields, shifted
 from core.errors import NetworkError
-from core.expressions.grammar import ExpressionError
 from core.modules.declaration import Library
 from core.names import shown, thaw
+from core.network.expression_grammar import ExpressionError
 from core.network.linked_values import named_nodes, new_name, resolved, with_references
 from core.network.macro import (
     SEPARATOR,

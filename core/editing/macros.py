@@ -23,8 +23,8 @@ from core.editing.operations import (
 )
 from core.editing.references import dropped, renamed
 from core.errors import NetworkError
-from core.expressions.grammar import ExpressionError, Reference, readable
 from core.names import close, shown, thaw
+from core.network.expression_grammar import ExpressionError, Reference, readable
 from core.network.linked_values import (
     naming,
     references_in,

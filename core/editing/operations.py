@@ -17,9 +17,9 @@ from typing import Any
 from core.editing.layout import Point
 from core.editing.references import dropped, of_nodes, renamed, without_dots
 from core.errors import NetworkError
-from core.expressions.grammar import ExpressionError
 from core.modules.declaration import Declaration, Library
 from core.names import freeze, shown, thaw
+from core.network.expression_grammar import ExpressionError
 from core.network.linked_values import naming, with_names
 from core.network.macro import SEPARATOR, declared_node, face_of_macro
 from core.network.network import EXPRESSION, Link, Network, Node, with_marks

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core.scratch.scratch_disk import is_on_disk
+from core.scratch_disk import is_on_disk
 from core.threads import store_bytes
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.evaluation.store import EvaluationLog, Store
-from core.scratch.scratch_disk import BlockRun
+from core.scratch_disk import BlockRun
 from core.threads import Workers
 
 Progress = Callable[[str | None], None]

@@ -11,8 +11,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from core.errors import ParameterError
-from core.expressions.arithmetic import value_of
-from core.expressions.grammar import (
+from core.modules.declaration import Library, declaration
+from core.modules.parameters import Parameter, plain
+from core.names import close, shown, thaw
+from core.network.expression_arithmetic import value_of
+from core.network.expression_grammar import (
     Expression,
     ExpressionError,
     Moved,
@@ -20,9 +23,6 @@ from core.expressions.grammar import (
     parse_expression,
     rewritten,
 )
-from core.modules.declaration import Library, declaration
-from core.modules.parameters import Parameter, plain
-from core.names import close, shown, thaw
 from core.network.macro import SEPARATOR, expanded
 from core.network.network import EXPRESSION, Network, Node, cycles, topological
 

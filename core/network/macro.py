@@ -7,11 +7,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from core.errors import NetworkError, ParameterError
-from core.expressions.grammar import rewritten
 from core.modules.declaration import Declaration, Library, Port, declaration
 from core.modules.panel_sections import complete
 from core.modules.parameters import Parameter
 from core.names import shown, thaw
+from core.network.expression_grammar import rewritten
 from core.network.network import EXPRESSION, MACRO, Link, Network, Node, passed_through
 
 SEPARATOR = "/"

@@ -29,8 +29,8 @@ from core.network.validation import NetworkProblems
 from imagechain.building.chain_node import ChainNode
 from imagechain.building.chain_saving import saved
 from imagechain.building.chain_state import ChainState, Check, checked, opened_state
-from imagechain.common.plain_errors import block, plain_errors, table
 from imagechain.parts.module_part import Part
+from imagechain.parts.plain_errors import block, plain_errors, table
 from imagechain.results.chain_result import Result, run_plan
 from imagechain.results.run_options import Origin, RunOptions, current_folder, whole_path
 from nodes.library import standard_library

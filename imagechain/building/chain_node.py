@@ -10,8 +10,8 @@ from core.modules.declaration import Declaration
 from core.modules.parameters import Parameter
 from core.network.linked_values import expression_text
 from core.network.network import Node
-from imagechain.common.plain_errors import table
 from imagechain.parts.module_part import Part, known_parameter, shown_value
+from imagechain.parts.plain_errors import table
 
 
 class NodeOwner(Protocol):

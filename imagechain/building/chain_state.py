@@ -37,8 +37,8 @@ from core.network.linked_values import resolved, with_values
 from core.network.macro import declared_node, opened, path_of, step_inside
 from core.network.network import Link, Network, Node
 from core.network.validation import NetworkProblems, check_network, plain_network
-from imagechain.common.plain_errors import block, table
 from imagechain.parts.module_part import Part, file_value
+from imagechain.parts.plain_errors import block, table
 from imagechain.results.run_options import current_folder, whole_path
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.source_file import HeldSamples

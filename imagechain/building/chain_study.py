@@ -15,7 +15,7 @@ from app.study.run_study import run_study
 from core.errors import UsageError
 from core.evaluation.policy import Policy, Precision
 from imagechain.building.chain import Chain
-from imagechain.common.plain_errors import plain_errors
+from imagechain.parts.plain_errors import plain_errors
 from imagechain.results.study_table import StudyTable
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.fit.fit_page import fit_json, fit_text
 from app.fit.fit_result import FitResult, FittedParameter
 from app.fit.free_parameter import free_parameters
-from app.fit.page.fit_page import fit_json, fit_text
 from app.fit.picture_fit import FittedPictures, fit_known_scene, fit_pictures, read_pictures
 from core.atomic import write_text
 from core.errors import ParameterError, UsageError
@@ -21,7 +21,7 @@ from core.evaluation.policy import Policy, Precision
 from imagechain.building.chain import Chain
 from imagechain.building.chain import open as open_chain
 from imagechain.building.measure_pictures import frames_of_arrays, limits_of_arrays
-from imagechain.common.plain_errors import plain_errors
+from imagechain.parts.plain_errors import plain_errors
 from nodes.files.common.file_format import HTML, JSON, suffixes
 
 
@@ -92,7 +92,7 @@ class FittedChain:
             text = fit_json(self._result)
         elif HTML.matches(file):
             # Imported only where a page is written: matplotlib and jinja2.
-            from app.fit.page.fit_page import fit_page
+            from app.fit.fit_page import fit_page
 
             name = self._chain.name or "Chain"
             text = fit_page(self._result, network=name, pictures=self._pictures)

@@ -22,7 +22,7 @@ from app.measure.picture_loading import NO_DATA, limits_of
 from app.measure.picture_measurement import MeasuredFile, PictureMeasurement
 from core.errors import DataError, UsageError
 from core.physics.sampling.detector_sampling import interval_mrad
-from imagechain.common.plain_errors import plain_errors
+from imagechain.parts.plain_errors import plain_errors
 from imagechain.results.measured_pictures import MeasuredPictures
 
 File = str | PathLike[str]

@@ -11,8 +11,8 @@ from core.errors import NetworkError
 from core.modules.declaration import Declaration, declaration, local_key, package_of
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown
-from imagechain.common.plain_errors import plain_errors
 from imagechain.parts.module_part import Expression, Part, file_values
+from imagechain.parts.plain_errors import plain_errors
 from nodes.library import standard_library
 
 _WIDTH = 96

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.presets.preset_files import shipped_presets
+from app.run.preset_files import shipped_presets
 from core.errors import NetworkError
 from core.names import close, shown
 from core.network.file import read_network
 from core.network.macro import declared_node
-from imagechain.common.plain_errors import plain_errors
 from imagechain.parts.module_part import Part, file_values
+from imagechain.parts.plain_errors import plain_errors
 from nodes.library import standard_library
 
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from core.errors import DataError, ParameterError
 from core.modules.declaration import declaration
-from imagechain.common.plain_errors import plain_errors
 from imagechain.parts.module_part import Part, file_values, simple
+from imagechain.parts.plain_errors import plain_errors
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.source_file import HeldSamples
 

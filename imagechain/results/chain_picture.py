@@ -15,7 +15,7 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from imagechain.common.plain_errors import block, needed, plain_errors, png, stays_here, text
+from imagechain.parts.plain_errors import block, needed, plain_errors, png, stays_here, text
 
 if TYPE_CHECKING:
     from xarray import DataArray

@@ -26,7 +26,7 @@ from core.evaluation.region import Region
 from core.modules.panel_sections import Caution
 from core.names import close, shown
 from core.threads import store_bytes
-from imagechain.common.plain_errors import block, plain_errors, stays_here, table, users_matplotlib
+from imagechain.parts.plain_errors import block, plain_errors, stays_here, table, users_matplotlib
 from imagechain.results.chain_picture import Picture, PictureValues
 from imagechain.results.readout_table import ReadoutTable, readout_table
 from imagechain.results.run_options import Origin, RunOptions

@@ -19,7 +19,7 @@ from app.measure.picture_measurement import (
 )
 from app.run.readout_tables import columns
 from core.errors import ParameterError
-from imagechain.common.plain_errors import plain_errors
+from imagechain.parts.plain_errors import plain_errors
 
 
 class MeasuredPictures:

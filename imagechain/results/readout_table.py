@@ -10,7 +10,7 @@ from app.run.evaluation import Evaluation
 from app.run.readout_tables import columns, jsonable, number_text, without_rounding
 from core.errors import ParameterError
 from core.names import close, shown
-from imagechain.common.plain_errors import needed, plain_errors, table
+from imagechain.parts.plain_errors import needed, plain_errors, table
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from app.run.evaluation import Evaluation
 from app.run.responses import Response, responses_along
 from core.names import close, shown
-from imagechain.common.plain_errors import (
+from imagechain.parts.plain_errors import (
     needed,
     plain_errors,
     png,

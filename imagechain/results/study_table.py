@@ -9,7 +9,7 @@ from app.run.readout_tables import columns, number_text, warned_points
 from app.study.carrying_out import StudyRows
 from core.errors import ParameterError
 from core.names import close, shown
-from imagechain.common.plain_errors import block, needed, plain_errors, png, table
+from imagechain.parts.plain_errors import block, needed, plain_errors, png, table
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from core.chain.band_stack import BandStack, over_bands
 from core.chain.realize import transfer_plane
 from core.chain.wires import Context, Magnitude, Transfer
 from core.errors import ParameterError
@@ -26,7 +27,6 @@ from core.physics.atmosphere.scattering_and_turbulence import (
 )
 from core.physics.atmosphere.turbulence_profile import fried_r0_slant_m, fried_r0_uniform_m
 from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
-from core.spectrum.band_stack import BandStack, over_bands
 from core.transfer.factors import AtWavelength, Factor, Law, Planar
 from nodes.optics.band_spectrum import photon_weights
 from nodes.shared.context_defaults import of_context

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
+from core.chain.band_stack import AttenuatedBands, BandStack
 from core.chain.wires import Context, Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step
@@ -16,10 +17,9 @@ from core.physics.atmosphere.air_path import (
     extinction_of_visibility,
     path_of_bands,
 )
-from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.materials import SUNLIGHT_K
 from core.physics.radiometry.radiance_units import radiance_unit
-from core.spectrum.band_stack import AttenuatedBands, BandStack
 from nodes.atmosphere import path_steps as steps
 from nodes.files.path_table import read_path_table
 from nodes.files.wavelength_table import read_wavelengths

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.linear_change import LevelChange, Linear
+from core.chain.noise_power import NoisePower
 from core.chain.results import TableData, TableRow
+from core.chain.step_lineage import picture_step
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.lineage.linear_change import LevelChange, Linear
-from core.lineage.step_lineage import picture_step
-from core.noise.noise_power import NoisePower
 from core.physics.atmosphere.air_path import AirPath, PathBand
 from core.physics.radiometry.planck import brightness_temperature
 

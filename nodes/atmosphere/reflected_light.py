@@ -11,20 +11,20 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.band_stack import AttenuatedBands, BandStack, Row, Rows, stacked
+from core.chain.linear_change import Linear
+from core.chain.noise_power import NoisePower
 from core.chain.results import TableData, TableRow
+from core.chain.step_lineage import picture_step
 from core.chain.wires import Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.lineage.linear_change import Linear
-from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.noise.noise_power import NoisePower
 from core.physics.atmosphere.sun_and_sky import Sunlight, relative_air_mass
-from core.spectrum.band_stack import AttenuatedBands, BandStack, Row, Rows, stacked
 from nodes.files.wavelength_table import read_wavelengths
 from nodes.shared.module_ports import CutOff, CutOn, table_figure
 from nodes.shared.shared_warnings import Band, is_radiance, is_temperature

@@ -12,8 +12,8 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution
 from core.modules.parameters import Formula
-from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
-from core.physics.electrons.spectral_photons import QuantumEfficiency
+from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.detector.spectral_photons import QuantumEfficiency
 from core.transfer.factors import Factor
 from nodes.detector import focal_plane_steps as steps
 from nodes.detector.focal_plane_figures import (

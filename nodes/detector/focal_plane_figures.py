@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.linear_change import LevelChange
 from core.chain.results import TableData, TableRow
 from core.errors import DataError
 from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.lineage.linear_change import LevelChange
 from core.modules.panel_sections import Caution
-from core.physics.electrons.collection import (
+from core.physics.detector.collection import (
     bent_response,
     bent_slope,
     dynamic_range_dB,
@@ -26,7 +26,7 @@ from core.physics.electrons.collection import (
     shot_noise_e,
     temporal_noise_e,
 )
-from core.physics.electrons.photon_conversion import (
+from core.physics.detector.photon_conversion import (
     WEIGHTINGS,
     Conversion,
     PhotonWeights,

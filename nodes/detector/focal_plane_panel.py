@@ -11,7 +11,7 @@ from core.errors import ParameterError
 from core.modules.declaration import NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
-from core.physics.electrons.collection import (
+from core.physics.detector.collection import (
     cone_sr,
     dark_electrons,
     exposure_m2_s,
@@ -19,8 +19,8 @@ from core.physics.electrons.collection import (
     housing_sr,
     rule_07_e_per_s,
 )
-from core.physics.electrons.photon_conversion import CountedPhotons, PhotonWeights
-from core.physics.electrons.spectral_photons import QuantumEfficiency
+from core.physics.detector.photon_conversion import CountedPhotons, PhotonWeights
+from core.physics.detector.spectral_photons import QuantumEfficiency
 from core.physics.noise.noise_equivalent import detector_area_cm2
 from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.detector.spectral_response import lit_windows

@@ -9,7 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.linear_change import LevelChange, Linear
+from core.chain.noise_power import NoisePower
+from core.chain.random_fields import Stream
 from core.chain.results import TableData, TableRow
+from core.chain.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
 from core.evaluation.recipes import (
     Recipe,
     Step,
@@ -21,12 +25,8 @@ from core.evaluation.recipes import (
 )
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.lineage.linear_change import LevelChange, Linear
-from core.lineage.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
-from core.noise.noise_power import NoisePower
-from core.noise.random_fields import Stream
-from core.physics.electronics.quantization import rounding_variances
-from core.physics.electrons.collection import DEAD, HOT, bad_pixel_places, bent_response
+from core.physics.detector.collection import DEAD, HOT, bad_pixel_places, bent_response
+from core.physics.detector.quantization import rounding_variances
 from core.physics.noise.poisson_deviates import poisson_of_normal
 from nodes.detector.focal_plane_figures import (
     ElectronLevels,

@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from core.chain.frame_sequence import at_frame
+from core.chain.random_fields import FrameNumber
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.noise.random_fields import FrameNumber
 from core.physics.detector.bolometer import lag_weights, netd_noise_radiance, share_kept
-from core.physics.electronics.filters import lowpass_mtf, lowpass_ptf
+from core.physics.detector.filters import lowpass_mtf, lowpass_ptf
 from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma
 from core.physics.radiometry.planck import band_radiance_derivative
 from core.transfer.factors import Separable

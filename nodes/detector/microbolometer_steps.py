@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.linear_change import Filtering, Linear
+from core.chain.noise_power import NoisePower
 from core.chain.results import TableData, TableRow
+from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.evaluation.recipes import Recipe, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.filtering.line_filter import filter_lines
-from core.lineage.linear_change import Filtering, Linear
-from core.lineage.step_lineage import AtStep, Noise, picture_step
-from core.noise.noise_power import NoisePower
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
 from core.transfer.factors import Edges, Grid, Separable
+from core.transfer.line_filter import filter_lines
 
 Array = NDArray[Any]
 _LABEL = "Thermal lag"

@@ -10,18 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.frame_sequence import Remaking, at_frame
+from core.chain.linear_change import Linear
+from core.chain.noise_power import NoisePower
 from core.chain.results import TableData, TableRow
+from core.chain.step_lineage import AtStep, Lineage, Noise, lineage_of, picture_step
 from core.chain.wires import Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.lineage.linear_change import Linear
-from core.lineage.step_lineage import AtStep, Lineage, Noise, lineage_of, picture_step
 from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.noise.noise_power import NoisePower
-from core.physics.electrons.collection import (
+from core.physics.detector.collection import (
     LEAST_RESPONSE,
     one_point_offset,
     two_point_gain,

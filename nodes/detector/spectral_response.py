@@ -9,22 +9,22 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.band_stack import AttenuatedBands, BandStack, Row
+from core.chain.linear_change import LevelChange, Linear
+from core.chain.noise_power import NoisePower
+from core.chain.step_lineage import picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
 from core.evaluation.work import Work
-from core.lineage.linear_change import LevelChange, Linear
-from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.noise.noise_power import NoisePower
 from core.physics.detector.detectivity import ResponseCurve
-from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
-from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
+from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
 from core.physics.radiometry.materials import SUNLIGHT_K
 from core.physics.radiometry.planck import brightness_temperature
-from core.spectrum.band_stack import AttenuatedBands, BandStack, Row
 from nodes.files.wavelength_table import read_wavelengths
 from nodes.shared.module_ports import ImageOutput, WeightingSource
 from nodes.shared.shared_warnings import Band, unit_caution

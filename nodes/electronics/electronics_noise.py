@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, NamedTuple
 
+from core.chain.band_stack import BandStack, Row
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Caution, Offer, Section
 from core.modules.parameters import Formula, Param
-from core.physics.electronics.filters import (
+from core.physics.detector.filters import (
     corner_in_cyc_per_mrad,
     dwell_time_s,
     lowpass_mtf,
@@ -22,7 +23,6 @@ from core.physics.electronics.filters import (
 )
 from core.physics.noise.noise_equivalent import detector_area_cm2
 from core.physics.radiometry.materials import MANUAL, MATERIALS_BY_REGION
-from core.spectrum.band_stack import BandStack, Row
 from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import (

@@ -9,17 +9,17 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.noise_power import NoisePower
+from core.chain.random_fields import FrameNumber
+from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.lineage.step_lineage import AtStep, Noise, picture_step
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.noise.noise_power import NoisePower
-from core.noise.random_fields import FrameNumber
 from core.physics.noise.flicker_noise import (
     FlickerBand,
     flicker_band,

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, pointwise
 from core.evaluation.work import Work
-from core.lineage.step_lineage import AtStep, Noise, picture_step
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Formula, Param
 from nodes.electronics.periodic_noise import NoiseOutputs

@@ -10,24 +10,24 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from core.chain.linear_change import Filtering, Linear
+from core.chain.noise_power import NoisePower
+from core.chain.random_fields import Stream
 from core.chain.results import TableData, TableRow
+from core.chain.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
 from core.chain.wires import Image, Platform
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.filtering.line_filter import filter_lines
-from core.lineage.linear_change import Filtering, Linear
-from core.lineage.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
-from core.noise.noise_power import NoisePower
-from core.noise.random_fields import Stream
-from core.physics.electronics.quantization import (
+from core.physics.detector.quantization import (
     apply_gain_bias,
     quantization_rms,
     quantize,
     rounding_variances,
 )
 from core.transfer.factors import Edges, Grid, Separable
+from core.transfer.line_filter import filter_lines
 from nodes.electronics.detector_figures import DetectorFigures, Statistics
 from nodes.shared.flicker_deviates import unit_deviates
 
@@ -393,7 +393,7 @@ def _line_filter(
 @picture_step(linear=_line_filter)
 @in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
 def filtered_lines(work: Work, picture: Array, **how: Any) -> Array:
-    """The picture filtered along its lines: see `core.filtering.line_filter`."""
+    """The picture filtered along its lines: see `core.transfer.line_filter`."""
     return filter_lines(work, picture, **how)
 
 

@@ -8,11 +8,11 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.lineage.step_lineage import AtStep, Noise, picture_step
 from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param

@@ -14,13 +14,12 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from nodes.files import arrays, pictures
+from nodes.files import arrays, pictures, zarr_array
 from nodes.files.common.file_format import BLANKS, CSV, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples
 from nodes.files.headers import envi, envi_header
 from nodes.files.oiio_writing import write_by_oiio
-from nodes.files.stores import zarr_array
-from nodes.files.stores.store_folder import is_store
+from nodes.files.store_folder import is_store
 
 
 @dataclass(frozen=True)

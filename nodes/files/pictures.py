@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
-from core.scratch.scratch_disk import Empty
+from core.scratch_disk import Empty
 from nodes.files.common.paths import checked_band, first_bytes, readable_file
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.common.quiet import quiet_stderr
@@ -30,9 +30,9 @@ from nodes.files.damage import png_bit_depth, refuse_damaged
 from nodes.files.headers.fits_header import read_fits_header, refuse_unsupported
 from nodes.files.headers.header_fields import FieldValue, header_fields
 from nodes.files.headers.lossy_compression import leaves_out
-from nodes.files.tiff.plain_tiff import read_plain_tiff
-from nodes.files.tiff.tiff_deflate import check_deflate, is_deflated
-from nodes.files.tiff.tiff_layout import refuse_predictor
+from nodes.files.plain_tiff import read_plain_tiff
+from nodes.files.tiff_deflate import check_deflate, is_deflated
+from nodes.files.tiff_layout import refuse_predictor
 
 # Rows that a format packs together: 256 of DWAB, fewer of all others.
 _STRIP_ROWS, _STRIP_BYTES = 256, 1 << 25

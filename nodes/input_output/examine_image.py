@@ -20,7 +20,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from nodes.input_output.sample_unit import histogram, statistics
 from nodes.shared.module_ports import figure

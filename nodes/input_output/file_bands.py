@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.band_stack import BandStack, Row, Rows
+from core.chain.step_lineage import source_step
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.lineage.step_lineage import source_step
-from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM
+from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
-from core.spectrum.band_stack import BandStack, Row, Rows
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.size_limits import oversized
 from nodes.files.headers.envi_bands import band_ends_um, band_weights_um

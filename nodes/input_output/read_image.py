@@ -9,17 +9,17 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.band_stack import BandStack, Row, Rows
+from core.chain.step_lineage import source_step
 from core.chain.wires import Header, Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
-from core.lineage.step_lineage import source_step
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.radiometry.radiance_units import RadianceUnit
 from core.physics.sampling.detector_sampling import interval_mrad
-from core.spectrum.band_stack import BandStack, Row, Rows
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.formats import readable_formats

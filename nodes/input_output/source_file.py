@@ -11,17 +11,17 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.step_lineage import source_step
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.lineage.step_lineage import source_step
 from core.modules.declaration import NodeContext
-from core.scratch.scratch_disk import Empty
+from core.scratch_disk import Empty
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.headers.envi_bands import integrate_bands
 from nodes.files.headers.envi_header import header_beside
 from nodes.files.read import check_finite, read_info, read_pixels
-from nodes.files.stores.store_folder import is_store, readable_picture, store_state
+from nodes.files.store_folder import is_store, readable_picture, store_state
 
 Stamp = tuple[str, int, int]
 Channel = int | tuple[int, ...]

@@ -8,16 +8,16 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.band_stack import BandStack, Row, Rows, stacked
+from core.chain.step_lineage import source_step
 from core.chain.wires import Header, Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.lineage.step_lineage import source_step
 from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.detector_sampling import interval_mrad
-from core.spectrum.band_stack import BandStack, Row, Rows, stacked
 from nodes.files.common.size_limits import oversized
 from nodes.scenes import draw_scene, draw_shares, in_two_steps, with_radiance
 from nodes.scenes.coverage import Kind
@@ -30,7 +30,7 @@ from nodes.scenes.scene_in_bands import (
     shown_means,
     weighted,
 )
-from nodes.scenes.surfaces.spectral_surfaces import Emissivity
+from nodes.scenes.spectral_surfaces import Emissivity
 from nodes.scenes.two_steps import GEOMETRY, Shares, show_radiances
 from nodes.shared.module_ports import ImageOutput
 

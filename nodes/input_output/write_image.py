@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.atomic import atomic_file, write_text
+from core.chain.band_stack import BandStack
 from core.chain.realize import realize
 from core.chain.wires import Image
 from core.errors import ParameterError
@@ -22,7 +23,6 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
-from core.spectrum.band_stack import BandStack
 from nodes.files.common.digital_numbers import DIGITAL_NUMBER, integer_type
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR, suffixes
 from nodes.files.common.picture_info import MetadataValue
@@ -31,8 +31,8 @@ from nodes.files.frames.envi_frames import envi_header_text
 from nodes.files.frames.frame_series import FrameSeries
 from nodes.files.frames.frame_writing import frame_format, header_beside_frames, refuse_without_room
 from nodes.files.read import check_finite
-from nodes.files.stores.zarr_array import check_zarr, write_store
 from nodes.files.write import write_picture
+from nodes.files.zarr_array import check_zarr, write_store
 
 Dtype = Literal["automatic", "float", "double", "half", "uint8", "uint16"]
 Files = list[tuple[Path, Callable[[Path], None]]]

@@ -8,7 +8,7 @@ from core.chain.wires import Context, Magnitude
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution
 from core.modules.parameters import Formula, Param
-from core.physics.motion.platform_motion import blur_mrad, motion_mtf
+from core.physics.sampling.platform_motion import blur_mrad, motion_mtf
 from nodes.shared.context_defaults import given
 from nodes.shared.factor_helpers import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs

@@ -10,12 +10,12 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.random_fields import FrameNumber, Stream, uniform_field
 from core.chain.wires import Context, Magnitude, Phase, Transfer
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.noise.random_fields import FrameNumber, Stream, uniform_field
-from core.physics.motion.vibration import (
+from core.physics.sampling.vibration import (
     WAVES,
     MotionSpectrum,
     MotionWaves,
@@ -24,7 +24,7 @@ from core.physics.motion.vibration import (
     motion_waves,
     within_exposure,
 )
-from core.physics.numerics.scalar_checks import non_negative, positive
+from core.physics.scalar_checks import non_negative, positive
 from nodes.files.motion_table import read_motion
 from nodes.shared.factor_helpers import separable
 from nodes.shared.flicker_deviates import SEED_SECTIONS, SeededModule

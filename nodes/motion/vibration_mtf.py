@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import NodeContext, readout
 from core.modules.parameters import Formula, Param
-from core.physics.motion.vibration import vibration_mtf
+from core.physics.sampling.vibration import vibration_mtf
 from nodes.shared.factor_helpers import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.band_stack import BandStack, Row
 from core.chain.wires import Magnitude
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
@@ -16,10 +17,9 @@ from core.evaluation.work import Work
 from core.modules.panel_sections import Caution
 from core.modules.parameters import Param
 from core.physics.detector.detectivity import ResponseCurve
-from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.materials import SUNLIGHT_K
 from core.physics.radiometry.planck import brightness_temperature
-from core.spectrum.band_stack import BandStack, Row
 from nodes.files.wavelength_table import read_wavelengths
 from nodes.shared.shared_warnings import Band, is_radiance
 

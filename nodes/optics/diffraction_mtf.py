@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
+from core.chain.band_stack import BandStack, over_bands
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
@@ -12,8 +13,8 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.optics.diffraction.band_weights import Spectrum
-from core.physics.optics.diffraction.diffraction_otf import (
+from core.physics.optics.band_weights import Spectrum
+from core.physics.optics.diffraction_otf import (
     FINEST_TOLERANCE,
     USUAL_WITH_DEFOCUS,
     USUAL_WITH_MANY_BENDS,
@@ -22,7 +23,6 @@ from core.physics.optics.diffraction.diffraction_otf import (
     has_many_bends,
     wavelengths_needed,
 )
-from core.spectrum.band_stack import BandStack, over_bands
 from core.transfer.factors import AtWavelength, Law, Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,

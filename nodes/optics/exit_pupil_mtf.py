@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.band_stack import over_bands
 from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
@@ -15,8 +16,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.optics.diffraction.band_weights import Spectrum, band_wavelengths
-from core.spectrum.band_stack import over_bands
+from core.physics.optics.band_weights import Spectrum, band_wavelengths
 from core.transfer.factors import Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,

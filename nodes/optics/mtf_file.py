@@ -17,7 +17,7 @@ from core.errors import DataError, ParameterError
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.optics.measured.tabulated_mtf import (
+from core.physics.optics.tabulated_mtf import (
     ROUNDED,
     Column,
     from_zero,
@@ -28,8 +28,8 @@ from core.physics.optics.measured.tabulated_mtf import (
 from core.transfer.factors import Factor, Law, Part, Planar, Separable
 from nodes.files.common.paths import readable_file
 from nodes.files.headers.envi_header import header_beside
-from nodes.files.lens.lens_samples import LensSamples, describe_lens_samples, read_lens_samples
-from nodes.files.lens.mtf_table import MTF_COLUMNS, PHASE_COLUMNS, MtfTable, read_mtf_table
+from nodes.files.lens_samples import LensSamples, describe_lens_samples, read_lens_samples
+from nodes.files.mtf_table import MTF_COLUMNS, PHASE_COLUMNS, MtfTable, read_mtf_table
 from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
 from nodes.shared.context_defaults import given
 from nodes.shared.factor_helpers import OtfOutputs, otf_outputs, separable

@@ -7,16 +7,16 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.photon_events import displaced_events, events_are_few, local_mean
+from core.chain.random_fields import Stream, poisson_field
+from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.lineage.step_lineage import AtStep, Noise, picture_step
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.noise.photon_events import displaced_events, events_are_few, local_mean
-from core.noise.random_fields import Stream, poisson_field
 from core.physics.noise.poisson_deviates import photon_means, published_means, radiance_of_photons
 from nodes.input_output.sample_unit import Statistics, statistics
 from nodes.shared.flicker_deviates import SEED_SECTIONS, SeededModule

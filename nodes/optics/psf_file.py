@@ -12,7 +12,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.optics.measured.psf_otf import (
+from core.physics.optics.psf_otf import (
     PointSpread,
     coarseness,
     edge_share,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from core.scratch.scratch_disk import Empty
+from core.scratch_disk import Empty
 from core.threads import ForEach, in_turn
 from nodes.scenes import scene_targets as targets
 from nodes.scenes.coverage import (
@@ -22,7 +22,7 @@ from nodes.scenes.coverage import (
 )
 from nodes.scenes.grounds import dormitory
 from nodes.scenes.scene_canvas import Drawing
-from nodes.scenes.surfaces.spectral_surfaces import surface_radiance, target_radiance
+from nodes.scenes.spectral_surfaces import surface_radiance, target_radiance
 from nodes.scenes.texture import GOLDEN_STEPS, mottle, scatter
 
 DRAWN = ("dormitory", "airfield")

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from core.scratch.scratch_disk import Empty
+from core.scratch_disk import Empty
 from core.threads import ForEach, in_turn
 from nodes.scenes.coverage import (
     FloatArray,

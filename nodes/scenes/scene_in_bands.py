@@ -16,7 +16,7 @@ from nodes.scenes.coverage import FloatArray, Radiances, check_radiometry
 from nodes.scenes.draw import DRAWN, draw_radiances, drawing_of
 from nodes.scenes.scene_canvas import with_textures
 from nodes.scenes.scene_layers import Layers, mean_shares
-from nodes.scenes.surfaces.spectral_surfaces import Emissivity, surface_spectra, target_spectra
+from nodes.scenes.spectral_surfaces import Emissivity, surface_spectra, target_spectra
 from nodes.scenes.two_steps import Shares
 
 Spectra = Mapping[str, FloatArray]

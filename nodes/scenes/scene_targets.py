@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from core.errors import ParameterError
-from core.scratch.scratch_disk import Empty
+from core.scratch_disk import Empty
 from core.threads import ForEach, in_turn
 from nodes.scenes.coverage import (
     FloatArray,

@@ -19,7 +19,7 @@ from nodes.scenes import scene_targets as targets
 from nodes.scenes.coverage import Radiances, check_frame, check_radiometry
 from nodes.scenes.draw import DRAWN, drawing_of
 from nodes.scenes.scene_layers import Layers, layers_of
-from nodes.scenes.surfaces.spectral_surfaces import surface_radiance, target_radiance
+from nodes.scenes.spectral_surfaces import surface_radiance, target_radiance
 
 MOST_SAMPLES = 1280 * 1024
 """Larger scenes are drawn at once."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from core.chain.step_lineage import lineage_of
 from core.chain.wires import Image, Magnitude, Phase, Transfer
-from core.lineage.step_lineage import lineage_of
 from core.transfer.factors import Factor, Grid, Law, Part, Planar, Separable
 from nodes.shared.module_ports import Apply
 

@@ -9,13 +9,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.evaluation.recipes import Step, ends_lineage, in_parts
-from core.evaluation.region import Region
-from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
-from core.modules.panel_sections import Section
-from core.modules.parameters import Param
-from core.noise.random_fields import (
+from core.chain.random_fields import (
     BLOCK,
     FrameNumber,
     Stream,
@@ -23,6 +17,12 @@ from core.noise.random_fields import (
     normal_part,
     uniform_field,
 )
+from core.evaluation.recipes import Step, ends_lineage, in_parts
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from core.modules.declaration import Module, NodeContext
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
 from core.physics.noise.flicker_noise import (
     FlickerBand,
     flicker_wave,

@@ -8,15 +8,15 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.linear_change import Axis, Linear, PlaceDependent
+from core.chain.noise_power import NoisePower, Operator
+from core.chain.step_lineage import picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Step, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.lineage.linear_change import Axis, Linear, PlaceDependent
-from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Formula, Param
-from core.noise.noise_power import NoisePower, Operator
 from core.physics.sampling.interpolation import (
     interpolation_mtf,
     interpolation_ptf,

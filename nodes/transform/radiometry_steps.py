@@ -8,16 +8,16 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.linear_change import LevelChange, Linear
+from core.chain.noise_power import NoisePower
+from core.chain.step_lineage import picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.lineage.linear_change import LevelChange, Linear
-from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Param
-from core.noise.noise_power import NoisePower
 from core.physics.radiometry.grey_body import (
     grey_radiance,
     grey_radiance_slope,

@@ -16,11 +16,11 @@ from app.bench.tables import Chart, Table, verdict
 from app.bench.timing import Settings, paired, round_trip
 from core.chain.back_transformed import Delivered
 from core.chain.engine import Engine
+from core.chain.wavelength_rank import WavelengthRank
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
 from core.network.network import Link, Network, Node
 from core.physics.radiometry.planck import spectral_radiance
-from core.spectrum.wavelength_rank import WavelengthRank
 from core.transfer.planar_blocks import Precomputed
 from nodes.library import standard_library
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from cases import Case
 from commands import ended
 
-from app.editor.recovery.recovery_files import Autosave
+from app.editor.recovery_files import Autosave
 from app.editor.window.documents.opening import open_network_file
 from app.run.shipped import shipped_networks
 from core.editing.document import Document

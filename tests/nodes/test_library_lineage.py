@@ -11,8 +11,8 @@ import pytest
 from battery_settings import EXAMPLES
 from child_process import ROOT
 from core.chain.engine import Engine
+from core.chain.step_lineage import lineage_of, picture_step, source_step
 from core.evaluation.recipes import Recipe, Step, ends_lineage
-from core.lineage.step_lineage import lineage_of, picture_step, source_step
 from core.network.file import load_network
 from import_arrows import modules
 from library_battery import LIBRARY, planned

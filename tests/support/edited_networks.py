@@ -38,8 +38,8 @@ from core.editing.wiring import (
     new_node,
     wired_to,
 )
-from core.expressions.grammar import quoted
 from core.modules.declaration import Library, declaration
+from core.network.expression_grammar import quoted
 from core.network.file import format_network
 from core.network.linked_values import expression, resolved
 from core.network.network import Link, Network, Node

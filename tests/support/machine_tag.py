@@ -12,7 +12,7 @@ import scipy
 from numpy._core import _multiarray_umath
 
 from core.evaluation.policy import Policy
-from core.filtering.periodic import backend
+from core.transfer.periodic import backend
 
 # Each makes a library take other code than the processor would.
 SETTINGS = (

@@ -8,7 +8,7 @@ from core.chain.engine import Engine
 from core.errors import ImagechainError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
-from core.filtering.periodic import backend
+from core.transfer.periodic import backend
 from nodes.library import standard_library
 
 LIBRARY = standard_library()

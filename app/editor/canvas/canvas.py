@@ -26,10 +26,10 @@ from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.hits import node_at
 from app.editor.canvas.items.marks import Marks
 from app.editor.canvas.items.wire_item import LiveWire
-from app.editor.canvas.thumbnails.node_thumbnails import NodeThumbnails
 from app.editor.canvas.view.canvas_view import GraphView
 from app.editor.canvas.view.choice_popup import ChoicePopup
 from app.editor.canvas.view.minimap import Minimap
+from app.editor.canvas.view.node_thumbnails import NodeThumbnails
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level
 from app.editor.session import Session

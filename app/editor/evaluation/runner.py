@@ -13,7 +13,7 @@ import numpy as np
 
 from app.editor.evaluation.badges import as_error, badges, skip_texts
 from app.editor.evaluation.mailbox import Inbox, Outbox, Sent, SentAnswers, Snapshot
-from app.editor.evaluation.planned.preview import reduced_network, with_same_nodes
+from app.editor.evaluation.preview import reduced_network, with_same_nodes
 from app.editor.evaluation.queries import Answer, Badge, PassDone, Passing
 from app.editor.evaluation.tasks import (
     PAUSE_S,

@@ -28,7 +28,7 @@ from app.editor.panels.module_body import ModuleBody, UnknownBody
 from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.presets.preset_files import Sets, given, remove_set, save_set, sets_of
+from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
 from core.editing.operations import (
     ABSENT,
     Operation,

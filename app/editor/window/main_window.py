@@ -13,13 +13,13 @@ from app.editor.canvas.canvas import Canvas
 from app.editor.canvas.crumbs import Crumbs
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level
-from app.editor.library.library_view import LibraryView
+from app.editor.library_view import LibraryView
 from app.editor.panels.panel_area import PanelArea
-from app.editor.recovery.recovery_files import Autosaver
+from app.editor.recovery_files import Autosaver
 from app.editor.session import Session
 from app.editor.theme import THEMES, Look, Theme
-from app.editor.viewers.figures.figures_strip import FiguresStrip
 from app.editor.viewers.network_ports import PLOT_TYPES
+from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.window.actions.action_specs import CANVAS_MENU, NODE_MENU
 from app.editor.window.actions.action_targets import targets
 from app.editor.window.actions.edit_commands import EditCommands

@@ -23,7 +23,7 @@ from core.chain.wires import Image
 from core.errors import ImagechainError, NetworkError
 from core.names import close, printable
 from core.network.network import Network
-from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import band_radiance, brightness_temperature
 
 Array = NDArray[Any]

@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from core.errors import ParameterError
 from core.physics.acquisition.eye import coloured_share, frame_count, spatial_share
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
-from core.physics.numerics.quadrature import sinc
-from core.physics.numerics.scalar_checks import all_above_zero, all_finite, positive, rising
+from core.physics.quadrature import sinc
+from core.physics.scalar_checks import all_above_zero, all_finite, positive, rising
 
 Vector = NDArray[np.float64]
 Window = Literal["target", "image"]

@@ -22,8 +22,8 @@ from core.errors import ParameterError
 from core.physics.acquisition.eye import coloured_share, frame_count, spatial_share
 from core.physics.acquisition.target_acquisition import resolvable_frequency
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
-from core.physics.numerics.quadrature import gauss_legendre
-from core.physics.numerics.scalar_checks import (
+from core.physics.quadrature import gauss_legendre
+from core.physics.scalar_checks import (
     all_above_zero,
     all_finite,
     all_from_zero,

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from scipy.special import expit
 
 from core.errors import ParameterError
-from core.physics.numerics.quadrature import range_for_probability
-from core.physics.numerics.scalar_checks import (
+from core.physics.quadrature import range_for_probability
+from core.physics.scalar_checks import (
     Values,
     all_above_zero,
     all_finite,

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
 from core.physics.acquisition.target_acquisition import target_cycles, ttp_probability
-from core.physics.numerics.quadrature import gauss_legendre, range_for_probability
-from core.physics.numerics.scalar_checks import (
+from core.physics.quadrature import gauss_legendre, range_for_probability
+from core.physics.scalar_checks import (
     Values,
     all_above_zero,
     all_from_zero,
@@ -162,7 +162,7 @@ def ttp_range(
 
     The contrast, given as it is at the target, falls by exp(−extinction·range) on the way; the
     other parameters are those of the two functions, returns and errors as
-    `core.physics.numerics.quadrature.range_for_probability`.
+    `core.physics.quadrature.range_for_probability`.
     """
     extinction = non_negative("extinction_per_km", extinction_per_km, unit="1/km")
     at_target = non_negative("contrast", contrast)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.numerics.quadrature import sinc
-from core.physics.numerics.scalar_checks import finite, non_negative, positive, within
+from core.physics.quadrature import sinc
+from core.physics.scalar_checks import finite, non_negative, positive, within
 
 MODELS = ("exact", "published", "leading")
 

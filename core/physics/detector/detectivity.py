@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
-from core.physics.numerics.scalar_checks import positive, within
 from core.physics.radiometry.constants import (
     BOLTZMANN_J_K,
     ELEMENTARY_CHARGE_C,
@@ -31,6 +30,7 @@ from core.physics.radiometry.planck import (
     spectral_radiance,
     unit_rule,
 )
+from core.physics.scalar_checks import positive, within
 
 FloatArray = NDArray[np.float64]
 SpectralFunction = Callable[[FloatArray], FloatArray]

@@ -29,7 +29,7 @@ from core.physics.measurement.levels.photon_transfer import (
     taps,
     weighted,
 )
-from core.scratch.scratch_disk import Empty
+from core.scratch_disk import Empty
 from core.threads import ForEach, in_turn
 
 Array = NDArray[Any]

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
-from core.physics.motion.platform_motion import view_angles_rad
+from core.physics.sampling.platform_motion import view_angles_rad
 
 Vector = NDArray[np.float64]
 Kind = Literal["line", "pushbroom", "framing"]

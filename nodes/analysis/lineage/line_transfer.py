@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.results import SampledTransfer
+from core.chain.step_lineage import lineage_of
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
-from core.lineage.step_lineage import lineage_of
 from core.transfer.factors import Factor, Grid, Part, factor_at
 
 Array = NDArray[Any]

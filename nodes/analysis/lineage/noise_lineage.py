@@ -10,14 +10,14 @@ import numpy as np
 
 from core.chain.back_transformed import Delivered
 from core.chain.frame_sequence import Remaking
+from core.chain.linear_change import Linear
+from core.chain.noise_power import Array, NoisePower, spectrum_of
+from core.chain.random_fields import Stream
+from core.chain.step_lineage import AtStep, Lineage, Noise, lineage_of
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
-from core.lineage.linear_change import Linear
-from core.lineage.step_lineage import AtStep, Lineage, Noise, lineage_of
-from core.noise.noise_power import Array, NoisePower, spectrum_of
-from core.noise.random_fields import Stream
 from core.physics.noise.noise_components import NoiseVariances, components_of_moments
 from core.threads import amount_text
 

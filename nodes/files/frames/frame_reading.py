@@ -22,10 +22,10 @@ from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
 from nodes.files.formats import NPY, TIFF
 from nodes.files.headers.envi import band_of, info_of
 from nodes.files.headers.envi_header import is_envi, read_layout
+from nodes.files.plain_tiff import channel_of, is_plain
 from nodes.files.read import check_finite, read_info
-from nodes.files.tiff.plain_tiff import channel_of, is_plain
-from nodes.files.tiff.tiff_directory import directories
-from nodes.files.tiff.tiff_layout import TiffLayout, read_tiff_layout
+from nodes.files.tiff_directory import directories
+from nodes.files.tiff_layout import TiffLayout, read_tiff_layout
 
 _READ = ".npy (frames, rows, columns), TIFF of a page each, ENVI of a band each"
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.assessment.edge_measurement import judged
+from app.report.edge_measurement import judged
 from app.run.evaluation import TimedWork, evaluate, planned
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy

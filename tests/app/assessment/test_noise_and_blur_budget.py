@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.assessment.noise_and_blur_budget import blur_budget, noise_budget
 from app.report.blocks import Text
 from app.report.budget_section import budget
-from app.report.facts.report_facts import budget_facts
+from app.report.noise_and_blur_budget import blur_budget, noise_budget
+from app.report.report_facts import budget_facts
 from budget_chain import (
     BANDWIDTH,
     BLUR_PX,

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from app.fit.known_scene.scene_match import Registration, SceneMatch
+from app.fit.scene_match import Registration, SceneMatch
 from core.errors import DataError
 from edge_truth import blur_network
 

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from app.presets.preset_files import given, remove_set, save_set, sets_of
+from app.run.preset_files import given, remove_set, save_set, sets_of
 from core.editing.document import Document
 from core.errors import ImagechainError
 from core.modules.declaration import declaration

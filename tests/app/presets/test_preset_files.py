@@ -8,7 +8,7 @@ from fnmatch import fnmatch
 
 import pytest
 
-from app.presets.preset_files import (
+from app.run.preset_files import (
     own_presets,
     placed,
     preset_of,

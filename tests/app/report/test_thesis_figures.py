@@ -132,7 +132,7 @@ def test_a_network_that_cannot_be_measured_says_why(shipped_report):
 def test_without_a_report_nothing_is_measured(tmp_path):
     code = (
         "import sys\nfrom app.command.cli import main\ntry:\n    main()\nfinally:\n"
-        "    names = 'app.assessment.edge_measurement', 'app.report'\n"
+        "    names = 'app.report.edge_measurement', 'app.report'\n"
         "    print([name for name in names if name in sys.modules])"
     )
     environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}

@@ -66,7 +66,7 @@ def test_with_a_store_of_one_byte(name):
 
 
 def test_with_what_reports_show():
-    from app.report.facts.report_facts import report_facts
+    from app.report.report_facts import report_facts
 
     store = Store(capacity_bytes=1)
     engine = Engine(LIBRARY, store)

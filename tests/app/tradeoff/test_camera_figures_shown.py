@@ -3,7 +3,7 @@
 import pytest
 
 from app.editor.declared_text import label_of
-from app.editor.tradeoff.tradeoff_view import first_figures, in_order
+from app.editor.docks.tradeoff_view import first_figures, in_order
 from app.tradeoff.tradeoff_figures import computed, default_figures, figures_of
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy

@@ -8,7 +8,7 @@ import os
 import numpy as np
 import pytest
 
-from app.editor.recovery.recovery_files import Autosave, recoverable
+from app.editor.recovery_files import Autosave, recoverable
 from child_process import run_program
 from core.editing.document import GONE, Document, mark, mark_of, rebased
 from core.editing.operations import (
@@ -395,7 +395,7 @@ def test_a_file_longer_than_any_network_is_another(file, library):
 CRASHED = """
 import sys
 from pathlib import Path
-from app.editor.recovery.recovery_files import Autosave
+from app.editor.recovery_files import Autosave
 from core.editing.document import Document
 from core.editing.operations import set_network_field
 from core.network.network import Network

@@ -16,7 +16,7 @@ from core.editing.grouping import group, ungroup
 from core.editing.macros import addressed, at_level, expose, hide, rename_exposed
 from core.editing.operations import Remove, Rename, keeping_values, set_node_field, set_parameter
 from core.errors import ImagechainError, NetworkError
-from core.expressions.grammar import LONGEST
+from core.network.expression_grammar import LONGEST
 from core.network.file import format_network, parse_network
 from core.network.linked_values import expression, resolved
 from core.network.macro import expanded, path_of

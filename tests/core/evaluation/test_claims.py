@@ -100,7 +100,7 @@ class TestOnce:
         assert work.nothing_left()
 
     def test_frames_share_what_leads_to_the_noise(self):
-        from core.noise.random_fields import Stream
+        from core.chain.random_fields import Stream
 
         def frames():
             noisy = Step.of(noise, chain(3), stream=Stream(1, "n", "x"))

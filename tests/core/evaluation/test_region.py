@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from core.chain.random_fields import BLOCK, Stream, normal_field, normal_part
 from core.errors import ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step, in_parts, pointwise
 from core.evaluation.region import Region, runs
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.noise.random_fields import BLOCK, Stream, normal_field, normal_part
 from engine_bench import CHAIN, CHAIN_LINKS, LINE, Bench, network
 
 STREAM = Stream(1996, "noise", "detector")

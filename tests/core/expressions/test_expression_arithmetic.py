@@ -11,8 +11,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from core.expressions.arithmetic import value_of
-from core.expressions.grammar import (
+from core.modules.declaration import declaration
+from core.names import check_id
+from core.network.expression_arithmetic import value_of
+from core.network.expression_grammar import (
     FUNCTIONS,
     LONGEST,
     ExpressionError,
@@ -20,9 +22,7 @@ from core.expressions.grammar import (
     quoted,
     rewritten,
 )
-from core.expressions.units import fitting, kind_of, symbols
-from core.modules.declaration import declaration
-from core.names import check_id
+from core.network.expression_units import fitting, kind_of, symbols
 from nodes.library import standard_library
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.fft
 
-from core.filtering import periodic as fourier
+from core.transfer import periodic as fourier
 
 HAS_INTEL = find_spec("mkl_fft") is not None and find_spec("mkl") is not None
 

@@ -6,8 +6,8 @@ import pytest
 from core.evaluation.policy import Policy
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.filtering.line_filter import filter_lines
 from core.transfer.factors import Grid, Law, Separable
+from core.transfer.line_filter import filter_lines
 from slow_reference.filtering import filtered_lines
 
 TOLERANCE = {"double": 1e-12, "single": 2e-6}

@@ -5,10 +5,10 @@ import pytest
 
 from core.chain.back_transformed import back_transform, combine_pixels
 from core.chain.engine import Engine
+from core.chain.noise_power import NoisePower
 from core.chain.wires import Image, Magnitude, Phase
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
-from core.noise.noise_power import NoisePower
 from core.physics.detector.charge_transfer import charge_transfer_mtf, charge_transfer_ptf
 from core.physics.optics.gaussian import gaussian_mtf
 from core.transfer.factors import Grid, Law, Planar

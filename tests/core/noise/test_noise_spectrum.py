@@ -5,8 +5,8 @@ import pytest
 import scipy.fft
 
 from core.chain.engine import Engine
+from core.chain.noise_power import NoisePower, spectrum_of
 from core.evaluation.policy import Policy
-from core.noise.noise_power import NoisePower, spectrum_of
 from core.physics.optics.gaussian import gaussian_mtf
 from core.transfer.factors import Grid
 from nodes.library import standard_library

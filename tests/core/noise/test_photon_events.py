@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.noise.photon_events import (
+from core.chain.photon_events import (
     LARGEST_SIGMA_PX,
     LEAST_SIGMA_PX,
     MOST,
     displaced_events,
     events_are_few,
 )
-from core.noise.random_fields import Stream
+from core.chain.random_fields import Stream
 from core.threads import Workers
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import special
 
+from core.chain import random_fields as streams
+from core.chain.random_fields import BLOCK, Stream, normal_field, poisson_field, uniform_field
 from core.errors import Cancelled, DataError, ParameterError
-from core.noise import random_fields as streams
-from core.noise.random_fields import BLOCK, Stream, normal_field, poisson_field, uniform_field
 from core.threads import Workers
 
 SEEDS = range(20)

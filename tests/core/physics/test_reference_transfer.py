@@ -12,11 +12,11 @@ import pytest
 from core.physics.atmosphere import scattering_and_turbulence as atmosphere
 from core.physics.detector import charge_transfer
 from core.physics.detector import charge_transfer as detector
-from core.physics.electronics import filters as electronics
-from core.physics.motion import platform_motion as motion
-from core.physics.motion import vibration
+from core.physics.detector import filters as electronics
 from core.physics.optics import gaussian
 from core.physics.sampling import detector_sampling as sampling
+from core.physics.sampling import platform_motion as motion
+from core.physics.sampling import vibration
 from reference_cases import reference_cases
 
 _QUANTITIES = {

@@ -7,8 +7,8 @@ import pytest
 
 from core.errors import FileError
 from core.evaluation.store import Store, size_in_bytes
-from core.filtering.mirrored import MeanFree
-from core.scratch.scratch_disk import ScratchDisk, is_on_disk
+from core.scratch_disk import ScratchDisk, is_on_disk
+from core.transfer.mirrored import MeanFree
 
 
 @pytest.fixture

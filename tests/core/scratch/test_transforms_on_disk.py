@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from core.chain.back_transformed import back_transform, combine_pixels
+from core.chain.photon_events import local_mean
 from core.chain.wires import Image, Magnitude, Phase
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step, in_blocks
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.noise.photon_events import local_mean
-from core.scratch.scratch_disk import BlockRun, ScratchDisk, is_on_disk
+from core.scratch_disk import BlockRun, ScratchDisk, is_on_disk
 from core.transfer.factors import Law, Planar, Separable
 
 SHAPES = ((32, 24), (31, 37), (1, 48), (48, 1), (30, 45))

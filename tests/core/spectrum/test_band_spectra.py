@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from core.chain.back_transformed import combine_pixels
+from core.chain.band_stack import AttenuatedBands
 from core.evaluation.policy import Policy
-from core.spectrum.band_stack import AttenuatedBands
 from cube_files import centres, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from analytic_stages import CHAINS
 from chain_runs import picture_of
 from core.chain.engine import Engine
+from core.chain.random_fields import BLOCK
 from core.chain.skipped import skips
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
@@ -19,7 +20,6 @@ from core.evaluation.store import Store
 from core.evaluation.work import Work
 from core.network.file import load_network
 from core.network.network import Link, Node
-from core.noise.random_fields import BLOCK
 from delivered_chains import chain_network, scene
 from drawn_chains import SIZES, chains, ordinary
 from noise_bench import BAND, NOISY, network

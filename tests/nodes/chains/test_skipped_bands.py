@@ -4,9 +4,9 @@ import pytest
 
 from core.chain.engine import Engine
 from core.chain.skipped import skips
+from core.chain.wavelength_rank import ChosenWavelengths
 from core.evaluation.policy import Policy
 from core.network.file import load_network
-from core.spectrum.wavelength_rank import ChosenWavelengths
 from cube_network import BANDS, write_cube_network
 from nodes.library import standard_library
 

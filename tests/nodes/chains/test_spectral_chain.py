@@ -253,7 +253,7 @@ def test_many_wavelengths_are_summed_in_several_passes(
     nodes = network(optics=optics)
     whole, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0), nodes=nodes)
     samples = SIZE[0] * SIZE[1]
-    monkeypatch.setattr("core.spectrum.filtered_sum.SAMPLES_AT_ONCE", 7 * samples)
+    monkeypatch.setattr("core.chain.filtered_sum.SAMPLES_AT_ONCE", 7 * samples)
     bench = NodeBench(library, tmp_path, *nodes)
     work, sizes = bench.engine.work(Policy("double", 0.0)), []
     compute = type(work)._compute

@@ -23,7 +23,7 @@ PLACES = {
     "nodes/files/formats.py",
     "nodes/files/common/file_format.py",
     "nodes/files/headers/envi_header.py",
-    "nodes/files/lens/lens_samples.py",  # listings of lens programs, and no pictures
+    "nodes/files/lens_samples.py",  # listings of lens programs, and no pictures
     "app/editor/window/documents/opening.py",
 }
 
@@ -108,5 +108,5 @@ def test_suffixes_are_listed_nowhere_else():
         for text in literals(path)
         if text.lower() in suffixes or "(*." in text
     }
-    networks = {"app/run/shipped.py: *.json", "app/presets/preset_files.py: *.json"}
+    networks = {"app/run/shipped.py: *.json", "app/run/preset_files.py: *.json"}
     assert found == networks  # by what they are called

@@ -8,9 +8,9 @@ import pytest
 from core.errors import FileError
 from nodes.files.arrays import read_curves, read_matrix, write_curves
 from nodes.files.common.table_cells import csv_lines, plain_cell, text_cell
-from nodes.files.lens.listing import read_listing
-from nodes.files.lens.mtf_table import read_mtf_table
+from nodes.files.listing import read_listing
 from nodes.files.motion_table import read_motion
+from nodes.files.mtf_table import read_mtf_table
 from nodes.files.path_table import read_path_table
 from nodes.files.read import read_info
 from nodes.files.wavelength_table import read_wavelengths

@@ -12,9 +12,9 @@ import pytest
 import zarr
 
 from core.errors import FileError
+from nodes.files import zarr_array
 from nodes.files.read import read_info, read_pixels
-from nodes.files.stores import zarr_array
-from nodes.files.stores.zarr_array import write_store
+from nodes.files.zarr_array import write_store
 
 RNG = np.random.default_rng(7)
 ROOT = Path(__file__).resolve().parents[3]

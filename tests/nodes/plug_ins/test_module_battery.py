@@ -9,14 +9,14 @@ from typing import Annotated
 import numpy as np
 import pytest
 
+from core.chain.linear_change import Linear
+from core.chain.step_lineage import picture_step
 from core.chain.wires import Context, Image, Magnitude
 from core.evaluation.recipes import Step, pointwise
-from core.lineage.linear_change import Linear
-from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
-from nodes.battery.module_battery import check_module, faults_of
 from nodes.library import MODULES
+from nodes.module_battery import check_module, faults_of
 from nodes.shared.factor_helpers import radial
 from nodes.shared.module_ports import ImageOutput, MtfModule, MtfOutputs
 

@@ -11,7 +11,7 @@ from node_bench import NodeBench
 from nodes.library import standard_library
 from nodes.scenes import KINDS, two_steps
 from nodes.scenes.scene_in_bands import scene_spectra
-from nodes.scenes.surfaces.spectral_surfaces import (
+from nodes.scenes.spectral_surfaces import (
     ALIKE,
     MATERIAL_OF,
     MATERIALS,

@@ -10,10 +10,10 @@ import pytest
 
 from analytic_stages import CHAINS, INTERVAL_X, INTERVAL_Y
 from core.chain.engine import Engine
+from core.chain.noise_power import NoisePower
+from core.chain.pixel_samples import PixelSamples
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
-from core.lineage.pixel_samples import PixelSamples
-from core.noise.noise_power import NoisePower
 from delivered_chains import FOLD_ERROR, PRECISIONS, delivered, fov_deg, scene
 from linked_network import linked_network
 from nodes.analysis.lineage import NoiseOf, transfer_of

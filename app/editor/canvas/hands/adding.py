@@ -13,7 +13,7 @@ from app.editor.canvas.hands.gestures import Surface
 from app.editor.canvas.items.canvas_style import face_of, geometry_of
 from app.editor.canvas.items.node_item import NodePort
 from app.editor.canvas.view.choice_popup import Choice, ChoicePopup
-from app.editor.library.library_view import found_by
+from app.editor.library_view import found_by
 from app.editor.theme import Theme
 from core.editing.backdrops import following
 from core.editing.layout import Point

@@ -9,8 +9,8 @@ from app.editor.canvas.hands.adding import free_place, size_of, with_way_made
 from app.editor.canvas.hands.gestures import Surface
 from app.editor.canvas.items.hits import wires_near
 from app.editor.canvas.items.wire_item import WireItem
-from app.editor.library.library_view import dragged_module
-from app.presets.preset_files import KEY
+from app.editor.library_view import dragged_module
+from app.run.preset_files import KEY
 from core.editing.operations import Operation, Together
 from core.editing.wiring import inserted, new_node
 from core.network.network import Link

@@ -11,8 +11,8 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter
 
 from app.editor.evaluation.queries import Passing, Query
+from app.editor.panels.illustrations.chart import Axis, Chart, brief, pair
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from app.editor.panels.illustrations.painting.chart import Axis, Chart, brief, pair
 from core.chain.engine import Plan
 from core.physics.sampling.ground_geometry import Camera, field_deg, ground_sample, view_angles
 

@@ -12,8 +12,7 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter
 
 from app.editor.evaluation.queries import Passing, Query
-from app.editor.panels.illustrations.illustration import Illustration
-from app.editor.panels.illustrations.painting.chart import (
+from app.editor.panels.illustrations.chart import (
     Axis,
     Bar,
     Chart,
@@ -21,6 +20,7 @@ from app.editor.panels.illustrations.painting.chart import (
     kelvin,
     paint_bars,
 )
+from app.editor.panels.illustrations.illustration import Illustration
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Context
 from core.errors import ImagechainError, ParameterError

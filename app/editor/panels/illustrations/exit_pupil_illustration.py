@@ -15,15 +15,15 @@ from PySide6.QtWidgets import QWidget
 from app.editor.declared_text import choice_text
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Passing, Query
+from app.editor.panels.illustrations.chart import Axis, Chart, brief, signed
 from app.editor.panels.illustrations.illustration import NO_EVALUATION, Illustration
-from app.editor.panels.illustrations.painting.chart import Axis, Chart, brief, signed
-from app.editor.panels.illustrations.painting.wavefront import (
+from app.editor.panels.illustrations.shrinking import shrunk
+from app.editor.panels.illustrations.wavefront import (
     Wavefront,
     coloured,
     open_share,
     wavefront_of,
 )
-from app.editor.panels.illustrations.queries.shrinking import shrunk
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.chain.engine import Plan

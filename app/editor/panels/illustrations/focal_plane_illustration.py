@@ -10,8 +10,8 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen
 
 from app.editor.evaluation.queries import Passing, Query
+from app.editor.panels.illustrations.chart import Bar, brief, electrons, kelvin, paint_bars
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from app.editor.panels.illustrations.painting.chart import Bar, brief, electrons, kelvin, paint_bars
 from app.editor.panels.illustrations.response_illustration import (
     ResponseOverSpectrum,
     ResponseQuery,

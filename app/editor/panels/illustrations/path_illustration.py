@@ -12,14 +12,14 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter
 
 from app.editor.evaluation.queries import Passing, Query
-from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from app.editor.panels.illustrations.painting.chart import (
+from app.editor.panels.illustrations.chart import (
     Axis,
     Chart,
     brief,
     ordinate_ticks,
     room_for_ticks,
 )
+from app.editor.panels.illustrations.illustration import DISABLED, Illustration
 from core.chain.engine import Plan
 
 _ROOM = 1.2  # above a transmission of 1, whose tick the title would hide

@@ -11,8 +11,8 @@ from PySide6.QtGui import QPainter
 from PySide6.QtWidgets import QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.panels.illustrations.chart import Axis, Chart, brief
 from app.editor.panels.illustrations.illustration import Illustration
-from app.editor.panels.illustrations.painting.chart import Axis, Chart, brief
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.errors import ImagechainError

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter
 
-from app.assessment.edge_measurement import DrawnResponse, response_over_band
 from app.editor.evaluation.queries import Passing, Query
+from app.editor.panels.illustrations.chart import Axis, Chart, brief
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from app.editor.panels.illustrations.painting.chart import Axis, Chart, brief
 from app.editor.theme import Theme
+from app.report.edge_measurement import DrawnResponse, response_over_band
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Image
 

@@ -12,8 +12,8 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen, QPolygonF
 
 from app.editor.evaluation.queries import Passing, Query
+from app.editor.panels.illustrations.chart import brief, pair, round_step
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from app.editor.panels.illustrations.painting.chart import brief, pair, round_step
 from core.chain.engine import Plan
 from core.chain.wires import Context
 from core.physics.sampling.detector_sampling import ifov_mrad

@@ -12,9 +12,9 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QImage, QPainter, QPen
 
 from app.editor.evaluation.queries import Passing, Query
+from app.editor.panels.illustrations.chart import brief, pair
 from app.editor.panels.illustrations.illustration import Illustration
-from app.editor.panels.illustrations.painting.chart import brief, pair
-from app.editor.panels.illustrations.queries.shrinking import shrunk
+from app.editor.panels.illustrations.shrinking import shrunk
 from app.editor.viewers.pixels.grey_levels import extremes, grey_levels
 from core.chain.engine import Plan
 from core.chain.wires import Image

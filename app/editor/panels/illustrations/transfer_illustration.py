@@ -10,9 +10,9 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter
 
 from app.editor.evaluation.queries import Query
+from app.editor.panels.illustrations.chart import Axis, Chart, brief, pair, round_step
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from app.editor.panels.illustrations.painting.chart import Axis, Chart, brief, pair, round_step
-from app.editor.panels.illustrations.queries.transfer_query import (
+from app.editor.panels.illustrations.transfer_query import (
     LOWEST_SHARE,
     TransferLine,
     TransferLines,

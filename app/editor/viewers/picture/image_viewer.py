@@ -15,11 +15,9 @@ from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.editor.viewers.bands.band_bar import BandBar
-from app.editor.viewers.bands.picture_bands import PictureBands
-from app.editor.viewers.bands.spectrum_plot import SpectrumPlot
 from app.editor.viewers.neighbours import neighbours
 from app.editor.viewers.network_ports import PICTURE_TYPES, ports_by_node
+from app.editor.viewers.picture.band_bar import BandBar
 from app.editor.viewers.picture.kept_side import (
     KeptSide,
     Prepared,
@@ -27,10 +25,12 @@ from app.editor.viewers.picture.kept_side import (
     query_beside,
     sides_of,
 )
+from app.editor.viewers.picture.picture_bands import PictureBands
 from app.editor.viewers.picture.picture_bar import PictureBar, open_context_menu
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.picture.picture_probe import PictureProbe, save_picture, shown_png
 from app.editor.viewers.picture.region_tool import RegionTool
+from app.editor.viewers.picture.spectrum_plot import SpectrumPlot
 from app.editor.viewers.pixels.grey_levels import NAMES, colour_table
 from app.editor.viewers.pixels.picture_choices import Choices, numbers_of
 from app.editor.viewers.pixels.picture_facts import Facts, laid_over

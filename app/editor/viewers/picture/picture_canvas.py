@@ -13,10 +13,10 @@ from app.editor.theme import Theme, set_ground, set_ink
 from app.editor.viewers.picture.levels_bar import LevelsBar
 from app.editor.viewers.picture.picture_item import PictureItem, extent
 from app.editor.viewers.picture.profile_line import ProfileLine
+from app.editor.viewers.picture.region_overlay import RegionOverlay
 from app.editor.viewers.pixels.grey_levels import colour_table
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import bare, paint_axes
-from app.editor.viewers.region.region_overlay import RegionOverlay
 
 Zoom = tuple[float, ...]
 Sides = Literal["first left", "second left", "second alone", "first alone"]

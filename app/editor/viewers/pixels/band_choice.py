@@ -9,8 +9,8 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from core.chain.band_stack import BandStack
 from core.chain.wires import Image
-from core.spectrum.band_stack import BandStack
 
 BandsShown = Literal["all", "one", "colours"]
 BANDS_SHOWN: tuple[BandsShown, ...] = get_args(BandsShown)

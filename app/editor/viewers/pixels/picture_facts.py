@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from app.editor.viewers.network_ports import PICTURE_TYPES
+from core.chain.band_stack import BandStack
 from core.chain.wires import Image, Magnitude, Phase, Pupil, SpectrumWire, Transfer
 from core.errors import NetworkError
-from core.spectrum.band_stack import BandStack
 from core.transfer.factors import Grid
 
 Band = tuple[float, float]

@@ -32,13 +32,13 @@ from app.editor.viewers.pixels.picture_layers import (
     together,
     why_not_compared,
 )
+from core.chain.band_stack import BandStack
 from core.chain.engine import Plan
 from core.chain.wires import Image, Pupil, Transfer
 from core.errors import DataError, ImagechainError
 from core.evaluation.float_guard import watched
 from core.evaluation.recipes import Recipe, Step, number_bits
 from core.evaluation.work import Work
-from core.spectrum.band_stack import BandStack
 
 Mode = Literal["alone", "wipe", "difference"]
 Scale = Literal["linear", "log", "spectrum"]

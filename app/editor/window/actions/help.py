@@ -18,8 +18,8 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import flowing
+from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.session import Session
-from app.editor.tradeoff.tradeoff_view import TradeOffView
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot import plot_export
 from app.editor.viewers.plot.plot_viewer import PlotViewer

@@ -8,10 +8,10 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QDialog, QDockWidget, QMainWindow
 
-from app.editor.runs.add_run import AddRun
-from app.editor.runs.network_job import failures_text, file_stem, job_of
-from app.editor.runs.run_queue import RunQueue
-from app.editor.runs.runs_view import ReportStatus, RunsView
+from app.editor.docks.add_run import AddRun
+from app.editor.docks.network_job import failures_text, file_stem, job_of
+from app.editor.docks.run_queue import RunQueue
+from app.editor.docks.runs_view import ReportStatus, RunsView
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.window.docks.viewer_docks import add_dock

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QMainWindow
 
-from app.editor.fit.fit_view import FitView
+from app.editor.docks.fit_view import FitView
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.window.docks.measure_dock import MeasureDock

@@ -8,8 +8,8 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QApplication, QMainWindow
 
-from app.editor.measure.measure_view import MeasureView
-from app.editor.measure.measure_worker import picture_of, shown_in
+from app.editor.docks.measure_view import MeasureView
+from app.editor.docks.measure_worker import picture_of, shown_in
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.window.docks.viewer_docks import ViewerDocks, add_dock

@@ -8,10 +8,10 @@ from PySide6.QtCore import QObject, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMainWindow
 
+from app.editor.docks.snapshots import Comparing, Snapshots
+from app.editor.docks.snapshots_view import SnapshotsView
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
-from app.editor.snapshots.snapshots import Comparing, Snapshots
-from app.editor.snapshots.snapshots_view import SnapshotsView
 from app.editor.theme import Theme
 from app.editor.window.docks.viewer_docks import ViewerDocks, add_dock
 

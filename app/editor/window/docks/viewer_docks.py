@@ -9,10 +9,10 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QWidget
 from shiboken6 import isValid
 
+from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.editor.tradeoff.tradeoff_view import TradeOffView
 from app.editor.viewers.network_ports import PICTURE_TYPES, PLOT_TYPES
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_viewer import PlotViewer

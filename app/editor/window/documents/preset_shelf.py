@@ -9,8 +9,8 @@ from PySide6.QtCore import QObject, QPointF
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.level import Level
-from app.editor.library.library_view import LibraryView
-from app.presets.preset_files import (
+from app.editor.library_view import LibraryView
+from app.run.preset_files import (
     KEY,
     Preset,
     own_presets,

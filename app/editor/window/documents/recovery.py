@@ -6,7 +6,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject
 
-from app.editor.recovery.recovery_files import Autosaver, Recovered, recoverable
+from app.editor.recovery_files import Autosaver, Recovered, recoverable
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.opening import Opened
 from core.errors import ImagechainError

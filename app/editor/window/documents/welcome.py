@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.recovery.recovery_files import Recovered
+from app.editor.recovery_files import Recovered
 from app.editor.window.documents.recent_files import folder_text
 from app.run.output import ANALYSIS, find_output, source_images
 from app.run.shipped import shipped_networks

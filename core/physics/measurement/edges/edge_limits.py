@@ -19,7 +19,7 @@ from core.physics.measurement.edges.edge_spread import (
     quantum_of,
 )
 from core.physics.measurement.edges.picture_suspicions import FoundEdge
-from core.physics.measurement.edges.ridges.straight_pieces import Piece
+from core.physics.measurement.edges.straight_pieces import Piece
 
 Vector = NDArray[np.float64]
 

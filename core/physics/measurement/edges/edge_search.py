@@ -34,7 +34,8 @@ from core.physics.measurement.edges.picture_suspicions import (
     missing_samples,
     why_no_picture,
 )
-from core.physics.measurement.edges.ridges.straight_pieces import (
+from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
+from core.physics.measurement.edges.straight_pieces import (
     SMOOTHING,
     Piece,
     ridge_points,
@@ -42,7 +43,6 @@ from core.physics.measurement.edges.ridges.straight_pieces import (
     spread_out,
     straight_pieces,
 )
-from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
 
 _ENDS = 1.0  # samples left off at both ends, where corners are rounded
 _LARGEST_GAP = 0.7  # samples between distances; beyond 0.75 nothing can be measured

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.edges.edge_line import EdgeSamples
-from core.physics.measurement.edges.splines.graded_spline import GradedSpline, graded_spline
+from core.physics.measurement.edges.graded_spline import GradedSpline, graded_spline
 
 # Functions of which the spread of an edge is made: a spline, a tail, and ramps on both sides.
 

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.editor.canvas.hands.adding import possible_links
 from app.editor.canvas.view.choice_popup import Choice, matching
-from app.editor.library.library_view import module_data
+from app.editor.library_view import module_data
 from core.network.network import Link
 from linked_network import linked_network
 

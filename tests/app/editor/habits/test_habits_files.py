@@ -12,7 +12,7 @@ from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
 
-from app.editor.recovery.recovery_files import Autosave, recoverable
+from app.editor.recovery_files import Autosave, recoverable
 from app.run.shipped import shipped_networks
 from child_process import finished
 from core.editing.document import Document
@@ -264,7 +264,7 @@ def test_another_process_sees_only_what_the_dead_have_left(window, hand, qtbot, 
     qtbot.waitUntil(lambda: any(folder.glob("[!.]*.recovery")))
     program = (
         "import sys; from pathlib import Path\n"
-        "from app.editor.recovery.recovery_files import recoverable\n"
+        "from app.editor.recovery_files import recoverable\n"
         "print(len(recoverable(Path(sys.argv[1]))))"
     )
     words = [sys.executable, "-c", program, str(folder)]

@@ -6,7 +6,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
 
-from app.editor.recovery.recovery_files import Autosave, recoverable
+from app.editor.recovery_files import Autosave, recoverable
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
 from core.network.file import load_network

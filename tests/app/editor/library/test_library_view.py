@@ -4,7 +4,7 @@ import pytest
 from PySide6.QtCore import QMimeData, Qt
 from PySide6.QtTest import QTest
 
-from app.editor.library.library_view import MIME_TYPE, LibraryView, dragged_module
+from app.editor.library_view import MIME_TYPE, LibraryView, dragged_module
 from app.editor.theme import DARK, LIGHT
 from core.modules.declaration import declaration
 from screen_places import place_of_module

@@ -12,8 +12,8 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from scipy.special import erf
 
-from app.editor.measure.edge_canvas import edge_look
-from app.editor.measure.measure_view import MeasureView
+from app.editor.docks.edge_canvas import edge_look
+from app.editor.docks.measure_view import MeasureView
 from app.editor.theme import DARK, LIGHT
 from app.measure.measurement_text import REFUSED, REMOVED, USED
 from child_process import PATIENCE_S

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from app.editor.panels.illustrations.exit_pupil_illustration import PupilQuery
-from app.editor.panels.illustrations.painting.wavefront import open_share, wavefront_of
-from app.editor.panels.illustrations.queries.shrinking import shrunk
-from app.editor.panels.illustrations.queries.transfer_query import TransferQuery, half_contrast
 from app.editor.panels.illustrations.sampling_illustration import SamplingQuery, footprint_of
+from app.editor.panels.illustrations.shrinking import shrunk
 from app.editor.panels.illustrations.thumbnail_illustration import ThumbnailQuery
+from app.editor.panels.illustrations.transfer_query import TransferQuery, half_contrast
+from app.editor.panels.illustrations.wavefront import open_share, wavefront_of
 from core.errors import ImagechainError, UnconnectedError
 from core.modules.declaration import NodeContext
 from core.network.network import Network, Node

@@ -12,8 +12,8 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from app.editor.evaluation.queries import Answer
 from app.editor.panels.illustrations import illustration_for
+from app.editor.panels.illustrations.chart import brief, kelvin, pair
 from app.editor.panels.illustrations.exit_pupil_illustration import ExitPupilIllustration
-from app.editor.panels.illustrations.painting.chart import brief, kelvin, pair
 from app.editor.panels.illustrations.transfer_illustration import (
     PhaseIllustration,
     TransferIllustration,

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from app.editor.recovery.recovery_files import Autosave, recoverable
+from app.editor.recovery_files import Autosave, recoverable
 from child_process import PATIENCE_S, ROOT, finished, kill_program
 from core.editing.document import Document
 from core.editing.operations import Remove, set_network_field
@@ -23,7 +23,7 @@ CRASH = """
 import os, sys
 from pathlib import Path
 from app.run.shipped import shipped_networks
-from app.editor.recovery.recovery_files import Autosave
+from app.editor.recovery_files import Autosave
 from core.editing.document import Document
 from core.editing.operations import Remove
 from core.network.file import read_network
@@ -44,7 +44,7 @@ os._exit(1)
 BUSY = """
 import sys
 from pathlib import Path
-from app.editor.recovery.recovery_files import Autosave
+from app.editor.recovery_files import Autosave
 from core.editing.document import Document
 from core.editing.operations import set_network_field
 from core.leftovers import own_token
@@ -61,7 +61,7 @@ for number in range(10**9):
 FULL_DISK = """
 import resource, signal, sys
 from pathlib import Path
-from app.editor.recovery.recovery_files import Autosave
+from app.editor.recovery_files import Autosave
 from core.editing.document import Document
 from core.editing.operations import set_network_field
 from core.errors import FileError

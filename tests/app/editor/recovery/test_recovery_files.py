@@ -7,7 +7,7 @@ import os
 
 import pytest
 
-from app.editor.recovery.recovery_files import recoverable
+from app.editor.recovery_files import recoverable
 from child_process import run_program
 from core.errors import NetworkError
 from core.file_lock import is_held, take

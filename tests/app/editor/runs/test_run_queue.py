@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import QObject
 
-from app.editor.runs.network_job import job_of, proposed_folder
-from app.editor.runs.run_queue import RunQueue
+from app.editor.docks.network_job import job_of, proposed_folder
+from app.editor.docks.run_queue import RunQueue
 from core.editing.document import Document
 from core.editing.operations import set_parameter
 from core.errors import ImagechainError

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.editor.snapshots.states import (
+from app.editor.docks.snapshot_states import (
     KeptResults,
     KeptState,
     NodeFigure,

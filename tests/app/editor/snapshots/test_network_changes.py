@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.editor.snapshots.snapshots_view import changes, in_short
+from app.editor.docks.snapshots_view import changes, in_short
 from app.run.shipped import shipped_networks
 from core.editing.operations import (
     ABSENT,

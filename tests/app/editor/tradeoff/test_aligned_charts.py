@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from PySide6.QtGui import QColor
 
+from app.editor.docks.tradeoff_plots import Graph, TradeOffPlots
+from app.editor.docks.tradeoff_ranges import Span
 from app.editor.theme import DARK
-from app.editor.tradeoff.plots import Graph, TradeOffPlots
-from app.editor.tradeoff.ranges import Span
 
 X = np.linspace(0.0, 1.0, 11)
 GRAPHS = [  # numbers of one digit, of many, and powers

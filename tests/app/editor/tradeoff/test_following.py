@@ -7,10 +7,10 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
+from app.editor.docks.tradeoff_ranges import Span
+from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.evaluation import runner
 from app.editor.theme import LIGHT
-from app.editor.tradeoff.ranges import Span
-from app.editor.tradeoff.tradeoff_view import TradeOffView
 from child_process import PATIENCE_S
 from core.chain.engine import Engine
 from core.editing.operations import Remove, Rename, set_node_field, set_parameter

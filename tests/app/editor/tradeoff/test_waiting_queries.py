@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from app.editor.docks.tradeoff_view import SideStore, SideWork
 from app.editor.evaluation import runner
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.tradeoff.tradeoff_view import SideStore, SideWork
 from child_process import PATIENCE_S
 from core.editing.operations import set_parameter
 from core.evaluation.policy import Policy

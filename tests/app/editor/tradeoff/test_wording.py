@@ -6,8 +6,8 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from app.editor.tradeoff import tradeoff_view as wording
-from app.editor.tradeoff.tradeoff_view import first_figures, listed_titles
+from app.editor.docks import tradeoff_view as wording
+from app.editor.docks.tradeoff_view import first_figures, listed_titles
 from app.run.shipped import shipped_networks
 from app.tradeoff.tradeoff_figures import Figure, figures_of
 from core.network.file import load_network

@@ -6,7 +6,7 @@ from PySide6.QtGui import QFontMetricsF, QPalette
 
 from app.editor.evaluation.queries import PassDone, Passing
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.figures.figures_strip import FiguresQuery, FiguresStrip, figure_text
+from app.editor.viewers.plot.figures_strip import FiguresQuery, FiguresStrip, figure_text
 from app.editor.widgets import ElidedLabel
 from app.run.figures import ELECTRONICS_FIGURES
 from core.editing.operations import Add, Placed, Remove, set_node_field, set_parameter

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import (
     QPushButton,
 )
 
-from app.editor.recovery.recovery_files import recoverable
+from app.editor.recovery_files import recoverable
 from core.editing.operations import set_parameter
 from window_hands import CTRL, KEY, SHIFT, add, answer, give_focus
 

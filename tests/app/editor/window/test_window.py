@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QMessageBox, QPushButton, QWidget
 
-from app.editor.recovery.recovery_files import DELAY_MS, recoverable
+from app.editor.recovery_files import DELAY_MS, recoverable
 from app.editor.theme import DARK, LIGHT
 from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow

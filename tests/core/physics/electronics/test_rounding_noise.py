@@ -7,7 +7,7 @@ import pytest
 from scipy import special
 
 from core.errors import ParameterError
-from core.physics.electronics.quantization import rounding_variances
+from core.physics.detector.quantization import rounding_variances
 
 
 def fixed_by_integration(step, sigma):

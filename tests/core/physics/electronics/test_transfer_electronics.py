@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from core.errors import ParameterError
 from core.physics.detector.charge_transfer import MODELS, charge_transfer_mtf, charge_transfer_ptf
-from core.physics.electronics.filters import (
+from core.physics.detector.filters import (
     KINDS,
     corner_frequency_hz,
     corner_in_cyc_per_mrad,

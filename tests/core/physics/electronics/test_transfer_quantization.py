@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.errors import DataError, ParameterError
-from core.physics.electronics.quantization import quantization_rms, quantize
+from core.physics.detector.quantization import quantization_rms, quantize
 
 _BITS = [1, 4, 6, 8, 12, 16, 24, 32, 64]
 

@@ -8,16 +8,16 @@ import pytest
 from mpmath import mpf
 
 from core.errors import ParameterError
-from core.physics.electrons import collection
-from core.physics.electrons import collection as electron_noise
-from core.physics.electrons.collection import (
+from core.physics.detector import collection
+from core.physics.detector import collection as electron_noise
+from core.physics.detector.collection import (
     bent_response,
     bent_slope,
     rule_07_A_per_cm2,
     rule_07_e_per_s,
 )
-from core.physics.electrons.photon_conversion import PhotonWeights, conversion_between
-from core.physics.electrons.spectral_photons import QuantumEfficiency
+from core.physics.detector.photon_conversion import PhotonWeights, conversion_between
+from core.physics.detector.spectral_photons import QuantumEfficiency
 from core.physics.radiometry.planck import band_radiance, brightness_temperature
 from reference_cases import CAMERA, reference_cases
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.errors import ParameterError
-from core.physics.motion.platform_motion import (
+from core.physics.sampling.platform_motion import (
     line_intervals_mrad,
     scale_nodes_mrad,
     scale_weights,

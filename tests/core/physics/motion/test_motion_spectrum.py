@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.motion.vibration import (
+from core.physics.sampling.vibration import (
     WAVES,
     MotionSpectrum,
     between_exposures_mrad,

@@ -12,21 +12,21 @@ from hypothesis import strategies as st
 
 from core.errors import ParameterError
 from core.physics.detector.charge_transfer import aperture_mtf
-from core.physics.motion.platform_motion import (
-    blur_mrad,
-    line_motion_mtf,
-    motion_mtf,
-    scan_blur_mrad,
-)
-from core.physics.motion.vibration import vibration_mtf, vibration_otf
-from core.physics.numerics.quadrature import sinc
 from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
+from core.physics.quadrature import sinc
 from core.physics.sampling.detector_sampling import (
     ifov_mrad,
     interval_mrad,
     nyquist_cyc_per_mrad,
     oversampling,
 )
+from core.physics.sampling.platform_motion import (
+    blur_mrad,
+    line_motion_mtf,
+    motion_mtf,
+    scan_blur_mrad,
+)
+from core.physics.sampling.vibration import vibration_mtf, vibration_otf
 
 _SIZE = st.floats(0.0, 1e300)
 _FREQUENCIES = np.array([-1e8, -3.0, -0.1, 0.0, 1e-300, 1e-9, 0.48892, 1.0, 17.3, 1e12])

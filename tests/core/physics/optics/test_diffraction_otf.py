@@ -11,8 +11,8 @@ import pytest
 from core.errors import DataError, ParameterError
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.optics.annular_otf import annular_otf
-from core.physics.optics.diffraction.band_weights import Spectrum
-from core.physics.optics.diffraction.diffraction_otf import (
+from core.physics.optics.band_weights import Spectrum
+from core.physics.optics.diffraction_otf import (
     Aperture,
     annular_defocus_otf,
     diffraction_otf,

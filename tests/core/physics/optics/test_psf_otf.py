@@ -9,7 +9,7 @@ import pytest
 from scipy.special import j0, j1
 
 from core.errors import DataError
-from core.physics.optics.measured.psf_otf import (
+from core.physics.optics.psf_otf import (
     PointSpread,
     coarseness,
     edge_share,

@@ -11,7 +11,7 @@ from core.evaluation.store import Store
 from core.evaluation.work import Work
 from core.physics.noise.noise_components import NoiseVariances
 from core.transfer.factors import Grid
-from nodes.analysis.merit.threshold_curves import Observer, Sensitivity, mdtd_curve
+from nodes.analysis.threshold_curves import Observer, Sensitivity, mdtd_curve
 
 NETD_K = 0.1
 

@@ -10,7 +10,7 @@ from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.modules.declaration import library_of
 from linked_network import linked_network
-from nodes.analysis.mtf.compare_images import CompareImages
+from nodes.analysis.compare_images import CompareImages
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.test_scene import TestScene
 from nodes.motion.jitter_mtf import JitterMTF

@@ -13,7 +13,7 @@ from core.evaluation.policy import Policy
 from core.modules.declaration import library_of
 from edge_pictures import edge_mtf, edge_picture
 from linked_network import linked_network
-from nodes.analysis.mtf.measured_mtf import MeasuredMTF
+from nodes.analysis.measured_mtf import MeasuredMTF
 from nodes.input_output.read_image import ReadImage
 
 LIBRARY = library_of([ReadImage, MeasuredMTF])

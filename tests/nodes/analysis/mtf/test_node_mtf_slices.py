@@ -15,7 +15,7 @@ from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext, library_of
 from core.transfer.factors import Grid, Law, Planar, Separable
 from linked_network import linked_network
-from nodes.analysis.mtf.mtf_slices import MtfSlices
+from nodes.analysis.mtf_slices import MtfSlices
 from nodes.input_output.test_scene import TestScene
 from nodes.motion.jitter_mtf import JitterMTF
 from nodes.optics.gaussian_mtf import GaussianMTF

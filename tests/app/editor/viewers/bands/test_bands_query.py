@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app.editor.evaluation.queries import Passing
-from app.editor.viewers.bands.picture_bands import MeanSpectrumQuery, SampleSpectrumQuery
+from app.editor.viewers.picture.picture_bands import MeanSpectrumQuery, SampleSpectrumQuery
 from app.editor.viewers.pixels.band_choice import ALL, BandChoice, evenly_spaced
 from app.editor.viewers.pixels.picture_choices import Choices
 from app.editor.viewers.pixels.picture_query import PictureQuery

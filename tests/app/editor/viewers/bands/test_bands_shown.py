@@ -8,8 +8,8 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QImage
 
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.bands.spectrum_plot import MEAN, NO_SAMPLE
 from app.editor.viewers.picture.image_viewer import ImageViewer
+from app.editor.viewers.picture.spectrum_plot import MEAN, NO_SAMPLE
 from core.editing.document import Document
 from core.editing.operations import Together, set_parameter
 from core.errors import UsageError

@@ -6,7 +6,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QToolButton, QWidgetAction
 
-from app.editor.library.library_view import module_data
+from app.editor.library_view import module_data
 from core.editing.operations import set_parameter
 from core.network.file import format_network
 from core.network.linked_values import resolved

@@ -4,7 +4,7 @@ import pytest
 
 from app.editor.panels.node_panel import NodePanel
 from app.editor.theme import DARK
-from app.editor.viewers.figures.figures_strip import FiguresStrip
+from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.run.shipped import shipped_networks
 from core.editing.document import Document

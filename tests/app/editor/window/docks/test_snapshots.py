@@ -8,7 +8,7 @@ import pytest
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit
 
-from app.editor.snapshots.states import AllFiguresQuery, KeepQuery
+from app.editor.docks.snapshot_states import AllFiguresQuery, KeepQuery
 from app.editor.viewers.pixels.grey_levels import grey_levels
 from core.editing.operations import Remove, set_parameter
 from region_hands import PictureHand

@@ -1,1 +1,0 @@
-"""Small pictures and curves of what comes out of the nodes, below them on the canvas."""

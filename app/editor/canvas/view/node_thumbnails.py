@@ -1,0 +1,398 @@
+"""Keeps a thumbnail below every node that gives something to be drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QObject, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
+from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene, QStyleOptionGraphicsItem, QWidget
+
+from app.editor.canvas.items.canvas_style import CanvasStyle
+from app.editor.canvas.items.content import Content
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.evaluation.queries import Answer, Passing, Query
+from app.editor.level import Level
+from app.editor.panels.illustrations.shrinking import shrunk
+from app.editor.panels.illustrations.transfer_query import TransferQuery
+from app.editor.session import Session
+from app.editor.viewers.pixels.grey_levels import between_ends, grey_levels
+from core.chain.engine import Plan
+from core.chain.wires import Image, Pupil
+from core.editing.operations import picture_node
+from core.errors import ImagechainError, NetworkError
+from core.evaluation.recipes import number_bits
+
+_OWNER = "canvas.thumbnails"
+
+
+class NodeThumbnails(QObject):
+    """Posts a query for each node, and shows the answers.
+
+    Parameters
+    ----------
+    session : Session or Level
+        The document, or what of it is shown.
+    evaluator : Evaluator
+        Answers the queries, once all else is answered.
+    scene : QGraphicsScene
+        What holds the items.
+    content : Content
+        The nodes on it.
+    """
+
+    def __init__(
+        self,
+        session: Session | Level,
+        evaluator: Evaluator,
+        scene: QGraphicsScene,
+        content: Content,
+    ) -> None:
+        super().__init__(session)
+        self._session, self._evaluator = session, evaluator
+        self._scene, self._content = scene, content
+        self._on = True
+        self.items: dict[str, ThumbnailItem] = {}
+        self._shown_by: dict[str, str] = {}
+        evaluator.answered.connect(self._take)
+        session.opened.connect(self._opened)
+        session.changed.connect(self._changed)
+        content.on_placed = self._follow_places
+        self._ask()
+
+    @property
+    def on(self) -> bool:
+        """Whether they are shown."""
+        return self._on
+
+    def toggle(self) -> None:
+        """Show them, or none."""
+        self._on = not self._on
+        if not self._on:
+            self._clear()
+        self._ask()
+
+    def set_style(self, style: CanvasStyle) -> None:
+        """Draw them in other colours."""
+        for item in self.items.values():
+            item.style = style
+            item.update()
+
+    def _ask(self) -> None:
+        self._shown_by = self._sources() if self._on else {}
+        self._evaluator.ask(_OWNER, [NodeThumbnailQuery(name) for name in self._shown_by])
+
+    def _sources(self) -> dict[str, str]:
+        """By the node in the whole network whose output is drawn, the one here that shows it."""
+        session, sources = self._session, {}
+        for name, node in session.network.nodes.items():
+            try:
+                inner = picture_node(node, session.library)
+            except NetworkError:  # a macro that shows no picture
+                continue
+            sources[session.head + inner] = name
+        return sources
+
+    def _opened(self) -> None:
+        self._clear()
+        self._evaluator.forget(_OWNER)  # a query that stays would not be answered again
+        self._ask()
+
+    def _changed(self, before: Any, after: Any) -> None:
+        if before.nodes.keys() != after.nodes.keys():
+            for name in [name for name in self.items if name not in after.nodes]:
+                self._drop(name)
+            self._ask()
+        elif self._on and self._sources() != self._shown_by:
+            self._evaluator.forget(_OWNER)
+            self._ask()
+
+    def heights(self) -> dict[str, float]:
+        """How much room each node's thumbnail takes below it."""
+        return {name: item.boundingRect().bottom() for name, item in self.items.items()}
+
+    def node_at(self, point: QPointF) -> str | None:
+        """The node whose thumbnail is at a point of the scene."""
+        at = (name for name, item in self.items.items() if item.frame().contains(point))
+        return next(at, None)
+
+    def bounds(self) -> QRectF:
+        """What they take up; null where there are none."""
+        whole = QRectF()
+        for item in self.items.values():
+            whole = whole.united(item.frame())
+        return whole
+
+    def _take(self, answer: Any) -> None:
+        if (
+            not isinstance(answer, Answer)
+            or answer.owner != _OWNER
+            or not isinstance(answer.query, NodeThumbnailQuery)
+        ):
+            return
+        name, small = self._shown_by.get(answer.query.node, ""), answer.value
+        if not self._on or small is None or name not in self._content.nodes:
+            self._drop(name)
+            return
+        self._show(name, small)
+
+    def _show(self, name: str, small: Small) -> None:
+        node = self._content.nodes[name]
+        item = self.items.get(name)
+        if item is None:
+            item = ThumbnailItem(small, node.frame().width(), self._content.style)
+            self.items[name] = item
+            self._scene.addItem(item)
+        else:
+            item.show_small(small)
+        item.setPos(node.frame().bottomLeft())
+
+    def _follow_places(self) -> None:
+        for name, item in self.items.items():
+            if name in self._content.nodes:
+                item.setPos(self._content.nodes[name].frame().bottomLeft())
+
+    def _drop(self, name: str) -> None:
+        item = self.items.pop(name, None)
+        if item is not None:
+            self._scene.removeItem(item)
+
+    def _clear(self) -> None:
+        for name in list(self.items):
+            self._drop(name)
+
+
+# A thumbnail on the canvas, below its node.
+
+HIGHEST, CURVE_HEIGHT = 104.0, 44.0
+GAP = 4.0  # below the node
+Z_THUMBNAIL = -1.5  # above backdrops, below wires and nodes
+_LEAST_PX = 4.0  # on the screen; a lower one shows nothing but its ground
+_LEAST_SHARE = 0.35  # of the node's width, of a picture that is very high
+
+
+class ThumbnailItem(QGraphicsItem):
+    """A small picture or curve as wide as its node, in the scene's units.
+
+    Parameters
+    ----------
+    small : SmallPicture or SmallCurve
+        What it shows.
+    width : float
+        The node's width.
+    style : CanvasStyle
+        What it is drawn with.
+    """
+
+    def __init__(self, small: Small, width: float, style: CanvasStyle) -> None:
+        super().__init__()
+        self.style = style
+        self.setZValue(Z_THUMBNAIL)
+        self.setAcceptedMouseButtons(Qt.MouseButton.NoButton)
+        self._room = width
+        self.show_small(small)
+
+    def show_small(self, small: Small) -> None:
+        """Show another one."""
+        self.prepareGeometryChange()
+        self.small = small
+        self._box = box_of(small, self._room)
+        self._image: QImage | None = None
+        self._points: QPolygonF | None = None
+        if isinstance(small, SmallPicture):
+            high, wide = small.grey.shape
+            grey = QImage(small.grey.data, wide, high, wide, QImage.Format.Format_Grayscale8)
+            self._image = grey.copy()  # Qt's own: the array may go
+        self.update()
+
+    def boundingRect(self) -> QRectF:
+        """Its box with the border."""
+        return self._box.adjusted(-1, -1, 1, 1)
+
+    def frame(self) -> QRectF:
+        """Where it is in the scene."""
+        return self._box.translated(self.pos())
+
+    def paint(
+        self,
+        painter: QPainter,
+        _option: QStyleOptionGraphicsItem,
+        _widget: QWidget | None = None,
+    ) -> None:
+        """Draw it with a border."""
+        style, box = self.style, self._box
+        painter.fillRect(box, QColor(style.theme.base))
+        if box.height() * painter.worldTransform().m11() < _LEAST_PX:
+            return
+        if self._image is not None:
+            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+            painter.drawImage(box, self._image)
+        else:
+            self._curve(painter, box)
+        painter.setPen(style.border)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawRect(box)
+
+    def _curve(self, painter: QPainter, box: QRectF) -> None:
+        small = self.small
+        assert not isinstance(small, SmallPicture)
+        inner = box.adjusted(3, 3, -3, -3)
+        span = (small.high - small.low) or 1.0
+        if small.low < 0:
+            zero = inner.bottom() + small.low / span * inner.height()
+            painter.setPen(QPen(QColor(self.style.theme.line), 1.0))
+            painter.drawLine(QPointF(inner.left(), zero), QPointF(inner.right(), zero))
+        if self._points is None:
+            self._points = QPolygonF(
+                [
+                    QPointF(
+                        inner.left() + place * inner.width(),
+                        inner.bottom() - (value - small.low) / span * inner.height(),
+                    )
+                    for place, value in zip(
+                        small.places.tolist(), small.values.tolist(), strict=True
+                    )
+                ]
+            )
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(QColor(self.style.theme.curves[0]), 2.0))
+        painter.drawPolyline(self._points)
+
+
+def box_of(small: Small, width: float) -> QRectF:
+    """Where it stands below the upper left corner of the room below its node."""
+    if not isinstance(small, SmallPicture):
+        return QRectF(0, GAP, width, CURVE_HEIGHT)
+    shape = small.height / small.width if small.width > 0 else 1.0
+    wide = width
+    high = wide * shape
+    if high > HIGHEST:
+        high = HIGHEST
+        wide = max(high / shape, _LEAST_SHARE * width)
+    return QRectF((width - wide) / 2, GAP, wide, max(high, 8.0))
+
+
+# The query for what comes out of a node, small: its picture, or its transfer function's curve.
+
+MOST_SAMPLES = 192  # across or along a thumbnail
+LARGEST_COMPUTED = 1 << 20  # samples; a larger picture is taken only where it is there already
+_DARKEST, _BRIGHTEST = 0.005, 0.995  # quantiles, as the viewers have them at first
+_POINTS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class SmallPicture:
+    """A picture made small.
+
+    Parameters
+    ----------
+    grey : ndarray of uint8, shape (high, wide)
+        C order.
+    width, height : float
+        Its shape as it is seen, in any unit.
+    """
+
+    grey: NDArray[np.uint8]
+    width: float
+    height: float
+
+
+@dataclass(frozen=True, eq=False)
+class SmallCurve:
+    """A curve along x, its frequencies over the highest, its values between `low` and `high`."""
+
+    places: NDArray[np.float64]
+    values: NDArray[np.float64]
+    low: float
+    high: float
+
+
+Small = SmallPicture | SmallCurve
+
+
+@dataclass(frozen=True)
+class NodeThumbnailQuery(Query):
+    """What comes out of a node: its first output that can be drawn.
+
+    It waits until edits pause and all else is answered: it costs a pass nothing.
+    """
+
+    urgency: ClassVar[int] = 2
+    waits: ClassVar[bool] = True
+
+    node: str
+
+    def key(self, plan: Plan) -> Hashable:
+        """What is drawn."""
+        planned = plan.node(self.node)
+        if planned.error is not None:
+            return str(planned.error)
+        port, value = _drawn(plan, self.node)
+        return port, getattr(value, "key", None), planned.node.disabled
+
+    def answer(self, passing: Passing) -> Small | None:
+        """The small picture or curve; None where nothing can be drawn."""
+        try:
+            port, value = _drawn(passing.plan, self.node)
+        except ImagechainError:
+            return None  # the badge says what is wrong
+        if isinstance(value, Image):
+            return _small_picture(passing, value)
+        if isinstance(value, Pupil):
+            samples = np.abs(np.asarray(passing.work.value(value.samples)))
+            return _shown(samples, 1.0, 1.0)
+        if port in ("mtf", "ptf"):
+            return _small_curve(passing, self.node, port)
+        return None
+
+
+def _drawn(plan: Plan, node: str) -> tuple[str, Any]:
+    """The output that is drawn, and its value; empty and None where there is none."""
+    planned = plan.node(node)
+    if planned.node.disabled:
+        return "", None
+    for port in planned.declaration.outputs:
+        if port.types[0] in ("image", "pupil"):
+            return port.name, plan.output(f"{node}.{port.name}")
+    for curve in ("mtf", "ptf"):
+        if planned.declaration.output(curve) is not None:
+            return curve, plan.output(f"{node}.{curve}")
+    return "", None
+
+
+def _small_picture(passing: Passing, image: Image) -> SmallPicture | None:
+    work = passing.work
+    if image.rows * image.columns > LARGEST_COMPUTED and not work.has(image.recipe):
+        return None
+    samples = np.asarray(work.value(image.recipe))
+    x, y = image.interval_x_mrad or 1.0, image.interval_y_mrad or 1.0
+    return _shown(samples, image.columns * x, image.rows * y, number_bits(image.recipe))
+
+
+def _shown(
+    samples: NDArray[Any], width: float, height: float, bits: int | None = None
+) -> SmallPicture | None:
+    small = shrunk(samples, MOST_SAMPLES)
+    finite = small[np.isfinite(small)]
+    if not finite.size:
+        return None
+    low, high = (float(value) for value in np.quantile(finite, [_DARKEST, _BRIGHTEST]))
+    return SmallPicture(grey_levels(small, *between_ends(low, high, bits)), width, height)
+
+
+def _small_curve(passing: Passing, node: str, port: str) -> SmallCurve | None:
+    lines = TransferQuery(node, "mtf" if port == "mtf" else "ptf").answer(passing)
+    if lines is None:
+        return None
+    line = lines.x
+    end = float(line.nyquist) or 1.0
+    places = np.linspace(0.0, 1.0, _POINTS)
+    values = np.interp(places * end, line.frequency, line.values)
+    if port == "mtf":
+        return SmallCurve(places, values, min(0.0, float(values.min())), 1.0)
+    reach = max(float(np.abs(values).max()), 1e-9)
+    return SmallCurve(places, values, -reach, reach)

@@ -1,0 +1,242 @@
+"""One fit of the network as it stands to a picture, as work beside the window."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from app.editor.docks.measure_worker import Pictures, ViewerPicture
+from app.editor.number_text import FreeNumber
+from core.errors import DataError, ImagechainError, UsageError
+from core.evaluation.policy import Policy
+from core.evaluation.store import Store
+from core.evaluation.work import Work
+from core.modules.declaration import Library
+from core.network.network import Network
+
+if TYPE_CHECKING:
+    from app.fit.edge_fit import EdgesAt
+    from app.fit.fit_result import FitResult
+    from app.fit.free_parameter import FreeParameter
+    from app.fit.patch import Patch
+    from app.fit.picture_fit import FittedPictures
+
+_HELD_BYTES = 1 << 28
+_PAUSE_S = 0.05  # between edges that are shown while values change
+
+
+@dataclass(frozen=True)
+class FitTask:
+    """What is fitted to what.
+
+    Parameters
+    ----------
+    network : Network
+        With its macros written out.
+    library : Library
+        Its modules.
+    folder : Path
+        What file names in it are relative to.
+    numbers : tuple of FreeNumber
+        The free parameters.
+    pictures : tuple of Path, or ViewerPicture
+        Files, or what a viewer shows.
+    known_scene : bool
+        Whether the network's source is the scene of the picture.
+    """
+
+    network: Network
+    library: Library
+    folder: Path
+    numbers: tuple[FreeNumber, ...]
+    pictures: Pictures
+    known_scene: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnEdge:
+    """An edge's samples by their distance from it, and the chain's spread there, from 0 to 1."""
+
+    name: str
+    distance: Any
+    sample: Any
+    spread: Any
+
+
+@dataclass(frozen=True)
+class FittedNumber:
+    """A parameter as fitted; both numbers are None where the picture does not determine it."""
+
+    number: FreeNumber
+    value: float | None
+    sigma: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class FitOutcome:
+    """Values with errors, what is to be known of them, and the edges.
+
+    Parameters
+    ----------
+    numbers : tuple of FittedNumber
+        In the order in which they were freed.
+    chi2_per_degree : float
+        Of all samples.
+    degrees : int
+        Degrees of freedom.
+    warnings, notes : tuple of str
+        One line each.
+    edges : tuple of DrawnEdge
+        Those that were fitted.
+    """
+
+    numbers: tuple[FittedNumber, ...]
+    chi2_per_degree: float
+    degrees: int
+    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+    edges: tuple[DrawnEdge, ...]
+
+
+Watch = Callable[[tuple[DrawnEdge, ...]], None]
+
+
+class CheckedWork(Work):
+    """An evaluation that stops when a check of the caller's raises."""
+
+    def __init__(self, policy: Policy, store: Store, check: Callable[[], None]) -> None:
+        super().__init__(policy, store)
+        self._check = check
+
+    def check(self) -> None:
+        """Raise `Cancelled` if the caller has requested a stop."""
+        self._check()
+
+
+def fit_to_picture(
+    task: FitTask, check: Callable[[], None], report: Callable[[str], None], watch: Watch
+) -> FitOutcome:
+    """Carry a fit out.
+
+    Raises
+    ------
+    ImagechainError
+        If the network is not complete, nothing is free, or the picture has no edge to fit to.
+    """
+    # Imported where it is used: the window opens without it.
+    from app.fit.picture_fit import fit_known_scene, fit_pictures
+    from core.chain.engine import Engine
+    from core.network.validation import check_network
+
+    check_network(task.network, library=task.library)
+    free = limited_parameters(task)
+    engine = Engine(task.library, Store(_HELD_BYTES))
+    plan = engine.plan(task.network, folder=task.folder)
+    work = CheckedWork(Policy(), engine.store, check)
+    report("picture")
+    pictures = _pictures(task.pictures)
+    check()
+    if not task.known_scene:
+        seen = _Paced(check, watch)
+        result = fit_pictures(
+            engine, plan, work, free=free, pictures=pictures, report=report, watch=seen
+        )
+        return _outcome(task, result)
+    if len(pictures.samples) > 1:
+        raise UsageError("a known scene is fitted to one picture, as each has its place in it")
+    try:
+        result = fit_known_scene(engine, plan, work, free=free, pictures=pictures, report=report)
+    except (UsageError, DataError) as error:
+        text = str(error).removeprefix("--known-scene: ")
+        raise UsageError(text.replace("--known-scene", "Known Scene")) from error
+    return _outcome(task, result)
+
+
+def limited_parameters(task: FitTask) -> tuple[FreeParameter, ...]:
+    """The free parameters with the limits that were set.
+
+    Raises
+    ------
+    UsageError
+        If one cannot be fitted, or its limits are none.
+    """
+    from app.fit.free_parameter import FREE, free_parameters
+
+    if not task.numbers:
+        raise UsageError("nothing is free: right-click a number on a panel, Free for a fit")
+    try:
+        free = free_parameters([one.port for one in task.numbers], task.network, task.library)
+    except ImagechainError as error:
+        raise UsageError(str(error).removeprefix(f"{FREE} ")) from error
+    limited = []
+    for one, parameter in zip(task.numbers, free, strict=True):
+        low = parameter.low if one.low is None else one.low
+        high = parameter.high if one.high is None else one.high
+        if not low < high:
+            raise UsageError(f"{one.port}: the low limit, {low:g}, must lie below {high:g}")
+        limited.append(replace(parameter, low=low, high=high))
+    return tuple(limited)
+
+
+class _Paced:
+    """Shows the edges as values change, no more often than can be seen."""
+
+    def __init__(self, check: Callable[[], None], watch: Watch) -> None:
+        self._check, self._watch = check, watch
+        self._next = 0.0
+
+    def __call__(self, patches: tuple[Patch, ...], edges: EdgesAt) -> None:
+        self._check()
+        now = time.monotonic()
+        if now >= self._next:
+            self._next = now + _PAUSE_S
+            self._watch(drawn_edges(patches, edges))
+
+
+def drawn_edges(patches: tuple[Patch, ...], edges: EdgesAt) -> tuple[DrawnEdge, ...]:
+    """All edges, to be drawn."""
+    drawn = []
+    for row, patch in enumerate(patches):
+        count = len(patch.value)
+        weight = edges.weight[row, :count]
+        spread = edges.spread[row, :count].copy()
+        with np.errstate(all="ignore"):
+            rest = edges.residual[row, :count] / weight / edges.step[row]
+        drawn.append(
+            DrawnEdge(patch.name, edges.distance[row, :count].copy(), spread + rest, spread)
+        )
+    return tuple(drawn)
+
+
+def _pictures(pictures: Pictures) -> FittedPictures:
+    from app.fit.picture_fit import FittedPictures, read_pictures
+
+    if not isinstance(pictures, ViewerPicture):
+        try:
+            return read_pictures(pictures)
+        except ImagechainError as error:
+            text, band, _ = str(error).partition(": name the one to measure, --band")
+            if not band:
+                raise
+            raise UsageError(f"{text}: show one of them in a viewer, and fit to that") from error
+    return FittedPictures((pictures.name,), (np.asarray(pictures.samples, np.float64),))
+
+
+def _outcome(task: FitTask, result: FitResult) -> FitOutcome:
+    fit = result.fit
+    numbers = tuple(
+        FittedNumber(number, one.value, one.sigma)
+        for number, one in zip(task.numbers, result.parameters, strict=True)
+    )
+    notes = result.notes if not isinstance(result.noise, str) or not result.noise else (
+        *result.notes, result.noise
+    )  # fmt: skip
+    edges = () if fit.edges is None else drawn_edges(fit.patches, fit.edges)
+    return FitOutcome(
+        numbers, result.chi2_per_degree, fit.misfit.degrees, result.warnings, notes, edges
+    )

@@ -1,0 +1,474 @@
+"""The fit dock: free parameters, a picture, and the edges of both as the values change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import floor, log10
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPen, QPolygonF
+from PySide6.QtWidgets import QComboBox, QLabel, QPlainTextEdit, QSplitter, QVBoxLayout, QWidget
+
+from app.editor.docks.fit_job import DrawnEdge, FitOutcome, FitTask, FittedNumber, fit_to_picture
+from app.editor.docks.free_table import FreeTable
+from app.editor.docks.measure_worker import (
+    Check,
+    MeasureWorker,
+    PictureDrops,
+    Pictures,
+    pictures_name,
+    pictures_text,
+)
+from app.editor.panels.illustrations.chart import Axis, Chart
+from app.editor.panels.illustrations.chart_widget import ChartWidget
+from app.editor.session import Session
+from app.editor.theme import Theme
+from app.editor.viewers.viewer import StatusLine
+from app.editor.widgets import FlowLayout, toggle_button, tool_button
+from core.editing.operations import Operation, Together, set_parameter
+from core.errors import ParameterError
+from core.modules.parameters import plain
+from core.network.network import Network
+
+_NO_PICTURE = "no picture"
+_NOTHING_FREE = "Right-click a number on a panel: Free for a fit"
+_SAID_HERE = "Fit says here how well the chain meets the picture, and what to be warned of"
+_NO_EDGES = "The picture was fitted as a whole, no edges by themselves"
+_TAKE = "Write all fitted values into the network, as one step that undo takes back"
+
+
+class FitView(QWidget):
+    """Fits in the background, and shows what that gives.
+
+    Signals
+    -------
+    file_wanted
+        The person is to be asked for a picture file.
+    """
+
+    file_wanted = Signal()
+    _seen = Signal(object, object)
+
+    def __init__(
+        self,
+        session: Session,
+        theme: Theme,
+        default_pictures: Callable[[], Pictures | None],
+        finish_typing: Callable[[], None],
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self.setObjectName("fit")
+        self.setAccessibleName("Fit to a picture")
+        self.theme = theme
+        self.outcome: FitOutcome | None = None
+        self._session = session
+        self._default, self._finish_typing = default_pictures, finish_typing
+        self._own: Pictures | None = None
+        self._fitted_to: Pictures | None = None
+        self._fitted_known = False
+        self._run: object | None = None
+        self._fits: list[Network] = []  # as fitted, and as the values were taken
+        self._edges: dict[str, DrawnEdge] = {}
+        self.worker = MeasureWorker(self)
+        self.drops = PictureDrops(self, self.choose_pictures)
+        self._build()
+        self._connect()
+        self.set_theme(theme)
+        self.show_state()
+
+    @property
+    def pictures(self) -> Pictures | None:
+        """Those that were chosen here, or else those that were measured last."""
+        return self._own if self._own is not None else self._default()
+
+    def choose_pictures(self, pictures: Pictures) -> None:
+        """Fit to these from now on."""
+        self._own = pictures
+        self.show_state()
+
+    # --- fitting -----------------------------------------------------------------------------
+
+    def begin(self) -> None:
+        """Fit the network as it stands."""
+        self._finish_typing()
+        session, pictures = self._session, self.pictures
+        if pictures is None:
+            self._say("choose a picture first", failed=True)
+            return
+        task = FitTask(
+            session.plain,
+            session.library,
+            session.folder,
+            session.free.all,
+            pictures,
+            known_scene=self.known.isChecked(),
+        )
+        run = self._run = object()
+
+        def watch(edges: tuple[DrawnEdge, ...]) -> None:
+            self._seen.emit(run, edges)
+
+        def job(check: Check, report: Callable[[str], None]) -> FitOutcome:
+            return fit_to_picture(task, check, report, watch)
+
+        self._show_outcome(None)
+        self._fits, self._fitted_to = [session.document.network], pictures
+        self._fitted_known = task.known_scene
+        self._say(f"Fitting to {pictures_name(pictures)} …")
+        self.worker.start(job)
+        self._show_buttons()
+
+    def cancel(self) -> None:
+        """Stop the fit."""
+        self.worker.cancel()
+
+    def close_worker(self) -> None:
+        """Stop the fit, and wait for its end."""
+        self._run = None
+        self.worker.close()
+
+    def forget(self) -> None:
+        """Stop the fit, and show nothing of it: another network is open."""
+        self._run = None
+        self.worker.drop()
+        self._show_outcome(None)
+        self.show_state()
+
+    def take(self) -> None:
+        """Write the values that are determined into the network, as one step."""
+        steps: list[Operation] = []
+        network = self._session.network
+        for one in self._determined:
+            node, name = one.number.place
+            declared = self._session.declared(node) if node in network.nodes else None
+            parameter = declared.parameter(name) if declared is not None else None
+            if parameter is None or name in network.nodes[node].linked:
+                why = "is not there any more" if parameter is None else "follows others now"
+                self._say(f"{one.number.port} {why}: nothing was taken", failed=True)
+                return
+            try:
+                value = plain(parameter.coerce(_rounded(one)))
+            except ParameterError as error:
+                self._say(f"{one.number.port}: {error.message}", failed=True)
+                return
+            steps.append(set_parameter(node, name, value))
+        if not steps:
+            return
+        self._session.end_gesture()
+        before = list(self._fits)
+        self._fits = []
+        self._session.do(Together(steps, "Take fitted values"))
+        self._fits = [*before, self._session.document.network]
+        self._say_result()
+
+    def network_changed(self) -> None:
+        """Show its values as they are now, and say where those fitted are of another one."""
+        self.table.write()
+        self._say_result()
+
+    # --- the widget --------------------------------------------------------------------------
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self.theme = theme
+        for part in (self.table, self.chart, self.status):
+            part.set_theme(theme)
+
+    def sizeHint(self) -> QSize:
+        """Room for a table with a chart beside it."""
+        line = self.fontMetrics().height()
+        return QSize(48 * line, 20 * line)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc stops the fit."""
+        if event.key() == Qt.Key.Key_Escape and self.worker.busy:
+            self.cancel()
+            event.accept()
+        else:
+            super().keyPressEvent(event)
+
+    def _build(self) -> None:
+        self.file = tool_button(
+            "fit.file",
+            "Pictures…",
+            "Choose pictures to fit to, or drop them here; without, those measured last count",
+            self,
+        )
+        self.name = QLabel(_NO_PICTURE, self)
+        self.name.setObjectName("fit.picture")
+        self.name.setTextFormat(Qt.TextFormat.PlainText)
+        self.name.setMinimumHeight(self.file.sizeHint().height())  # level with the buttons' texts
+        self.fit = tool_button("fit.begin", "Fit", "Fit the free parameters to the picture", self)
+        self.stop = tool_button("fit.cancel", "Cancel", "Stop the fit (Esc)", self)
+        self.taking = tool_button("fit.take", "Take Values", _TAKE, self)
+        self.known = toggle_button(
+            "fit.known",
+            "Known Scene",
+            "The network's source is the scene of the picture, which is fitted as a whole; else "
+            "ideal edges take its place where the picture has edges",
+            self,
+        )
+        self.remove = tool_button(
+            "fit.remove", "Remove", "Fix the marked parameter again (Del)", self
+        )
+        self.which = QComboBox(self)
+        self.which.setObjectName("fit.edges")
+        self.which.setAccessibleName("Which edge is drawn")
+        self.which.setToolTip("Which of the picture's edges is drawn")
+        self.which.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
+        bar = QWidget(self)
+        flow = FlowLayout(bar, across=4, down=2)
+        flow.setContentsMargins(4, 4, 4, 2)
+        for widget in (
+            *(
+                self.file,
+                self.known,
+                self.fit,
+                self.stop,
+                self.taking,
+                self.remove,
+                self.name,
+                self.which,
+            ),
+        ):
+            flow.addWidget(widget)
+        self.table = FreeTable(self._session, self.theme, self)
+        self.words = QPlainTextEdit(self)
+        self.words.setObjectName("fit.words")
+        self.words.setAccessibleName("What the fit says of itself")
+        self.words.setReadOnly(True)
+        self.words.setTabChangesFocus(True)
+        self.chart = SpreadChart(self.theme, self)
+        left = QSplitter(Qt.Orientation.Vertical, self)
+        left.addWidget(self.table)
+        left.addWidget(self.words)
+        halves = QSplitter(Qt.Orientation.Horizontal, self)
+        halves.addWidget(left)
+        halves.addWidget(self.chart)
+        for splitter in (left, halves):
+            splitter.setChildrenCollapsible(False)
+            splitter.setStretchFactor(0, 1)
+            splitter.setStretchFactor(1, 1)
+        self.status = StatusLine("fit", "What is fitted, or why not", "", self)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(1)
+        column.addWidget(bar)
+        column.addWidget(halves, 1)
+        column.addWidget(self.status)
+
+    def _connect(self) -> None:
+        self.file.clicked.connect(self.file_wanted)
+        self.fit.clicked.connect(self.begin)
+        self.known.toggled.connect(self.show_state)
+        self.stop.clicked.connect(self.cancel)
+        self.taking.clicked.connect(self.take)
+        self.remove.clicked.connect(self.table.remove_marked)
+        self.table.refused.connect(lambda text: self._say(text, failed=True))
+        self.table.itemSelectionChanged.connect(self._show_buttons)
+        self.which.currentIndexChanged.connect(self._show_edge)
+        self._seen.connect(self._show_on_the_way)
+        self.worker.progressed.connect(lambda text: self._say(f"Fitting: {text} …"))
+        self.worker.done.connect(self._done)
+        self.worker.failed.connect(self._fail)
+        self.worker.cancelled.connect(self._stopped)
+        self._session.free.changed.connect(self.show_state)
+        self._session.opened.connect(self.forget)
+        self._session.changed.connect(self._changed)
+
+    def show_state(self, *_: object) -> None:
+        """Show what is free, and the picture."""
+        self.table.write()
+        pictures = self.pictures
+        self.name.setText(_NO_PICTURE if pictures is None else pictures_name(pictures))
+        self.name.setToolTip("" if pictures is None else pictures_text(pictures))
+        count = len(self._session.free.all)
+        self.words.setPlaceholderText(_SAID_HERE if count else _NOTHING_FREE)
+        self.words.viewport().update()  # Qt does not draw it anew
+        self._show_buttons()
+        if self.outcome is not None:
+            self._say_result()
+        elif not self.worker.busy:
+            self._say(f"{count} free" if count else _NOTHING_FREE)
+
+    def _changed(self, *_: object) -> None:
+        self.network_changed()
+
+    @property
+    def _determined(self) -> list[FittedNumber]:
+        numbers = self.outcome.numbers if self.outcome is not None else ()
+        free = {one.place for one in self._session.free.all}
+        return [one for one in numbers if one.value is not None and one.number.place in free]
+
+    def _show_buttons(self) -> None:
+        busy, free = self.worker.busy, self._session.free.all
+        self.fit.setEnabled(not busy and bool(free) and self.pictures is not None)
+        self.stop.setEnabled(busy)
+        self.taking.setEnabled(not busy and bool(self._determined))
+        self.remove.setEnabled(bool(free) and self.table.currentRow() >= 0)
+        self.which.setVisible(self.which.count() > 1)
+
+    def _show_outcome(self, outcome: FitOutcome | None) -> None:
+        self.outcome = outcome
+        self.table.show_fitted(() if outcome is None else outcome.numbers)
+        lines = [] if outcome is None else _lines(outcome, self._fitted_to)
+        self.words.setPlainText("\n".join(lines))
+        self._show_edges(() if outcome is None else outcome.edges)
+
+    def _show_edges(self, edges: tuple[DrawnEdge, ...]) -> None:
+        """List them anew, with the one of the most samples chosen."""
+        self._edges = {one.name: one for one in edges}
+        self.which.blockSignals(True)
+        self.which.clear()
+        self.which.addItems(list(self._edges))
+        self.which.blockSignals(False)
+        if self._edges:
+            most = max(self._edges.values(), key=lambda one: len(one.distance))
+            self.which.setCurrentText(most.name)
+        self._show_edge()
+
+    def _show_edge(self, _index: int = 0) -> None:
+        why_none = _NO_EDGES if self.outcome is not None and self._fitted_known else ""
+        self.chart.show_edge(self._edges.get(self.which.currentText()), why_none)
+
+    def _show_on_the_way(self, run: object, drawn: object) -> None:
+        """Edges as the values change: the chosen one, if it is among them."""
+        edges: tuple[DrawnEdge, ...] = drawn  # type: ignore[assignment] # of the job
+        if run is not self._run or not self.worker.busy:
+            return
+        if {*self._edges} >= {one.name for one in edges}:
+            self._edges |= {one.name: one for one in edges}
+            self._show_edge()
+        else:
+            self._show_edges(edges)
+
+    def _done(self, outcome: object) -> None:
+        self._show_outcome(outcome)  # type: ignore[arg-type] # of the job
+        self._show_buttons()
+        self._say_result()
+
+    def _fail(self, text: str) -> None:
+        self._say(text, failed=True)
+        self._show_buttons()
+
+    def _stopped(self) -> None:
+        self._say("Stopped")
+        self._show_buttons()
+
+    @property
+    def _why_old(self) -> str:
+        """What has changed since the fit; empty where nothing has."""
+        session, outcome = self._session, self.outcome
+        now = session.document.network
+        fitted = {one.number.place for one in outcome.numbers} if outcome is not None else set()
+        if not any(now is one or now == one for one in self._fits):
+            return "to the network as it was before an edit"
+        if self._fitted_to is not None and self.pictures != self._fitted_to:
+            return f"to {pictures_name(self._fitted_to)}"
+        if self.known.isChecked() != self._fitted_known:
+            return f"with the scene {'' if self._fitted_known else 'not '}known"
+        if fitted != {one.place for one in session.free.all}:
+            return "while other parameters were free"
+        return ""
+
+    def _say_result(self) -> None:
+        outcome = self.outcome
+        if outcome is None or self.worker.busy:
+            return
+        if why := self._why_old:
+            self._say(f"Fitted {why}: fit again")
+            return
+        count = len(self._determined)
+        of = f"{count} of {len(outcome.numbers)} determined"
+        warned = len(outcome.warnings)
+        more = f", {warned} warning{'s' * (warned > 1)}" if warned else ""
+        self._say(f"{of}, χ² per degree of freedom {outcome.chi2_per_degree:.3g}{more}")
+
+    def _say(self, text: str, *, failed: bool = False) -> None:
+        self.status.show_text(text, failed=failed)
+
+
+def _lines(outcome: FitOutcome, pictures: Pictures | None) -> list[str]:
+    """What was fitted to, how well, warnings, and what was assumed."""
+    to = [] if pictures is None else [f"Fitted to {pictures_name(pictures)}."]
+    return [
+        *to,
+        f"χ² per degree of freedom {outcome.chi2_per_degree:.4g} ({outcome.degrees} degrees)",
+        *(f"Warning: {line}." for line in outcome.warnings),
+        *(f"{line[:1].upper()}{line[1:]}." for line in outcome.notes),
+    ]
+
+
+def _rounded(fitted: FittedNumber) -> float:
+    """Its value to a hundredth of its error: what lies beyond is no knowledge."""
+    value, sigma = float(fitted.value or 0.0), fitted.sigma
+    if sigma is None or not 0.0 < sigma < abs(value):
+        return value
+    return round(value, 2 - floor(log10(sigma)))
+
+
+# The samples of an edge and the chain's spread of it, in one small chart.
+
+_MOST = 3000  # samples that are drawn
+_LOW, _HIGH = -0.2, 1.2  # of the step
+_DOT = 2.0  # pixels
+
+
+class SpreadChart(ChartWidget):
+    """Draws samples as dots and the chain's spread as a line, over the distance from the edge."""
+
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(theme, width=24, height=14, parent=parent)
+        self.setObjectName("fit.spread")
+        self.setAccessibleName("Samples of the edge and the chain's spread")
+        self.setToolTip(
+            "Samples of the picture across the edge, from its dark level 0 to its bright one 1, "
+            "and what the chain gives there"
+        )
+        self.edge: DrawnEdge | None = None
+        self._why_none = ""
+
+    def show_edge(self, edge: DrawnEdge | None, why_none: str = "") -> None:
+        """Draw an edge; None draws an empty chart, with the reason if there is one."""
+        self.edge, self._why_none = edge, why_none
+        self.update()
+
+    def draw(self, painter: QPainter, area: QRectF) -> None:
+        """Draw the chart."""
+        edge = self.edge
+        reach = 8.0 if edge is None else max(1.0, float(np.abs(edge.distance).max(initial=0.0)))
+        x = Axis(-reach, reach, "distance from the edge (samples)")
+        y = Axis(_LOW, _HIGH, "share of the step")
+        chart = Chart(painter, area, x, y, self._theme)
+        if edge is not None:
+            self._paint(painter, chart, edge, x, y)
+        elif self._why_none:
+            painter.setPen(QColor(self._theme.faint_text))
+            flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+            painter.drawText(
+                chart.frame.adjusted(6, 4, -6, -4).toRect(), int(flags), self._why_none
+            )
+
+    def _paint(self, painter: QPainter, chart: Chart, edge: DrawnEdge, x: Axis, y: Axis) -> None:
+        samples, line = self._theme.faint_text, self._theme.curves[0]
+        order = np.argsort(edge.distance, kind="stable")
+        if len(order) > _MOST:
+            order = order[np.linspace(0, len(order) - 1, _MOST).astype(np.intp)]
+        distance, sample = edge.distance[order], edge.sample[order]
+        frame = chart.frame
+        across = frame.left() + x.share(distance) * frame.width()
+        along = frame.bottom() - y.share(sample) * frame.height()
+        good = np.isfinite(along)
+        points = map(QPointF, across[good].tolist(), along[good].tolist())
+        painter.save()
+        painter.setClipRect(frame)
+        pen = QPen(QColor(samples), _DOT)
+        pen.setCapStyle(Qt.PenCapStyle.RoundCap)
+        painter.setPen(pen)
+        painter.drawPoints(QPolygonF(list(points)))
+        painter.restore()
+        chart.curve(distance, edge.spread[order], line, width=2.0)
+        solid = Qt.PenStyle.SolidLine
+        chart.legend([("picture", samples, Qt.PenStyle.DotLine), ("chain", line, solid)])

@@ -1,0 +1,470 @@
+"""The measuring dock: a picture with its edges, the MTF they give, and the noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QComboBox, QSpinBox, QSplitter, QTabWidget, QVBoxLayout, QWidget
+
+from app.editor.docks.edge_canvas import EdgeCanvas
+from app.editor.docks.edge_table import EdgeTable, FigureTable, MtfChart, edge_words
+from app.editor.docks.measure_worker import (
+    Check,
+    MeasureWorker,
+    PictureDrops,
+    Pictures,
+    ViewerPicture,
+    pictures_name,
+)
+from app.editor.theme import Theme
+from app.editor.viewers.viewer import StatusLine
+from app.editor.widgets import FlowLayout, menu_button, toggle_button, tool_button
+from core.errors import UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
+    from core.network.network import Network
+
+
+_REMOVE, _USE = "Remove Edge", "Use Edge Again"
+
+
+@dataclass(frozen=True)
+class _Measuring:
+    """What is measured: its title, the pictures, and the network whose picture it is."""
+
+    title: str
+    pictures: Pictures
+    network: Network | None = None
+
+
+class MeasureView(QWidget):
+    """Measures pictures in the background, and shows what that gives.
+
+    Signals
+    -------
+    file_wanted, export_wanted
+        The person is to be asked for a picture file, or for where the results go.
+    message(kind, text)
+        For the window's status line.
+    source_changed
+        Other pictures are shown as measured.
+    """
+
+    file_wanted = Signal()
+    export_wanted = Signal()
+    message = Signal(str, str)
+    source_changed = Signal()
+
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("measure")
+        self.setAccessibleName("Measure a picture")
+        self.theme = theme
+        self.measured: PictureMeasurement | None = None
+        self.current = -1
+        self._shown: _Measuring | None = None
+        self._coming: _Measuring | None = None
+        self._now: Network | None = None
+        self._files: tuple[Path, ...] = ()
+        self.worker = MeasureWorker(self)
+        self.drops = PictureDrops(self, self.measure_files)
+        self._build()
+        self._connect()
+        self.set_theme(theme)
+        self._show_all()
+
+    # --- measuring ---------------------------------------------------------------------------
+
+    @property
+    def source(self) -> Pictures | None:
+        """The pictures whose measurement is shown."""
+        return self._shown.pictures if self._shown is not None else None
+
+    def measure_viewer(self, picture: ViewerPicture, network: Network) -> None:
+        """Measure what a viewer shows of a network, which is the one that is open."""
+        self._now, self._files = network, ()
+
+        def job(check: Check, report: Callable[[str], None]) -> PictureMeasurement:
+            # Imported where it is used: the window opens without it.
+            from app.measure.measuring import Source, measure_pictures
+            from app.measure.picture_measurement import MeasuredFile
+
+            rows, columns = picture.samples.shape
+            samples = picture.samples.astype("float64")
+            return measure_pictures(
+                Source(
+                    (MeasuredFile(picture.name, 1, picture.taken),), [samples],
+                    rows, columns, picture.unit, picture.interval_x_mrad, picture.interval_y_mrad,
+                ),
+                check=check,
+                report=report,
+            )  # fmt: skip
+
+        self._begin(_Measuring(picture.name, picture, network), job)
+
+    def measure_files(self, paths: tuple[Path, ...]) -> None:
+        """Measure pictures, or files of frames, of one camera together."""
+        self._files = paths
+        with QSignalBlocker(self.band):
+            self.band.choose_none()
+        self._measure_band()
+
+    def _measure_band(self, *_: object) -> None:
+        """Measure the band of the files that were chosen last."""
+        paths, band = self._files, self.band.band
+        if not paths:
+            return
+
+        def job(check: Check, report: Callable[[str], None]) -> PictureMeasurement:
+            from app.measure.measuring import MeasurePlan, measure_files
+
+            plan = MeasurePlan(paths, band=band)
+            try:
+                return measure_files(plan, check=check, report=report)
+            except UsageError as error:
+                raise UsageError(str(error).replace("--band", "Band")) from error
+
+        of = "" if band is None else f", band {band}"
+        self._begin(_Measuring(pictures_name(paths) + of, paths), job)
+
+    def export(self, path: Path) -> None:
+        """Write the results in the background: .json, .csv or .html, by the name."""
+        measured = self.measured
+        if measured is None:
+            self._say("nothing is measured yet", failed=True)
+            return
+
+        def job(_check: Check, _report: Callable[[str], None]) -> Path:
+            from app.measure.measurement_writing import write_measurement
+
+            write_measurement(measured, path)
+            return path
+
+        self._say(f"Writing {path.name} …")
+        self._start(job)
+
+    def cancel(self) -> None:
+        """Stop what goes on."""
+        self.worker.cancel()
+
+    def close_worker(self) -> None:
+        """Stop what goes on, and wait for its end."""
+        self.worker.close()
+
+    # --- edges -------------------------------------------------------------------------------
+
+    @property
+    def edge(self) -> MeasuredEdge | None:
+        """The chosen edge."""
+        if self.measured is None or not 0 <= self.current < len(self.measured.edges):
+            return None
+        return self.measured.edges[self.current]
+
+    def choose(self, place: int) -> None:
+        """Show an edge's MTF, and why it is used or not; -1 shows none."""
+        self.current = place
+        edge = self.edge
+        if edge is not None and edge.picture < self.pictures.count():
+            self.pictures.setCurrentIndex(edge.picture)
+        self.canvas.choose(place)
+        self.table.choose(place)
+        self._show_edge()
+
+    def step(self, by: int) -> None:
+        """Choose the next edge, or the one before."""
+        if self.measured is not None and self.measured.edges:
+            self.choose((self.current + by) % len(self.measured.edges))
+
+    def switch(self) -> None:
+        """Remove the chosen edge, or use it again; the MTF is pooled anew."""
+        measured, edge = self.measured, self.edge
+        if measured is None or edge is None:
+            return
+        if edge.curve is None:
+            self._say(f"edge {self.current + 1} cannot be used: {edge.why_not}", failed=True)
+            return
+        from app.measure.measuring import with_edge, without_edge
+
+        change = without_edge if edge.used else with_edge
+        self.measured = change(measured, self.current)
+        self._show_all()
+
+    def network_changed(self, network: Network) -> None:
+        """Say whether a measured picture is that of the network as it stands."""
+        before, self._now = self._title, network
+        if self._title != before and not self.worker.busy:
+            self._say_shown()
+
+    def forget_network(self) -> None:
+        """Show no picture of a network any more: another one is open."""
+        if self._coming is not None and self._coming.network is not None:
+            self.worker.drop()
+            self._coming = None
+        if self._shown is not None and self._shown.network is not None:
+            self._shown, self.measured, self.current = None, None, -1
+            self._fill_pictures()
+            self._show_all()
+            self.source_changed.emit()
+        self._show_buttons()
+
+    # --- the widget --------------------------------------------------------------------------
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self.theme = theme
+        for part in (self.canvas, self.chart, self.table, self.figures, self.status):
+            part.set_theme(theme)
+
+    def sizeHint(self) -> QSize:
+        """Room for a picture with its curves beside it."""
+        line = self.fontMetrics().height()
+        return QSize(48 * line, 22 * line)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc stops what goes on."""
+        if event.key() == Qt.Key.Key_Escape and self.worker.busy:
+            self.cancel()
+            event.accept()
+        else:
+            super().keyPressEvent(event)
+
+    def _build(self) -> None:
+        self.viewer = menu_button(
+            "measure.viewer", "Measure Viewer", "Measure the picture of a viewer (Ctrl+M)", self
+        )
+        self.file = tool_button(
+            "measure.file",
+            "Files…",
+            "Measure a picture, or several of one camera together; or drop them here",
+            self,
+        )
+        self.stop = tool_button("measure.cancel", "Cancel", "Stop measuring (Esc)", self)
+        self.remove = tool_button("measure.remove", _REMOVE, "", self)
+        self.fit = tool_button("measure.fit", "Fit", "Show all of the picture (F)", self)
+        self.unused = toggle_button(
+            "measure.unused", "Not Used", "Draw edges that cannot be used, too", self
+        )
+        self.unused.setChecked(True)
+        self.write = tool_button(
+            "measure.export",
+            "Export…",
+            "Write all (.json), MTF (.csv), a page (.html)",
+            self,
+        )
+        self.pictures = QComboBox(self)
+        self.pictures.setObjectName("measure.pictures")
+        self.pictures.setAccessibleName("Which of the pictures is shown")
+        self.pictures.setToolTip("Which of the pictures is shown")
+        self.band = BandBox(self)
+        bar = QWidget(self)
+        flow = FlowLayout(bar, across=4, down=2)
+        flow.setContentsMargins(4, 4, 4, 2)
+        buttons = (
+            self.viewer,
+            self.file,
+            self.stop,
+            self.remove,
+            self.unused,
+            self.fit,
+            self.write,
+        )
+        for widget in (*buttons, self.band, self.pictures):
+            flow.addWidget(widget)
+        self.canvas = EdgeCanvas(self.theme, self)
+        self.chart = MtfChart(self.theme, self)
+        self.table = EdgeTable(self.theme, self)
+        self.figures = FigureTable(self.theme, self)
+        self.tabs = QTabWidget(self)
+        self.tabs.setObjectName("measure.tabs")
+        self.tabs.setDocumentMode(True)
+        self.tabs.addTab(self.figures, "Figures")
+        self.tabs.addTab(self.table, "Edges")
+        self.tabs.tabBar().setAccessibleName("Figures or edges")
+        right = QSplitter(Qt.Orientation.Vertical, self)
+        right.addWidget(self.chart)
+        right.addWidget(self.tabs)
+        right.setStretchFactor(0, 1)
+        right.setStretchFactor(1, 1)
+        self.halves = QSplitter(Qt.Orientation.Horizontal, self)
+        self.halves.addWidget(self.canvas)
+        self.halves.addWidget(right)
+        self.halves.setStretchFactor(0, 5)
+        self.halves.setStretchFactor(1, 4)
+        for splitter in (right, self.halves):
+            splitter.setChildrenCollapsible(False)
+        self.status = StatusLine("measure", "What is measured, or why not", "Values there", self)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(1)
+        column.addWidget(bar)
+        column.addWidget(self.halves, 1)
+        column.addWidget(self.status)
+
+    def _connect(self) -> None:
+        self.file.clicked.connect(self.file_wanted)
+        self.band.valueChanged.connect(self._measure_band)
+        self.write.clicked.connect(self.export_wanted)
+        self.stop.clicked.connect(self.cancel)
+        self.remove.clicked.connect(self.switch)
+        self.fit.clicked.connect(self.canvas.fit)
+        self.unused.toggled.connect(self.canvas.show_unused)
+        self.canvas.chosen.connect(self.choose)
+        self.canvas.stepped.connect(self.step)
+        self.canvas.switched.connect(self.switch)
+        self.table.chosen.connect(self.choose)
+        self.table.switched.connect(self.switch)
+        self.chart.read.connect(self.status.show_more)
+        self.pictures.currentIndexChanged.connect(self._show_picture)
+        self.worker.progressed.connect(lambda text: self._say(f"Measuring {text} …"))
+        self.worker.done.connect(self._take)
+        self.worker.failed.connect(self._fail)
+        self.worker.cancelled.connect(self._stopped)
+
+    @property
+    def _title(self) -> str:
+        if self._shown is None:
+            return ""
+        title, own = self._shown.title, self._shown.network
+        old = own is not None and own is not self._now and own != self._now
+        return f"{title}, as it was before an edit" if old else title
+
+    def _begin(self, measuring: _Measuring, job: Callable[..., object]) -> None:
+        self._say(f"Measuring {measuring.title} …")
+        self._start(job)
+        self._coming = measuring
+
+    def _start(self, job: Callable[..., object]) -> None:
+        self.worker.start(job)
+        self._show_buttons()
+
+    def _take(self, result: object) -> None:
+        if isinstance(result, Path):
+            self.message.emit("note", f"wrote {result}")
+            self._say_shown()
+            self._show_buttons()
+            return
+        self.measured = result  # type: ignore[assignment] # a measurement
+        self._shown, self._coming = self._coming, None
+        self.current = -1
+        self._fill_pictures()
+        self._show_all()
+        used = [place for place, edge in enumerate(self.measured.edges) if edge.used]  # type: ignore[union-attr]
+        self.choose(used[0] if used else -1)
+        self.source_changed.emit()
+
+    def _fail(self, text: str) -> None:
+        kept = self._coming is not None and self._shown is not None
+        self._coming = None
+        self._say(f"{text}; shown is {self._title}" if kept else text, failed=True)
+        self._show_buttons()
+
+    def _stopped(self) -> None:
+        self._coming = None
+        self._say(f"Stopped; shown is {self._title}" if self._shown is not None else "Stopped")
+        self._show_buttons()
+
+    def _fill_pictures(self) -> None:
+        measured = self.measured
+        self.pictures.blockSignals(True)
+        self.pictures.clear()
+        if measured is not None:
+            for preview in measured.previews:
+                self.pictures.addItem(Path(measured.picture_name(preview.picture)).name)
+        self.pictures.blockSignals(False)
+        self.pictures.setVisible(self.pictures.count() > 1)
+
+    def _show_picture(self, _index: int) -> None:
+        self.canvas.show_measured(self.measured, max(0, self.pictures.currentIndex()))
+
+    def _show_all(self) -> None:
+        """Show the measurement as it is now."""
+        measured = self.measured
+        self._show_picture(0)
+        self.pictures.setVisible(self.pictures.count() > 1)
+        self.table.show_measured(measured)
+        if measured is None:
+            self.figures.show_rows((), ())
+        else:
+            from app.measure.measurement_text import figure_rows, frame_rows, remarks
+
+            rows = [*figure_rows(measured), *frame_rows(measured)]
+            notes = [f"{line[:1].upper()}{line[1:]}." for line in remarks(measured)]
+            self.figures.show_rows(rows, notes)
+        self._show_edge()
+
+    def _show_edge(self) -> None:
+        measured, edge = self.measured, self.edge
+        self.chart.show_measured(measured, edge)
+        self._show_buttons()
+        self._say_shown()
+
+    def _say_shown(self) -> None:
+        measured, edge = self.measured, self.edge
+        if measured is None:
+            self._say("")
+        elif edge is None:
+            used = sum(one.used for one in measured.edges)
+            self._say(f"{self._title}: {used} of {len(measured.edges)} edges are used")
+        else:
+            self._say(f"{self._title}: {edge_words(self.current, edge)}")
+
+    def _show_buttons(self) -> None:
+        edge, busy = self.edge, self.worker.busy
+        self.stop.setEnabled(busy)
+        self.band.setEnabled(bool(self._files))
+        self.write.setEnabled(self.measured is not None and not busy)
+        self.fit.setEnabled(self.measured is not None)
+        self.remove.setEnabled(edge is not None and edge.curve is not None)
+        again = edge is not None and not edge.used
+        self.remove.setText(_USE if again and edge is not None and edge.curve else _REMOVE)
+        about = (
+            "Choose an edge on the picture or in the list first"
+            if edge is None
+            else f"Edge {self.current + 1} cannot be used: {edge.why_not}"
+            if edge.curve is None
+            else "Use the chosen edge in the pooled MTF again (Del)"
+            if again
+            else "Leave the chosen edge out of the pooled MTF (Del)"
+        )
+        self.remove.setToolTip(about)
+        self.remove.setAccessibleName(about)
+
+    def _say(self, text: str, *, failed: bool = False) -> None:
+        self.status.show_text(text, failed=failed)
+
+
+# Which band of files that have several is measured.
+
+_NONE, _MOST = -1, 99_999
+_ABOUT = "Which band of files that have several, counted from 0"
+
+
+class BandBox(QSpinBox):
+    """A band's number, or none: the only band there is, or the luminance of colours."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("measure.band")
+        self.setAccessibleName(_ABOUT)
+        self.setToolTip(f"{_ABOUT}; –: their only one, or the luminance of colours")
+        self.setRange(_NONE, _MOST)
+        self.setPrefix("Band ")
+        self.setSpecialValueText("Band –")
+        self.setKeyboardTracking(False)
+        self.setValue(_NONE)
+
+    @property
+    def band(self) -> int | None:
+        """The band; None where none is chosen."""
+        return None if self.value() == _NONE else self.value()
+
+    def choose_none(self) -> None:
+        """As at first."""
+        self.setValue(_NONE)

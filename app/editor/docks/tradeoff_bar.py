@@ -1,0 +1,150 @@
+"""The controls above the charts of a trade-off."""
+
+from __future__ import annotations
+
+import math
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QLabel, QSpinBox, QWidget
+
+from app.editor.docks.tradeoff_ranges import LEAST_COUNT, MOST_COUNT, ParameterChoice, Span
+from app.editor.number_text import shown_number
+from app.editor.panels.fields.type_in import TypeIn
+from app.editor.session import Session
+from app.editor.theme import Theme
+from app.editor.widgets import Check, FlowLayout, toggle_button, tool_button
+
+
+class TradeOffBar(QWidget):
+    """What is varied, from where to where, and in how many steps.
+
+    Signals
+    -------
+    span_chosen(span)
+        Another range.
+    refused(text)
+        Why what was typed is no range.
+    """
+
+    span_chosen = Signal(object)
+    refused = Signal(str)
+
+    def __init__(self, session: Session, theme: Theme, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.theme = theme
+        self._span: Span | None = None
+        self.parameter = ParameterChoice(session, self)
+        self.parameter.setObjectName("tradeoff.parameter")
+        self.parameter.setAccessibleName("Parameter that is varied")
+        self.low = self._edit("low", "From")
+        self.high = self._edit("high", "To")
+        self.log = Check("log", self)
+        self.log.setObjectName("tradeoff.log")
+        self.log.setAccessibleName("Equal factors instead of equal steps")
+        self.log.setToolTip("Equal factors instead of equal steps")
+        self.count = QSpinBox(self)
+        self.count.setObjectName("tradeoff.count")
+        self.count.setAccessibleName("Number of points")
+        self.count.setToolTip("Number of points")
+        self.count.setSuffix(" points")
+        self.count.setRange(LEAST_COUNT, MOST_COUNT)
+        self.count.setKeyboardTracking(False)
+        self.figures = toggle_button("tradeoff.choose", "Figures", "Choose which are shown", self)
+        self.figures.setChecked(True)
+        self.export = tool_button(
+            "tradeoff.export",
+            "Export…",
+            "Write the charts (.png .svg), or their numbers (.csv)",
+            self,
+        )
+        layout = FlowLayout(self, across=4, down=2)
+        layout.setContentsMargins(2, 2, 2, 0)
+        for widget in (
+            self.parameter,
+            self._word("from"),
+            self.low,
+            self._word("to"),
+            self.high,
+            self.log,
+            self.count,
+            self.figures,
+            self.export,
+        ):
+            layout.addWidget(widget)
+        self.low.committed.connect(self._typed)
+        self.high.committed.connect(self._typed)
+        self.low.given_up.connect(self._show)
+        self.high.given_up.connect(self._show)
+        self.log.clicked.connect(self._typed)
+        self.count.valueChanged.connect(self._typed)
+        self.show_span(None)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        self.theme = theme
+
+    def show_span(self, span: Span | None) -> None:
+        """Show a range, without a signal."""
+        self._span = span
+        self._show()
+
+    def _show(self) -> None:
+        span = self._span
+        for widget in (self.low, self.high, self.log, self.count):
+            widget.setEnabled(span is not None)
+            widget.blockSignals(True)
+        self.low.show_text("" if span is None else shown_number(span.low))
+        self.high.show_text("" if span is None else shown_number(span.high))
+        if span is not None:
+            self.log.setChecked(span.log)
+            self.count.setValue(span.count)
+        for widget in (self.low, self.high, self.log, self.count):
+            widget.blockSignals(False)
+
+    def _word(self, text: str) -> QLabel:
+        """In the middle of its line."""
+        word = QLabel(text, self)
+        word.setMinimumHeight(self.low.sizeHint().height())
+        return word
+
+    def _edit(self, name: str, description: str) -> TypeIn:
+        edit = TypeIn(self, characters=7)
+        edit.setFixedWidth(edit.minimumWidth())
+        edit.setObjectName(f"tradeoff.{name}")
+        edit.setAccessibleName(f"{description}, end of the range")
+        edit.setToolTip(f"{description} this value")
+        return edit
+
+    def _typed(self, *_: object) -> None:
+        if self._span is None:
+            return
+        low, high = (_number(edit.text()) for edit in (self.low, self.high))
+        for edit, number in ((self.low, low), (self.high, high)):
+            if number is None:
+                edit.mark(self.theme.error)
+                self.refused.emit(f"{edit.text()!r:.40} is no number")
+                return
+        assert low is not None
+        assert high is not None
+        log = self.log.isChecked()
+        if not low < high or (log and low <= 0):
+            self.low.mark(self.theme.error)
+            self.refused.emit(
+                f"from {shown_number(low)} to {shown_number(high)}: the first must be "
+                + ("above 0 for equal factors" if low < high else "below the second")
+            )
+            return
+        self.show_span(Span(low, high, log, self._span.whole, self.count.value()))
+        self.span_chosen.emit(self._span)
+
+
+def _number(text: str) -> float | None:
+    """A number as people type it; None where it is none."""
+    text = text.strip().replace("\N{MINUS SIGN}", "-")
+    if text.count(",") == 1 and "." not in text:
+        text = text.replace(",", ".")
+    try:
+        number = float(text) if "_" not in text else math.nan
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None

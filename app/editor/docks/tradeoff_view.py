@@ -1,0 +1,503 @@
+"""The trade-off dock: figures of merit as a parameter moves, following every edit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from PySide6.QtCore import QSize, Signal
+from PySide6.QtGui import QShowEvent
+from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
+
+from app.editor.declared_text import label_of
+from app.editor.docks.tradeoff_bar import TradeOffBar
+from app.editor.docks.tradeoff_plots import Graph, TradeOffPlots
+from app.editor.docks.tradeoff_ranges import Span, Varied, coarse_first, usual_span
+from app.editor.evaluation.queries import Answer, Passing, Query
+from app.editor.number_text import shown_figure, shown_number
+from app.editor.session import Session, renamed_node
+from app.editor.theme import Theme
+from app.editor.viewers.network_ports import ports_depend_on
+from app.editor.viewers.plot.curve_list import CurveList
+from app.editor.viewers.plot.plot_export import export_picture
+from app.editor.viewers.plot.plot_looks import thick
+from app.editor.viewers.plot.plotted_lines import Entry
+from app.editor.viewers.viewer import StatusLine, Viewer
+from app.run.output import ancestors
+from app.run.responses import SYSTEM, TOTAL
+from app.tradeoff.tradeoff_drawing import csv_text
+from app.tradeoff.tradeoff_figures import SENSORS, Figure, figures_of, makes_pixels
+from app.tradeoff.tradeoff_results import Curve, Point, Results, TradeOff, parameter_of
+from app.tradeoff.values import Variation
+from core.atomic import write_text
+from core.chain.engine import Plan
+from core.errors import UsageError
+from core.evaluation.store import Store
+from core.evaluation.work import Work
+from core.network.network import Network
+from nodes.files.common.file_format import CSV
+
+if TYPE_CHECKING:
+    from app.editor.evaluation.evaluator import Evaluator
+
+
+_LIST_SHARE = 0.36  # of the width, at most
+_HINT = "Choose a parameter above, or Trade off… in the menu of its value on a control panel"
+_HOW = "The upright line is the value now: drag it, or press ← and →"
+
+
+class TradeOffView(Viewer):
+    """Charts of figures over one parameter.
+
+    Parameters
+    ----------
+    session, evaluator, theme, parent
+        As for `Viewer`.
+
+    Signals
+    -------
+    export_wanted
+        The person is to be asked where to write it.
+    """
+
+    export_wanted = Signal()
+
+    def __init__(
+        self,
+        session: Session,
+        evaluator: Evaluator | None,
+        theme: Theme,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(session, evaluator, theme, "tradeoff", parent)
+        self.setAccessibleName("Trade-off")
+        self.varied = Varied(session, self._refuse)
+        self.span: Span | None = None
+        self.figures: dict[str, Figure] = {}
+        self.points: dict[Any, Point] = {}
+        self._chosen: frozenset[str] | None = None
+        self._state: Hashable = None
+        self._known: Hashable = None
+        self._listed = False
+        self._build()
+        self.set_theme(theme)
+        self._follow_nodes()
+
+    @property
+    def shown(self) -> tuple[Figure, ...]:
+        """The figures that are ticked."""
+        chosen = self._chosen
+        if chosen is None:
+            chosen = first_figures(self.session.network, self.figures, self.varied.analysis)
+        return tuple(figure for name, figure in self.figures.items() if name in chosen)
+
+    def trade_off(self, node: str, name: str) -> None:
+        """Vary this parameter, over its usual range."""
+        self.varied.choose(node, name)
+        parameter = self.varied.parameter
+        if parameter is None:
+            self.varied.choose()
+        self.span = usual_span(parameter, self.varied.present) if parameter else None
+        self._fill_list()
+        self.list.scroll_to_ticked()
+        self._begin()
+
+    def set_span(self, span: Any) -> None:
+        """Vary it over another range."""
+        self.span = span
+        self._begin()
+
+    def show_figure(self, name: str, on: bool) -> None:
+        """Show a figure, or leave it out."""
+        chosen = {figure.text for figure in self.shown}
+        self._chosen = frozenset(chosen | {name} if on else chosen - {name})
+        self._fill_list()
+        self._draw()
+        self.ask()
+
+    def export(self, path: Path) -> None:
+        """Write the charts (``.png``, ``.svg``), or their numbers (``.csv``).
+
+        Raises
+        ------
+        ImagechainError
+            If nothing is shown, or it cannot be written.
+        """
+        parameter, span = self.varied.parameter, self.span
+        if parameter is None or span is None or not self.points:
+            raise UsageError("the trade-off shows no curves")
+        if CSV.matches(path):
+            points = tuple(self.points[value] for value in sorted(self.points))
+            varied = Variation(self.varied.node, parameter, tuple(sorted(self.points)), span.log)
+            curves = (Curve(None, points),)
+            results = Results(self.session.network.name, varied, None, self.shown, curves)
+            write_text(path, csv_text(results))
+        else:
+            export_picture(self.plots, path)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self.theme = theme
+        self.bar.set_theme(theme)
+        self.plots.set_theme(theme)
+        self.status.set_theme(theme)
+        self._fill_list()
+
+    def queries(self) -> tuple[Query, ...]:
+        """The figures over the range in parts, the coarsest first."""
+        if self.span is None or not self.shown:
+            return ()
+        varied, parts = self.varied, coarse_first(self.span.values())
+        return tuple(TradeOffQuery(varied.node, varied.name, part, self.shown) for part in parts)
+
+    def take(self, answer: Answer) -> None:
+        """Put points with those of the same network; with another one, all begins anew."""
+        if answer.error is not None:
+            self.status.show_text(str(answer.error), failed=True)
+            return
+        part: Part = answer.value
+        if part.state != self._state:
+            self._state = part.state
+            self.points.clear()
+        self.points.update({point.value: point for point in part.points})
+        self._draw()
+
+    def follow(self, before: Network, after: Network) -> None:
+        """Move the mark; follow nodes that are renamed."""
+        old, new = renamed_node(before, after) or ("", "")
+        if old and self._chosen is not None:
+            self._chosen = frozenset(renamed(name, old, new) for name in self._chosen)
+        if old and old == self.varied.node:
+            self.varied.choose(new, self.varied.name)
+        if ports_depend_on(after) != self._known:
+            self._follow_nodes()
+        self._show_mark()
+
+    def follow_opening(self) -> None:
+        """Vary nothing of another document."""
+        self._chosen = None
+        self.varied.choose()
+        self.span = None
+        self._follow_nodes()
+
+    def sizeHint(self) -> QSize:
+        """Room for some charts."""
+        width, line = self.fontMetrics().averageCharWidth(), self.fontMetrics().height()
+        return QSize(75 * width, 20 * line)
+
+    def _build(self) -> None:
+        self.bar = TradeOffBar(self.session, self.theme, self)
+        self.plots = TradeOffPlots(self.theme, self)
+        self.list = CurveList(self)
+        self.list.setObjectName("tradeoff.figures")
+        self.list.setAccessibleName("Figures that are shown")
+        self.status = StatusLine(self.owner, "What could not be computed", "Values there", self)
+        beside = QHBoxLayout()
+        beside.setSpacing(2)
+        beside.addWidget(self.plots, 1)
+        beside.addWidget(self.list, 0)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(1)
+        layout.addWidget(self.bar)
+        layout.addLayout(beside, 1)
+        layout.addWidget(self.status)
+        self.plots.show_hint(_HINT)
+        self.bar.parameter.chosen.connect(self.trade_off)
+        self.bar.span_chosen.connect(self.set_span)
+        self.bar.refused.connect(self._refuse)
+        self.bar.figures.toggled.connect(self.list.setVisible)
+        self.bar.export.clicked.connect(self.export_wanted)
+        self.list.toggled.connect(self.show_figure)
+        self.plots.moved.connect(self.varied.move)
+        self.plots.stepped.connect(self._step)
+        self.plots.released.connect(self.varied.release)
+        self.plots.pointed.connect(self._read)
+
+    def _begin(self) -> None:
+        """Show what is varied now, and post its queries."""
+        self.points.clear()
+        self._state = None
+        self.bar.parameter.choose(self.varied.node, self.varied.name)
+        self.bar.show_span(self.span)
+        self._show_mark()
+        self._draw()
+        self.ask()
+
+    def _follow_nodes(self) -> None:
+        network = self.session.network
+        self._known = ports_depend_on(network)
+        self.figures = in_order(figures_of(network, self.session.library), network)
+        if self.varied.parameter is None:
+            self.varied.choose()
+            self.span = None
+        self._fill_list()
+        self._begin()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """List the figures, which takes long where there are thousands."""
+        super().showEvent(event)
+        if not self._listed:
+            self._fill_list()
+            self.list.scroll_to_ticked()
+
+    def _fill_list(self) -> None:
+        """List the figures, once they are seen."""
+        self._listed = self.isVisible()
+        if not self._listed:
+            return
+        every = tuple(self.figures.values())
+        titles = listed_titles(every)
+        entries = [Entry(one.text, title) for one, title in zip(every, titles, strict=True)]
+        names = [figure.text for figure in self.shown]
+        colours = self.theme.curves
+        pens = {name: thick(colours[n % len(colours)], 2) for n, name in enumerate(names)}
+        other = thick(self.theme.base, 2)
+        self.list.fill(entries, names, lambda name: pens.get(name, other))
+        most = int(_LIST_SHARE * max(self.width(), self.sizeHint().width()))
+        self.list.setFixedWidth(min(self.list.sizeHint().width(), most))
+
+    def _draw(self) -> None:
+        shown = self.shown
+        if self.span is None:
+            self.plots.show_graphs((), None, "")
+            self.plots.show_hint(_HINT)
+            self.status.show_text("")
+            return
+        self.plots.show_hint("" if shown else "No figure is ticked")
+        values = sorted(self.points)
+        x = np.array(values, np.float64)
+        graphs = []
+        for figure in shown:
+            numbers = [self.points[value].figures.get(figure.text, math.nan) for value in values]
+            y = np.array(numbers, np.float64)
+            y[~np.isfinite(y)] = np.nan
+            graphs.append(Graph(figure.text, title_of(figure, shown), x, y))
+        self.plots.show_graphs(graphs, self.span, self.varied.label)
+        self._show_gaps()
+
+    def _show_gaps(self) -> None:
+        """Show how many values have a gap, and why the first has."""
+        names = [figure.text for figure in self.shown]
+        gaps = [
+            next(reason for name, reason in point.reasons.items() if name in names)
+            for _, point in sorted(self.points.items())
+            if any(name in names for name in point.reasons)
+        ]
+        many = f"{len(gaps)} of {len(self.points)} values have gaps: {gaps[0]}" if gaps else _HOW
+        self.status.show_text(many, failed=bool(gaps))
+
+    def _show_mark(self) -> None:
+        self.plots.show_mark(self.varied.present)
+
+    def _step(self, steps: int) -> None:
+        if self.span is not None:
+            self.varied.step(self.span, steps)
+
+    def _read(self, value: float) -> None:
+        """Show the figures there, between points on straight lines."""
+        parts = []
+        for graph in self.plots.graphs if math.isfinite(value) else ():
+            if len(graph.x) and graph.x[0] <= value <= graph.x[-1]:
+                height = float(np.interp(value, graph.x, graph.y))
+                if math.isfinite(height):
+                    parts.append(f"{graph.title.partition(' (')[0]} {shown_figure(height)}")
+        place = f"{shown_number(value)}: {', '.join(parts)}" if parts else ""
+        self.status.show_more(place.replace("-", "\N{MINUS SIGN}"))
+
+    def _refuse(self, text: str) -> None:
+        self.status.show_text(text, failed=True)
+
+
+# What the dock calls figures, and which it shows at first.
+
+_PLACES: Mapping[str, str] = MappingProxyType(
+    {
+        "mtf_nyquist_x": "MTF ξ, samples' Nyquist",
+        "mtf_nyquist_y": "MTF η, samples' Nyquist",
+        "mtf_half_nyquist_x": "MTF ξ, ½ samples' Nyquist",
+        "mtf_half_nyquist_y": "MTF η, ½ samples' Nyquist",
+        "mtf_pixel_nyquist_x": "MTF ξ, pixels' Nyquist",
+        "mtf_pixel_nyquist_y": "MTF η, pixels' Nyquist",
+        "mtf_half_pixel_nyquist_x": "MTF ξ, ½ pixels' Nyquist",
+        "mtf_half_pixel_nyquist_y": "MTF η, ½ pixels' Nyquist",
+    }
+)
+_FIRST = ("netd_system_K", "netd_K", "snr")
+_RANGES = ("mrtd_x_K", "detection_range_km", "ttp_range_km")
+_MOST_FIRST = 2
+
+
+def title_of(figure: Figure, shown: Sequence[Figure] = ()) -> str:
+    """Name and unit; with its node where others are called alike."""
+    if figure.is_total:
+        return _PLACES[figure.name] + (", with electronics" if figure.node == SYSTEM else "")
+    unit = f" ({figure.unit})" if figure.unit else ""
+    alike = [other for other in shown if other.name == figure.name and other.node != figure.node]
+    return f"{label_of(figure.name)}{unit}" + (f", {figure.node}" if alike else "")
+
+
+def listed_titles(every: Sequence[Figure]) -> list[str]:
+    """As the list of all figures has them: without their units."""
+    nodes: dict[str, set[str]] = {}
+    for figure in every:
+        nodes.setdefault(figure.name, set()).add(figure.node)
+    one_each = {name: min(having) for name, having in nodes.items()}
+    other = {name: max(having) for name, having in nodes.items()}
+    titles = []
+    for figure in every:  # two of a name are enough to see whether others are called alike
+        ends = (one_each[figure.name], other[figure.name])
+        alike = [replace(figure, node=node) for node in ends]
+        titles.append(title_of(replace(figure, unit=""), alike))
+    return titles
+
+
+def renamed(text: str, old: str, new: str) -> str:
+    """A figure's name, ``NODE.NAME``, once a node is called otherwise."""
+    node, _, name = text.rpartition(".")
+    return f"{new}.{name}" if node == old else text
+
+
+def in_order(known: Mapping[str, Figure], network: Network) -> dict[str, Figure]:
+    """The figures as they are listed: what is looked for most comes first."""
+
+    def place(figure: Figure) -> int:
+        if figure.is_total:
+            return 1 if figure.node == TOTAL else 2
+        return 0 if network.nodes[figure.node].module in SENSORS else 3
+
+    return {figure.text: figure for figure in sorted(known.values(), key=place)}
+
+
+def first_figures(
+    network: Network, known: Mapping[str, Figure], analysis: str = ""
+) -> frozenset[str]:
+    """What is shown until the person chooses: NETD, SNR and the MTF at the pixels' Nyquist.
+
+    Where a network makes no pixels, it is the MTF at the samples' Nyquist.
+
+    They do not hang on the parameters of an analysis node: where one of these is varied, it is
+    that node's own figures.
+    """
+    own = [figure.text for figure in known.values() if analysis and figure.node == analysis]
+    if own:
+        ranges = [name for name in own if name.rpartition(".")[2] in _RANGES]
+        return frozenset(ranges or own[:_MOST_FIRST])
+    electronics = [node.id for node in network.nodes.values() if node.module in SENSORS]
+    names = [f"{electronics[-1]}.{name}" for name in _FIRST] if electronics else []
+    of_pixels = "pixel_" if makes_pixels(network) else ""
+    names += [f"{TOTAL}.mtf_{of_pixels}nyquist_x"]
+    if not electronics:
+        names += [f"{TOTAL}.mtf_half_{of_pixels}nyquist_x"]
+    known_names = [name for name in names if name in known]
+    return frozenset(known_names or list(known)[:_MOST_FIRST])
+
+
+# The query of the trade-off dock: figures at some values of a parameter.
+
+
+@dataclass(frozen=True)
+class Part:
+    """Points of a trade-off; parts of the same `state` of the network belong together."""
+
+    state: Hashable
+    points: tuple[Point, ...]
+
+
+@dataclass(frozen=True)
+class TradeOffQuery(Query):
+    """Figures at these values; the whole trade-off takes several queries, the coarsest first.
+
+    Nodes that are held back count as generated.
+    """
+
+    waits: ClassVar[bool] = True
+
+    node: str
+    parameter: str
+    values: tuple[Any, ...]
+    figures: tuple[Figure, ...]
+
+    def key(self, plan: Plan) -> Hashable:
+        """The question, and all that the figures depend on but the parameter that is varied."""
+        return self, self._state(plan)
+
+    def answer(self, passing: Passing) -> Part:
+        """The points."""
+        parameter_of(passing.plan.network, passing.engine, self.node, self.parameter)
+        sweep = TradeOff(self.node, self.parameter, self.values, self.figures)
+        points = sweep.points(passing.engine, passing.plan, SideWork(passing.work))
+        return Part(self._state(passing.plan), tuple(points))
+
+    def _state(self, plan: Plan) -> Hashable:
+        network = plan.network
+        names = {figure.node for figure in self.figures if not figure.is_total}
+        # A parameter that follows others hangs on nodes that no wire leads from.
+        linked = any(node.linked for node in network.nodes.values())
+        everything = linked or any(f.is_total for f in self.figures)
+        asked = {*network.nodes} if everything else set(names)
+        for name in names & {*network.nodes}:
+            asked |= ancestors(network, name)
+        nodes = []
+        for name in sorted({*asked, self.node} & {*network.nodes}):
+            node = network.nodes[name]
+            params = {n: v for n, v in node.params.items() if (name, n) != self._varied}
+            values = repr(sorted(params.items()))
+            nodes.append((name, node.module, node.disabled, values, _files(plan, name)))
+        links = tuple(link for link in network.links if link.target in asked)
+        return tuple(nodes), links, network.seed, network.marked, repr(network.extra.get("final"))
+
+    @property
+    def _varied(self) -> tuple[str, str]:
+        return self.node, self.parameter
+
+
+def _files(plan: Plan, name: str) -> Hashable:
+    """What a node that reads a file has found there: it may have changed meanwhile."""
+    planned = plan.nodes.get(name)
+    if planned is None or planned.module is None:
+        return None
+    if not any(isinstance(value, Path) for value in planned.module.values().values()):
+        return None
+    return tuple(getattr(value, "key", None) for value in planned.outputs.values())
+
+
+# Work beside a pass: it takes what the pass's store holds, and leaves nothing there.
+#
+# The pictures of a trade-off would crowd out what the next edit of the network needs again.
+
+SIDE_BYTES = 1 << 28
+
+
+class SideStore(Store):
+    """Finds values in another store too, and keeps its own to itself."""
+
+    def __init__(self, base: Store, capacity_bytes: int = SIDE_BYTES) -> None:
+        super().__init__(capacity_bytes)
+        self._base = base
+
+    def peek(self, key: str, default: Any = None) -> Any:
+        """The value of `key` in either store, else `default`."""
+        value = super().peek(key, self)
+        return self._base.peek(key, default) if value is self else value
+
+
+class SideWork(Work):
+    """An evaluation that stops when another one is to stop, and works in its threads."""
+
+    def __init__(self, work: Work) -> None:
+        super().__init__(work.policy, SideStore(work.store))
+        self._work = work
+
+    def check(self) -> None:
+        """Raise `Cancelled` if the other one is to stop."""
+        self._work.check()
+
+    def for_each(self, function: Callable[[Any], None], items: Sequence[Any]) -> None:
+        """Call `function` on every item, in the other one's threads."""
+        self._work.for_each(function, items)

@@ -1,1 +1,0 @@
-"""What is planned in the place of the network: with nodes held back, or with smaller pictures."""

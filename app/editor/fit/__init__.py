@@ -1,1 +1,0 @@
-"""The dock that fits free parameters of the network to a picture."""

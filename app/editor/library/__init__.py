@@ -1,1 +1,0 @@
-"""The library's modules, to be searched and chosen."""

@@ -1,0 +1,285 @@
+"""The library's modules by group, to be searched, dragged to the canvas or chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
+
+from PySide6.QtCore import QEvent, QMimeData, QModelIndex, QObject, Qt, Signal
+from PySide6.QtGui import QColor, QIcon, QKeyEvent, QPixmap
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QLineEdit,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.editor.theme import DARK, Theme
+from app.run.preset_files import KEY, Preset
+from core.modules.declaration import Declaration, Library, declaration
+from nodes.files.formats import readable_formats
+
+PRESETS, OWN_PRESETS = "Presets", "Own presets"
+MIME_TYPE = "application/x-imagechain-module"
+_KEY = Qt.ItemDataRole.UserRole
+
+
+def module_data(key: str) -> QMimeData:
+    """What is dragged of a module."""
+    data = QMimeData()
+    data.setData(MIME_TYPE, key.encode())
+    return data
+
+
+def dragged_module(data: QMimeData) -> str:
+    """The key of the module that is dragged; empty if it is something else."""
+    if not data.hasFormat(MIME_TYPE):
+        return ""
+    return bytes(data.data(MIME_TYPE).data()).decode(errors="replace")
+
+
+class ModuleTree(QTreeWidget):
+    """Groups with their modules, which can be dragged."""
+
+    def __init__(self, library: Library, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setObjectName("library.tree")
+        self.setAccessibleName("Modules of the library")
+        self.setHeaderHidden(True)
+        self.setRootIsDecorated(True)
+        self.setUniformRowHeights(True)
+        self.setDragEnabled(True)
+        self.setDragDropMode(QAbstractItemView.DragDropMode.DragOnly)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setIndentation(self.fontMetrics().averageCharWidth() * 2)
+        self._texts: dict[str, tuple[str, str, str]] = {}
+        self.modules: dict[str, QTreeWidgetItem] = {}
+        self.groups: dict[str, QTreeWidgetItem] = {}
+        for key, module in library.items():
+            declared = declaration(module)
+            item = QTreeWidgetItem(self._group(declared.group), [declared.title])
+            item.setData(0, _KEY, key)
+            self._texts[key] = found_by(declared)
+            item.setToolTip(0, declared.text)
+            item.setFlags(_ENABLED | _SELECTABLE | Qt.ItemFlag.ItemIsDragEnabled)
+            self.modules[key] = item
+        self.expandAll()
+
+    def show_presets(self, presets: Sequence[Preset]) -> None:
+        """List these presets below all modules, in place of those listed before."""
+        for key in [key for key in self.modules if key.startswith(KEY)]:
+            item = self.modules.pop(key)
+            self._texts.pop(key)
+            item.parent().removeChild(item)
+        for preset in presets:
+            group = self._group(PRESETS if not preset.own else OWN_PRESETS)
+            item = QTreeWidgetItem(group, [preset.title])
+            item.setData(0, _KEY, preset.key)
+            item.setToolTip(0, preset.text)
+            item.setDisabled(bool(preset.problem))
+            if not preset.problem:
+                item.setFlags(_ENABLED | _SELECTABLE | Qt.ItemFlag.ItemIsDragEnabled)
+            self._texts[preset.key] = (
+                f"{preset.title} {PRESETS}".casefold(),
+                preset.text.casefold(),
+                "",
+            )
+            self.modules[preset.key] = item
+            group.setExpanded(True)
+
+    def mimeTypes(self) -> list[str]:
+        """What it can give."""
+        return [MIME_TYPE]
+
+    def mimeData(self, items: Iterable[QTreeWidgetItem]) -> QMimeData:
+        """The module of what is dragged."""
+        keys = [item.data(0, _KEY) for item in items if item.data(0, _KEY)]
+        return module_data(keys[0]) if keys else QMimeData()
+
+    def current_key(self) -> str:
+        """The key of the marked module; empty on a group."""
+        item = self.currentItem()
+        return str(item.data(0, _KEY) or "") if item is not None else ""
+
+    def show_matching(self, typed: str) -> None:
+        """Show the modules in which every word occurs, and mark the one that fits best."""
+        ranks = {key: rank(texts, typed) for key, texts in self._texts.items()}
+        for key, item in self.modules.items():
+            item.setHidden(ranks[key] is None)
+        for group in self.groups.values():
+            there = [group.child(row) for row in range(group.childCount())]
+            group.setHidden(all(item.isHidden() for item in there))
+            if typed.strip():
+                group.setExpanded(True)
+        matches = {key: place for key, place in ranks.items() if place}
+        if matches:
+            self.setCurrentItem(self.modules[min(matches, key=lambda key: matches[key])])
+        else:
+            self.clearSelection()
+            self.setCurrentIndex(QModelIndex())
+
+    def _group(self, name: str) -> QTreeWidgetItem:
+        if name not in self.groups:
+            item = QTreeWidgetItem(self, [name])
+            item.setFlags(_ENABLED | _SELECTABLE)
+            font = self.font()
+            font.setBold(True)
+            item.setFont(0, font)
+            self.groups[name] = item
+        return self.groups[name]
+
+
+class LibraryView(QWidget):
+    """The library with a field that filters it.
+
+    Parameters
+    ----------
+    library : mapping
+        Modules by key.
+    parent : QWidget, optional
+        What it stands in.
+    presets : sequence of Preset
+        Macros to be listed below the modules.
+
+    Signals
+    -------
+    chosen(key)
+        A module or preset was double-clicked, or Enter pressed on it.
+    """
+
+    chosen = Signal(str)
+
+    def __init__(
+        self, library: Library, parent: QWidget | None = None, presets: Sequence[Preset] = ()
+    ) -> None:
+        super().__init__(parent)
+        self.setObjectName("library")
+        self.setAccessibleName("Library")
+        self.filter = QLineEdit()
+        self.filter.setObjectName("library.filter")
+        self.filter.setAccessibleName("Filter the modules")
+        self.filter.setPlaceholderText("Filter")
+        self.filter.setClearButtonEnabled(True)
+        self.tree = ModuleTree(library, self)
+        self.tree.show_presets(presets)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(4, 4, 4, 4)
+        layout.setSpacing(4)
+        layout.addWidget(self.filter)
+        layout.addWidget(self.tree)
+        self.setFocusProxy(self.filter)
+        self.filter.textChanged.connect(self.tree.show_matching)
+        self.filter.returnPressed.connect(self._choose_current)
+        self.filter.installEventFilter(self)
+        self.tree.itemActivated.connect(self._choose_item)
+        self.set_theme(DARK)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Mark the groups in these colours."""
+        self._theme = theme
+        side = self.fontMetrics().height() // 2
+        for name, item in self.tree.groups.items():
+            mark = QPixmap(side, side)
+            mark.fill(QColor(theme.groups.get(name, theme.line)))
+            item.setIcon(0, QIcon(mark))
+
+    def show_presets(self, presets: Sequence[Preset]) -> None:
+        """List these presets and no others."""
+        self.tree.show_presets(presets)
+        self.tree.show_matching(self.filter.text())
+        self.set_theme(self._theme)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """From the field, the arrows lead to the modules."""
+        if (
+            watched is self.filter
+            and isinstance(event, QKeyEvent)
+            and event.type() == QEvent.Type.KeyPress
+            and event.key() in (Qt.Key.Key_Down, Qt.Key.Key_Up)
+        ):
+            if not self.tree.current_key():
+                shown = [item for item in self.tree.modules.values() if not item.isHidden()]
+                for item in shown[:1]:
+                    self.tree.setCurrentItem(item)
+            else:
+                self.tree.event(event)
+            self.tree.setFocus(Qt.FocusReason.OtherFocusReason)
+            return True
+        return bool(super().eventFilter(watched, event))
+
+    def _choose_current(self) -> None:
+        key = self.tree.current_key()
+        if key:
+            self.chosen.emit(key)
+
+    def _choose_item(self, item: QTreeWidgetItem, _column: int) -> None:
+        key = item.data(0, _KEY)
+        if key:
+            self.chosen.emit(key)
+
+
+_ENABLED, _SELECTABLE = Qt.ItemFlag.ItemIsEnabled, Qt.ItemFlag.ItemIsSelectable
+
+
+# Search of modules by typed words.
+
+# Common names that are not in its title or summary.
+_ALSO: Mapping[str, str] = MappingProxyType(
+    {
+        "test_scene": "target bars edge star chart",
+        "read_image": f"load import DIRSIG {readable_formats()}",
+        "mtf_file": "measured lens curve CSV Zemax data sheet bring import",
+        "psf_file": "point spread function measured lens star Zemax bring import kernel",
+        "poisson_noise": "photon shot noise",
+        "periodic_noise": "banding striping coherent",
+        "line_of_sight": "LOS PSD power spectral density stabilization pointing drift",
+        "tdi_mtf": "time delay integration clock smear",
+        "focal_plane": "FPA camera electrons QE well ADC NETD NEI PRNU DSNU dark current TDI",
+        "noise_3d_source": "1/f flicker NVESD",
+        "microbolometer": "uncooled LWIR thermal detector VOx",
+        "nuc": "FPN shutter flat field calibration gain offset",
+        "electronics_noise": "banding striping fixed pattern FPN NUC ADC",
+        "mtf_slices": "OTF plot",
+        "measured_mtf": "ROI region of interest knife edge ESF LSF SFR ISO 12233",
+        "image_quality": "NIIRS RER interpretability",
+        "figures_of_merit": "Johnson TTP FLIR92 NVTherm target",
+        "noise_budget": "share contribution breakdown",
+        "noise_3d": "3D fixed pattern FPN banding striping",
+        "compare_images": "difference RMSE PSNR",
+        "spatial_blur": "PSF kernel",
+        "camera_geometry": "roll pitch yaw panoramic GSD resample",
+        "line_by_line": "panoramic mixed",
+    }
+)
+
+
+def found_by(declared: Declaration) -> tuple[str, str, str]:
+    """Texts in which a typed word is looked for, those that count most first."""
+    readouts = " ".join(readout.name.replace("_", " ") for readout in declared.readouts)
+    texts = (
+        f"{declared.title}\n{declared.key}\n{declared.group}",
+        declared.summary,
+        f"{_ALSO.get(declared.key, '')} {readouts}",
+    )
+    names, summary, further = (text.casefold() for text in texts)
+    return names, summary, further
+
+
+def rank(texts: tuple[str, str, str], typed: str) -> int | None:
+    """How well typed words fit, 1 the best; 0 where none is typed, None where one does not occur.
+
+    1 where they are the whole title or key, in any order; then in how many texts all are found.
+    """
+    words = typed.casefold().split()
+    if not words:
+        return 0
+    names = (line.replace("_", " ").split() for line in texts[0].splitlines()[:2])
+    if any(sorted(words) == sorted(name) for name in names):
+        return 1
+    for count in range(1, len(texts) + 1):
+        known = " ".join(texts[:count])
+        if all(word in known for word in words):
+            return count + 1
+    return None

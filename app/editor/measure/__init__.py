@@ -1,1 +1,0 @@
-"""Measuring a picture in the window: its edges, MTF and noise."""

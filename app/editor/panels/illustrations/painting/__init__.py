@@ -1,1 +1,0 @@
-"""Painting small charts, pupils and wavefronts."""

@@ -1,1 +1,0 @@
-"""What illustrations need computed, and the answers ready to be drawn."""

@@ -1,1 +1,0 @@
-"""Recovery files: work that survives a crash."""

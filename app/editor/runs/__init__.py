@@ -1,1 +1,0 @@
-"""Runs that go on in the background while one edits."""

@@ -1,1 +1,0 @@
-"""Snapshots: kept states of the network, compared with the present one in pictures and figures."""

@@ -1,1 +1,0 @@
-"""The trade-off dock: figures of merit as a parameter moves, live."""

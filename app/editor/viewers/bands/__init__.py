@@ -1,1 +1,0 @@
-"""Bands of wavelength in an image viewer: which are shown, and the spectrum of a sample."""

@@ -1,1 +1,0 @@
-"""Figures of the sensor as a strip and as tables."""

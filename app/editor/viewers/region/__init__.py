@@ -1,1 +1,0 @@
-"""A region drawn on a picture, and moved there."""

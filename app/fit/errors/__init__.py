@@ -1,1 +1,0 @@
-"""Errors of a fit where its linearized model alone would be too sure."""

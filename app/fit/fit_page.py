@@ -1,0 +1,383 @@
+"""A fit as one page that needs no other file."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.fit.edge_fit import EdgesAt
+from app.fit.fit_result import FitResult, NoiseComparison
+from app.fit.scene_match import SceneFit
+from app.measure.measurement_text import with_error
+from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
+from app.report.drawing.picture_drawing import COLOURS, figure
+from app.report.drawing.printed_numbers import number
+from app.report.html_page import html_page
+from app.run.readout_tables import columns, number_text
+from core.names import in_line
+
+_CHI2 = "χ² per degree".replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> str:
+    """The page as HTML; `network` and `pictures` are names for its title."""
+    first = Path(pictures[0]).name
+    more = f" and {len(pictures) - 1} more" if len(pictures) > 1 else ""
+    title = f"{network} fitted to {first}{more}"
+    misfit = result.fit.misfit
+    lines = [*(f"Warning: {line}." for line in result.warnings), *(f"{n}." for n in result.notes)]
+    blocks: list[Block] = [
+        Heading(1, title),
+        Text(
+            # No-break spaces: what belongs together stays in one line.
+            f"{_fitted(result)}, {misfit.degrees} degrees of freedom, "
+            f"{_CHI2}\N{NO-BREAK SPACE}{number(_short(result.chi2_per_degree))} (1: nothing but "
+            "noise is left).",
+            "lead",
+        ),
+        Grid(
+            ("parameter", "value, with its standard error", "unit", "in the network before"),
+            [_row(result, index) for index in range(len(result.parameters))],
+            numbers=(1, 3),
+            kind="fitted",
+        ),
+        *([Items(tuple(f"{line[:1].upper()}{line[1:]}" for line in lines))] if lines else []),
+        *_combinations(result),
+        *_correlation(result),
+        *_pictures(result),
+        *_noise(result),
+    ]
+    return html_page(title, blocks)
+
+
+def _fitted(result: FitResult) -> str:
+    if result.scene is not None:
+        return "The whole picture"
+    count = len(result.fit.patches)
+    shape = number(_short(result.fit.misfit.shape_per_degree))
+    edges = "1 edge" if count == 1 else f"{count} edges"
+    return f"{edges} (what is left in their shape: {_CHI2}\N{NO-BREAK SPACE}{shape})"
+
+
+def _pictures(result: FitResult) -> list[Block]:
+    """What of the picture was fitted, beside what the network gives."""
+    if result.scene is not None:
+        caption = (
+            "The picture, the fitted network's where the picture has it, and the difference in "
+            "standard deviations of the noise."
+        )
+        return [Heading(2, "Picture"), Drawn(scene_png(result.scene), caption, "pictures compared")]
+    return [
+        Heading(2, "Edges"),
+        Drawn(
+            patches_png(result),
+            "Patches of the picture as they are, as the fitted network gives them, and the "
+            "difference in standard deviations of the noise: grain alone where the network is "
+            "right, a pattern along the edge where it lacks something. Above, the direction of the "
+            "normal.",
+            "real and simulated patches",
+        ),
+        Drawn(
+            spreads_png(result),
+            "a: samples by their distance from the edge, from the dark level 0 to the bright one "
+            "1, with the spread of the fitted chain. b: means of what is left over a quarter of a "
+            "sample; noise alone would lie about 0 within its errors.",
+            "edges overlaid and residuals",
+        ),
+        *_table(result),
+    ]
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.4g}")
+
+
+def _row(result: FitResult, index: int) -> tuple[str, ...]:
+    one, before = result.parameters[index], number(result.fit.free[index].present)
+    value = NOT_DETERMINED if one.value is None else with_error(one.value, one.sigma)
+    return one.port, value, one.unit, before
+
+
+def _combinations(result: FitResult) -> list[Block]:
+    if not result.combinations:
+        return []
+    rows = [(one.text, with_error(one.value, one.sigma), one.unit) for one in result.combinations]
+    heads = ("combination", "value, with its standard error", "unit")
+    return [
+        Heading(2, "Known of parameters that cannot be told apart"),
+        Grid(heads, rows, numbers=(1,), kind="fitted"),
+    ]
+
+
+def _correlation(result: FitResult) -> list[Block]:
+    known = [i for i, one in enumerate(result.parameters) if one.value is not None]
+    names = [result.parameters[i].port for i in known]
+    if len(names) < 2:
+        return []
+    rows = [
+        (name, *(f"{value:.3f}" if math.isfinite(value) else "" for value in row[known]))
+        for name, row in zip(names, result.correlation[known], strict=True)
+    ]
+    numbers = tuple(range(1, len(names) + 1))
+    return [Heading(2, "Correlation of errors"), Grid(("", *names), rows, numbers=numbers)]
+
+
+def _table(result: FitResult) -> list[Block]:
+    drawn = set(drawn_edges(result))
+    rows = []
+    for index, patch in enumerate(result.fit.patches):
+        chi2 = float(edges_of(result).residual[index] @ edges_of(result).residual[index])
+        rows.append(
+            (
+                f"{index + 1}{'' if index in drawn else ' (not drawn)'}",
+                f"{patch.x:.1f}",
+                f"{patch.y:.1f}",
+                f"{patch.angle_deg:.1f}",
+                str(len(patch.value)),
+                number(_short(float(edges_of(result).step[index]))),
+                f"{chi2 / len(patch.value):.3f}",
+            )
+        )
+    heads = ("edge", "column", "row", "normal (°)", "samples", "step", "χ² per sample")
+    return [Grid(heads, rows, numbers=tuple(range(1, 7)))]
+
+
+def _noise(result: FitResult) -> list[Block]:
+    if not result.noise:
+        return []
+    blocks: list[Block] = [Heading(2, "Noise")]
+    if not isinstance(result.noise, NoiseComparison):
+        return [*blocks, Text(f"{result.noise[:1].upper()}{result.noise[1:]}.")]
+    how = "fitted at once with the edges" if result.noise.fitted else "no free parameter changes it"
+    caption = (
+        "Variance of a sample in flat areas over their level, with its error, and what the "
+        f"network's noise budget predicts there ({how})."
+    )
+    return [*blocks, Drawn(noise_png(result.noise), caption, "noise over the level")]
+
+
+# Figures of a fit: real and simulated patches, edges overlaid, residuals, noise over the level.
+
+Matrix = NDArray[np.float64]
+Vector = NDArray[np.float64]
+
+MOST = 6  # edges that are drawn
+_BIN = 0.25  # samples
+_WIDE = 4.0  # deviations of a residual's grey levels
+
+
+def drawn_edges(result: FitResult) -> list[int]:
+    """Edges of all directions, no more than are drawn."""
+    patches = result.fit.patches
+    order = np.argsort([patch.angle_deg % 180.0 for patch in patches], kind="stable")
+    places = np.linspace(0, len(order) - 1, min(MOST, len(order))).astype(np.intp)
+    return [int(order[place]) for place in places]
+
+
+def edges_of(result: FitResult) -> EdgesAt:
+    """The edges of a fit that has some."""
+    assert result.fit.edges is not None
+    return result.fit.edges
+
+
+def scene_png(scene: SceneFit) -> bytes:
+    """The real picture, the simulated one, and their difference."""
+    rows, columns = scene.real.shape
+    with figure(10.0, min(3.6 * rows / columns, 8.0) + 0.5) as (drawn, out):
+        axes = drawn.subplots(1, 3)
+        low, high = (float(v) for v in np.quantile(scene.real, (0.001, 0.999)))
+        left = (scene.real - scene.simulated) / scene.noise_sigma
+        for axis, values, ends, words in (
+            (axes[0], scene.real, (low, high), "real"),
+            (axes[1], scene.simulated, (low, high), "simulated"),
+            (axes[2], left, (-_WIDE, _WIDE), "difference, ±4 σ"),
+        ):
+            axis.imshow(values, cmap="gray", vmin=ends[0], vmax=ends[1], interpolation="nearest")
+            axis.set_title(words, fontsize=10)
+            axis.set_xticks([])
+            axis.set_yticks([])
+            axis.grid(visible=False)
+    return out.getvalue()
+
+
+def patches_png(result: FitResult) -> bytes:
+    """For each edge drawn: the real patch, the simulated one, and what is left."""
+    edges = drawn_edges(result)
+    with figure(1.7 * len(edges) + 0.8, 5.6) as (drawn, out):
+        axes = drawn.subplots(3, len(edges), squeeze=False)
+        for column, edge in enumerate(edges):
+            patch, at = result.fit.patches[edge], edges_of(result)
+            count = len(patch.value)
+            model, left = at.model[edge, :count], at.residual[edge, :count]
+            low, high = float(patch.value.min()), float(patch.value.max())
+            for axis, values, ends in (
+                (axes[0, column], patch.value, (low, high)),
+                (axes[1, column], model, (low, high)),
+                (axes[2, column], left, (-_WIDE, _WIDE)),
+            ):
+                axis.imshow(
+                    _image(patch.row, patch.column, values), cmap="gray", vmin=ends[0],
+                    vmax=ends[1], interpolation="nearest",
+                )  # fmt: skip
+                axis.set_xticks([])
+                axis.set_yticks([])
+                axis.grid(visible=False)
+            axes[0, column].set_title(f"{edge + 1}: {patch.angle_deg:.0f}°", fontsize=9)
+        for row, words in enumerate(("real", "simulated", "difference, ±4 σ")):
+            axes[row, 0].set_ylabel(words)
+    return out.getvalue()
+
+
+def spreads_png(result: FitResult) -> bytes:
+    """Samples of the edges over their distance, with the chain's spread, and means of the rest."""
+    edges = drawn_edges(result)
+    with figure(10.0, 2.1 * len(edges) + 0.6) as (drawn, out):
+        axes = drawn.subplots(len(edges), 2, squeeze=False, sharex=True)
+        for row, edge in enumerate(edges):
+            patch, at = result.fit.patches[edge], edges_of(result)
+            count = len(patch.value)
+            distance, spread = at.distance[edge, :count], at.spread[edge, :count]
+            rest = at.residual[edge, :count] / at.weight[edge, :count] / at.step[edge]
+            left, right = axes[row]
+            left.plot(distance, spread + rest, ".", ms=1.5, color="#9aa5b1", zorder=1)
+            order = np.argsort(distance)
+            left.plot(distance[order], spread[order], color=COLOURS[0], lw=1.4, zorder=2)
+            left.set_ylabel(f"edge {edge + 1}")
+            place, mean, error = _means(distance, rest)
+            right.errorbar(place, mean, error, fmt=".", ms=3, lw=0.8, color=COLOURS[0])
+            right.axhline(0.0, color="#555555", lw=0.8)
+        axes[0, 0].set_title("a. Samples and the fitted spread (of the step)", fontsize=10)
+        axes[0, 1].set_title("b. Mean of what is left, with its error", fontsize=10)
+        for axis in axes[-1]:
+            axis.set_xlabel("distance along the normal (samples)")
+    return out.getvalue()
+
+
+def noise_png(noise: NoiseComparison) -> bytes:
+    """Variance of a sample over the level, measured and by the network."""
+    level = np.array([one.level for one in noise.measured])
+    order = np.argsort(level)
+    variance = np.array([one.variance for one in noise.measured])
+    error = np.array([one.variance_error for one in noise.measured])
+    predicted = np.array(noise.predicted)
+    with figure(6.5, 3.6) as (drawn, out):
+        axis = drawn.subplots()
+        axis.errorbar(level, variance, error, fmt="o", ms=3, color=COLOURS[0], label="picture")
+        axis.plot(level[order], predicted[order], color=COLOURS[1], label="network")
+        axis.set_xlabel("level")
+        axis.set_ylabel("variance of a sample")
+        axis.legend()
+    return out.getvalue()
+
+
+def _image(row: NDArray[np.intp], column: NDArray[np.intp], values: Vector) -> Matrix:
+    made = np.full((int(np.ptp(row)) + 1, int(np.ptp(column)) + 1), np.nan)
+    made[row - row.min(), column - column.min()] = values
+    return made
+
+
+def _means(distance: Vector, rest: Vector) -> tuple[Vector, Vector, Vector]:
+    """Means over equal distances: place, mean and standard error."""
+    place = np.floor(distance / _BIN).astype(np.intp)
+    first = int(place.min())
+    count = np.bincount(place - first)
+    kept = count >= 4
+    total = np.bincount(place - first, rest)
+    square = np.bincount(place - first, rest**2)
+    number = count[kept].astype(np.float64)
+    mean = total[kept] / number
+    variance = np.maximum(square[kept] / number - mean**2, 0.0)
+    middle = np.asarray((np.flatnonzero(kept) + first + 0.5) * _BIN, np.float64)
+    error = np.asarray(np.sqrt(variance / (number - 1.0)), np.float64)
+    return middle, np.asarray(mean, np.float64), error
+
+
+# A fit's result as a JSON file.
+
+
+def fit_json(result: FitResult) -> str:
+    """The text of the file; what is not known is null."""
+    content: dict[str, Any] = {
+        "format": "imagechain-fit",
+        "version": 1,
+        "parameters": {
+            p.port: {"value": p.value, "sigma": p.sigma, "unit": p.unit} for p in result.parameters
+        },
+        "correlation": [[_number(value) for value in row] for row in result.correlation],
+        "chi2_per_degree": _number(result.chi2_per_degree),
+        "combinations": [
+            {
+                "expression": one.text,
+                "value": _number(one.value),
+                "sigma": _number(one.sigma),
+                "unit": one.unit,
+            }
+            for one in result.combinations
+        ],
+        "warnings": list(result.warnings),
+        "notes": list(result.notes),
+    }
+    if isinstance(result.noise, NoiseComparison):
+        content["noise"] = {
+            "fitted": result.noise.fitted,
+            "levels": [
+                {
+                    "level": one.level,
+                    "variance": one.variance,
+                    "variance_error": one.variance_error,
+                    "predicted": predicted,
+                }
+                for one, predicted in zip(
+                    result.noise.measured, result.noise.predicted, strict=True
+                )
+            ],
+        }
+    elif result.noise:
+        content["noise"] = {"reason": result.noise}
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+# A fit in rows of figures and lines of words, for the terminal and for a script.
+
+NOT_DETERMINED = "not determined"
+_LARGE = 100.0
+
+
+def parameter_rows(result: FitResult) -> list[tuple[str, str, str]]:
+    """Name, value with its standard error, and unit of each parameter; then what combinations."""
+    rows = [
+        (
+            one.port,
+            NOT_DETERMINED if one.value is None else with_error(one.value, one.sigma),
+            "" if one.value is None else one.unit,
+        )
+        for one in result.parameters
+    ]
+    rows += [(one.text, with_error(one.value, one.sigma), one.unit) for one in result.combinations]
+    return rows
+
+
+def fit_text(result: FitResult) -> str:
+    """The whole fit, as `imagechain fit` prints it."""
+    chi2 = result.chi2_per_degree
+    lines = [
+        f"chi² per degree of freedom  {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'}  "
+        f"(of {result.fit.misfit.degrees} degrees; 1: nothing but noise is left)"
+    ]
+    if isinstance(result.noise, NoiseComparison):
+        how = "fitted too" if result.noise.fitted else "of the network as it is"
+        ratio = number_text(float(f"{result.noise.ratio:.4g}"))
+        lines.append(f"noise predicted over measured  {ratio}  ({how})")
+    elif result.noise:
+        lines.append(result.noise)
+    lines += [*result.notes, *(f"warning: {line}" for line in result.warnings)]
+    return "\n".join([columns(parameter_rows(result)), "", *map(in_line, lines)])

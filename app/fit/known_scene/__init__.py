@@ -1,1 +1,0 @@
-"""How a picture of a known scene lies over the network's."""

@@ -1,0 +1,443 @@
+"""The chain judged by measurement: an edge runs through it, and its final picture is measured.
+
+The source's picture is replaced by an edge of the same size, field and band, from its lowest to its
+highest value, and every noise is left out; all else is the network's own. An upright edge is
+measured as Tantalo did, by the mean of rows, one turned by 5° as in ISO 12233.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.run.evaluation import Evaluation
+from core.chain.engine import PlannedNode
+from core.chain.frame_sequence import Remaking
+from core.chain.linear_change import Axis, Linear, PlaceDependent
+from core.chain.step_lineage import lineage_of, source_step
+from core.chain.wires import Image
+from core.errors import Cancelled, DataError, ImagechainError
+from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import Work
+from core.modules.declaration import NodeContext
+from core.physics.measurement.edges.slanted_edge import falls_to
+from core.physics.measurement.levels.flat_field import row_average
+from core.physics.quadrature import sinc
+from core.physics.sampling.interpolation import folded
+from core.transfer.factors import factor_at
+from nodes.analysis.lineage import ImageTransfer, transfer_of
+from nodes.analysis.mtf_measuring import (
+    Figure,
+    Measured,
+    Rectangle,
+    measured_rows,
+    measured_slanted,
+)
+from nodes.detector.focal_plane import FocalPlane
+from nodes.detector.spectral_response import SpectralResponse
+from nodes.scenes.scene_targets import slanted_edge
+
+Array = NDArray[Any]
+Vector = NDArray[np.float64]
+Direction = Literal["horizontal", "vertical"]
+Method = Literal["slanted_edge", "row_average"]
+
+SLANT_DEG = 5.0
+_SAMPLES = 257
+_SMALL = 64  # samples: a picture no wider is measured whole
+_DIRECTIONS: tuple[Direction, ...] = ("horizontal", "vertical")
+_METHODS: tuple[Method, ...] = ("slanted_edge", "row_average")
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """One measurement beside what was to be expected, from 0 to Nyquist in cycles per sample.
+
+    `error` is the standard error of `mtf`.
+    """
+
+    frequency: Vector
+    mtf: Vector
+    error: Vector
+    expected: Vector
+    angle_deg: float
+    per_mrad: float
+    mtf50: Figure
+    expected_mtf50: float | None
+    nyquist: Figure
+
+    @property
+    def expected_nyquist(self) -> float:
+        """What was to be expected at half a cycle per sample."""
+        return float(self.expected[-1])
+
+    @property
+    def largest(self) -> tuple[float, float]:
+        """Where they differ most, measured less expected, and at which frequency."""
+        away = self.mtf - self.expected
+        place = int(np.argmax(np.abs(away)))
+        return float(away[place]), float(self.frequency[place])
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A way to measure, and its outcome: a judgement, or the reason why there is none."""
+
+    direction: Direction
+    method: Method
+    judgement: Judgement | None
+    reason: str | None = None
+
+
+@dataclass(frozen=True)
+class Judged:
+    """All measurements of a chain's final picture.
+
+    Parameters
+    ----------
+    source, picture : str
+        Ports of the replaced picture and of the one measured.
+    intervals : (float, float)
+        Of the measured picture, mrad.
+    silenced : tuple of str
+        Nodes whose noise is left out, in the network's order.
+    attempts : tuple of Attempt
+        Each way to measure.
+    """
+
+    source: str
+    picture: str
+    intervals: tuple[float, float]
+    silenced: tuple[str, ...]
+    attempts: tuple[Attempt, ...]
+
+
+def judged(evaluation: Evaluation) -> Judged | str:
+    """Measure the chain; or the reason why it cannot be."""
+    reason = _reason(evaluation)
+    if reason is not None:
+        return reason
+    source, picture = evaluation.chain.sources[0], str(evaluation.chain.final)
+    scene: Image = evaluation.plan.output(source)
+    image: Image = evaluation.plan.output(picture)
+    silenced: set[str] = set()
+    try:
+        chain = _Chain(scene, image, silenced)
+    except ImagechainError as error:
+        return str(error)
+    work = evaluation.engine.work(evaluation.work.policy)
+    attempts = []
+    for direction in _DIRECTIONS:
+        for method in _METHODS:
+            evaluation.work.check()
+            attempts.append(_attempt(chain, work, direction, method))
+    grid = image.grid()
+    intervals = grid.interval_x_mrad, grid.interval_y_mrad
+    without = tuple(name for name in evaluation.plan.nodes if name in silenced)
+    return Judged(source, picture, intervals, without, tuple(attempts))
+
+
+def _reason(evaluation: Evaluation) -> str | None:
+    chain = evaluation.chain
+    if evaluation.work.blocks is not None:
+        return "the pictures are made in blocks, and edges measured in whole ones"
+    if chain.final is None:
+        return "the network has no final picture"
+    if not chain.cascade:
+        return f"no chain of transfer functions leads to the final picture, {chain.final}"
+    if len(chain.sources) != 1:
+        sources = ", ".join(chain.sources)
+        return f"{chain.final} stems from more than one picture ({sources}): no edge replaces both"
+    source = chain.sources[0]
+    bands = evaluation.plan.output(source).bands
+    if bands is not None:
+        return f"{source} has {bands.count} bands of wavelength, and an edge in its place has one"
+    return None
+
+
+class _Chain:
+    """The final picture with an edge for a scene.
+
+    Raises
+    ------
+    DataError
+        If it is not made of the scene by steps that are known as transfer functions.
+    """
+
+    def __init__(self, scene: Image, image: Image, silenced: set[str]) -> None:
+        self.scene = scene
+        self.final = image
+        self._silenced = silenced
+        passed = transfer_of(self.picture(0.0))
+        if passed.source.key != self.edge(0.0).key:
+            raise DataError(
+                f"what {passed.source.node or 'a node'} does to the picture is not known as a "
+                "transfer function"
+            )
+
+    def edge(self, angle_deg: float) -> Step:
+        """The edge, its normal turned by this from across towards along."""
+        scene = self.scene
+        return Step.of(
+            edge_drawn,
+            scene.recipe,
+            width=scene.columns,
+            height=scene.rows,
+            angle_deg=angle_deg,
+        )
+
+    def picture(self, angle_deg: float) -> Image:
+        """The final picture of that edge, without noise."""
+
+        def change(recipe: Recipe) -> Recipe | None:
+            if recipe.key == self.scene.recipe.key:
+                return self.edge(angle_deg)
+            lineage = lineage_of(recipe)
+            if lineage is None or lineage.noise is None:
+                return None
+            if lineage.linear.by_chance:
+                raise DataError(lineage.linear.by_chance)
+            self._silenced.add(recipe.node or "")
+            return made.of(lineage.noise.picture)
+
+        made = Remaking(change)
+        return self.final.with_recipe(made.of(self.final.recipe))
+
+
+@source_step(area_means=True)
+def edge_drawn(work: Work, scene: Array, *, width: int, height: int, angle_deg: float) -> Array:
+    """An edge through the middle, from the scene's lowest to its highest value."""
+    low, high = float(scene.min()), float(scene.max())
+    if low == high:
+        high = low + (0.1 * abs(low) or 1.0)
+    return slanted_edge(
+        width=width,
+        height=height,
+        background=low,
+        signal=high,
+        angle_deg=angle_deg,
+        dtype=work.policy.dtype,
+        for_each=work.for_each,
+    )
+
+
+def _attempt(chain: _Chain, work: Work, direction: Direction, method: Method) -> Attempt:
+    measure = _slanted if method == "slanted_edge" else _rows
+    try:
+        measured, expected = measure(chain, work, direction)
+    except Cancelled:
+        raise
+    except ImagechainError as error:  # the run itself has not failed
+        return Attempt(direction, method, None, str(error))
+    inside = measured.frequency <= 0.5
+    assert measured.per_mrad is not None
+    return Attempt(
+        direction,
+        method,
+        Judgement(
+            measured.frequency[inside],
+            measured.mtf[inside],
+            measured.error[inside],
+            expected[inside],
+            measured.angle_deg,
+            measured.per_mrad,
+            measured.mtf50,
+            falls_to(frequency=measured.frequency, mtf=expected, level=0.5),
+            measured.nyquist,
+        ),
+    )
+
+
+def _slanted(chain: _Chain, work: Work, direction: Direction) -> tuple[Measured, Vector]:
+    image = chain.picture(SLANT_DEG if direction == "horizontal" else 90.0 - SLANT_DEG)
+    where = _middle(image, direction)
+    how = _settings(image, where, direction) | {"window": "tukey", "samples": _SAMPLES}
+    measured: Measured = work.value(Step.of(measured_slanted, image.recipe, **how))
+    turned = math.radians(measured.angle_deg)
+    # How much of the picture the edge runs through.
+    if direction == "horizontal":
+        seen_x = abs(math.tan(turned)) * where.height / image.columns
+        seen_y = where.height / image.rows
+    else:
+        seen_x = where.width / image.columns
+        seen_y = abs(math.tan(math.pi / 2 - turned)) * where.width / image.rows
+    f = measured.frequency
+    waves = Waves(f * math.cos(turned), f * math.sin(turned), seen_x, seen_y)
+    return measured, expected_mtf(transfer_of(image), work, waves)
+
+
+def _rows(chain: _Chain, work: Work, direction: Direction) -> tuple[Measured, Vector]:
+    across = direction == "horizontal"
+    angle_deg = 0.0 if across else 90.0
+    image = chain.picture(angle_deg)
+    where = _middle(image, direction)
+    samples = chain.scene.columns if across else chain.scene.rows
+    row = edge_row(work, image.recipe, chain.edge(angle_deg), "x" if across else "y", samples)
+    first, count = (where.left, where.width) if across else (where.top, where.height)
+    one = row_average(picture=np.tile(row[first : first + count], (2, 1)))
+    # Given, not measured: where a tenth of the step is left, rounding can move them by a sample.
+    how = _settings(image, where, direction) | {"clip_left": one.left, "clip_right": one.right}
+    measured: Measured = work.value(Step.of(measured_rows, image.recipe, **how))
+    return measured, one.mtf
+
+
+def _settings(image: Image, where: Rectangle, direction: Direction) -> dict[str, Any]:
+    intervals = image.interval_x_mrad, image.interval_y_mrad
+    return {"where": where, "intervals": intervals, "direction": direction, "target": "edge"}
+
+
+def _middle(image: Image, direction: Direction) -> Rectangle:
+    """Half of the picture across the edge, three quarters along it: the more places it crosses.
+
+    Not all: beyond the frame the edge is mirrored.
+    """
+    shares = (2, 4 / 3) if direction == "horizontal" else (4 / 3, 2)
+    width, height = (
+        max(int(size / share), min(size, _SMALL))
+        for size, share in zip((image.columns, image.rows), shares, strict=True)
+    )
+    return Rectangle((image.columns - width) // 2, (image.rows - height) // 2, width, height)
+
+
+# The MTF that a slanted edge in the final picture should show: every step from the scene to it.
+#
+# The stages' product is not all there is to it. A sample of the scene is a mean over its area,
+# pixels
+# are combined, a frame grabber interpolates: each blurs too.
+
+
+@dataclass(frozen=True)
+class Waves:
+    """Frequencies in cycles per sample of the final picture, and where in it they are looked at.
+
+    `seen_x` and `seen_y` are the shares of the frame's width and height, about its middle.
+    """
+
+    x: Vector
+    y: Vector
+    seen_x: float
+    seen_y: float
+
+
+def expected_mtf(passed: ImageTransfer, work: Work, waves: Waves) -> Vector:
+    """Modulus of all steps at these pairs of frequencies.
+
+    An interpolated picture differs from place to place: what counts is the mean over what is seen.
+    """
+    xi, eta = waves.x / passed.grid.interval_x_mrad, waves.y / passed.grid.interval_y_mrad
+    scene = passed.source_grid
+    fx, fy = xi * scene.interval_x_mrad, eta * scene.interval_y_mrad
+    total = sinc(fx) * sinc(fy)  # samples of the scene are means over their area
+    # A filter of samples repeats itself beyond their Nyquist frequency.
+    within = folded(fx) / scene.interval_x_mrad, folded(fy) / scene.interval_y_mrad
+    for factor in passed.factors:
+        if factor.part != "mtf":
+            continue
+        work.check()
+        if isinstance(factor, PlaceDependent):
+            if factor.x is not None:
+                total = total * factor.mean_over(factor.x, xi, waves.seen_x)
+            if factor.y is not None:
+                total = total * factor.mean_over(factor.y, eta, waves.seen_y)
+        else:
+            total = total * factor_at(work, factor, *within)
+    return np.asarray(np.abs(total), np.float64)
+
+
+# What the thesis' row average of an upright edge should show, computed in one dimension.
+#
+# The edge lies at one place among the samples. What they cannot show of it beyond their Nyquist
+# frequency is folded back, and an interpolated picture differs from place to place: no product of
+# MTFs gives what is measured. But all rows are alike, so that one of them is soon followed
+# through
+# every step, and measured in the same way.
+
+
+def edge_row(work: Work, recipe: Recipe, source: Recipe, axis: Axis, samples: int) -> Vector:
+    """A row, or column, of a picture whose source is an edge through the middle of `samples`.
+
+    Raises
+    ------
+    DataError
+        Where a step of the picture is not known as a transfer function.
+    """
+    changes: list[Linear] = []
+    while recipe.key != source.key:
+        lineage = lineage_of(recipe)
+        if lineage is None or lineage.picture is None:
+            raise DataError(f"what {recipe.node} does to the picture is not known")
+        changes.append(lineage.linear)
+        recipe = lineage.picture
+    row = np.clip(np.arange(samples) + 1.0 - samples / 2, 0.0, 1.0)
+    for change in reversed(changes):
+        row = change.row(work, row, axis)
+    return np.asarray(row, np.float64)
+
+
+# The response of a planned node over wavelength, as it is drawn.
+
+Band = tuple[float, float]
+_POINTS = 241
+_BESIDE = 1e-9  # of a wavelength, on both sides of where a response may jump
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnResponse:
+    """A response over wavelength.
+
+    Parameters
+    ----------
+    name : str
+        What it is of every wavelength.
+    band_um : (float, float)
+        Wavelengths shown: the picture's band, and what lies within the response beside it.
+    wavelength_um, values : ndarray, shape (points,)
+        The curve.
+    """
+
+    name: str
+    band_um: Band
+    wavelength_um: Vector
+    values: Vector
+
+
+def response_over_band(planned: PlannedNode, folder: Path) -> DrawnResponse | None:
+    """Response of a Focal Plane or Spectral Response; None of any other node, or without a band.
+
+    Parameters
+    ----------
+    planned : PlannedNode
+        The node, without an error.
+    folder : Path
+        The network's, from which its files are named.
+    """
+    image: Image | None = planned.inputs.get("image")
+    module = planned.module
+    if image is None or planned.node.disabled:
+        return None
+    if isinstance(module, FocalPlane):
+        efficiency = module.efficiency(planned.result)
+        filter_um = efficiency.cut_on_um, efficiency.cut_off_um
+        knots = [place for place, _ in efficiency.points]
+        return _drawn(
+            "quantum efficiency", image.band_um or filter_um, filter_um, knots, efficiency
+        )
+    if isinstance(module, SpectralResponse) and image.band_um is not None:
+        curve = module.response(image.band_um, NodeContext(planned.node.id, folder=folder))
+        knots = [place for place, _ in curve.points] or list(curve.ends_um)
+        return _drawn("response", image.band_um, image.band_um, knots, curve)
+    return None
+
+
+def _drawn(name: str, band: Band, own: Band, knots: list[float], response: Any) -> DrawnResponse:
+    low, high = min(band[0], own[0]), max(band[1], own[1])
+    ends = np.array([*own, *knots])
+    ends = ends[(ends >= low) & (ends <= high)]
+    beside = np.concatenate([ends * (1 - _BESIDE), ends, ends * (1 + _BESIDE)])
+    places = np.unique(np.concatenate([np.linspace(low, high, _POINTS), beside]))
+    return DrawnResponse(name, (low, high), places, np.asarray(response.at(places)))

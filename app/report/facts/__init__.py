@@ -1,1 +1,0 @@
-"""All figures of a report as plain data."""

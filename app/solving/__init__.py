@@ -1,1 +1,0 @@
-"""At which value of a parameter a read-out has a value."""

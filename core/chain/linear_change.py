@@ -1,0 +1,217 @@
+"""Linear changes of a picture: what they do to sampling, contrast, noise and an edge's row.
+
+`Linear` leaves all as it is. A step whose change is none of those below derives a class of its own
+beside its function, and overrides what it changes.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from core.chain.noise_power import NoisePower
+from core.evaluation.recipes import Recipe
+from core.evaluation.work import Work
+from core.physics.sampling.interpolation import block_mean_mtf
+from core.transfer.factors import Edges, Factor, Grid, Law, Separable, factor_at
+from core.transfer.planar_blocks import Axes
+
+Vector = NDArray[np.float64]
+Axis = Literal["x", "y"]
+
+
+@dataclass(frozen=True)
+class LevelChange:
+    """What a change does about the level of its picture, where that depends on the picture.
+
+    Parameters
+    ----------
+    gain : float
+        Of small differences about the mean.
+    mean : float
+        Of the picture before.
+    signal : float
+        What the mean becomes, less what is there without any scene.
+    reason : str
+        Why the gain is 0, where it is.
+    """
+
+    gain: float
+    mean: float
+    signal: float
+    reason: str = ""
+
+
+class Linear:
+    """A linear change of a picture; here none at all."""
+
+    @property
+    def level(self) -> Recipe | None:
+        """Recipe of the `LevelChange` of a change that is linear in small differences alone."""
+        return None
+
+    @property
+    def gain(self) -> float:
+        """What a uniform picture is multiplied by."""
+        return 1.0
+
+    @property
+    def by_chance(self) -> str:
+        """Why the gain is random, in one line; empty where it is not."""
+        return ""
+
+    @property
+    def by_sample(self) -> bool:
+        """Whether a noise behind it is that before it times one factor, the same everywhere."""
+        return type(self).noise is Linear.noise and type(self).carried is Linear.carried
+
+    @property
+    def before_camera(self) -> bool:
+        """Whether it ends at the camera, whose own gains are those behind it."""
+        return False
+
+    @property
+    def combines_pixels(self) -> bool:
+        """Whether pixels are combined."""
+        return False
+
+    def size_before(self, rows: int, columns: int) -> tuple[int, int]:
+        """Size of the picture that it is applied to, of the one that it makes."""
+        return rows, columns
+
+    def grid_before(self, grid: Grid) -> Grid:
+        """Sampling of the picture that it is applied to, of the one that it makes."""
+        return grid
+
+    def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
+        """Its transfer function, in factors that belong to the node."""
+        return ()
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Power of a noise behind it."""
+        return power
+
+    def carried(self, work: Work, power: NoisePower, *, temporal: bool) -> NoisePower | None:
+        """The same of one that is new in every frame or stays; None where it ends here."""
+        return self.noise(work, power)
+
+    def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
+        """A row behind it, or a column (axis y), of a picture whose rows, or columns, are alike.
+
+        Up to a factor: what is made of it is a contrast.
+        """
+        return row
+
+
+@dataclass(frozen=True)
+class Filtering(Linear):
+    """Transfer functions on a frame that goes on mirrored or periodic beyond its edges.
+
+    With a label it is one stage of this name, whatever its factors are called.
+    """
+
+    factors: tuple[Factor, ...]
+    grid: Grid
+    edges: Edges
+    label: str = ""
+
+    def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
+        """Its factors."""
+        if not self.label:
+            return self.factors
+        return tuple(replace(factor, label=self.label, node=node) for factor in self.factors)
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Filtered."""
+        axes: Axes = "mirrored" if self.edges == "reflect" else "periodic"
+        return power.filtered(work, self.factors, self.grid, axes)
+
+    def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
+        """The row filtered; mirrored at its ends, or repeated."""
+        whole = np.concatenate([row, row[::-1]]) if self.edges == "reflect" else row
+        interval = self.grid.interval_x_mrad if axis == "x" else self.grid.interval_y_mrad
+        frequency = np.asarray(scipy.fft.rfftfreq(len(whole), interval), np.float64)
+        none = np.zeros_like(frequency)
+        places = (frequency, none) if axis == "x" else (none, frequency)
+        spectrum = scipy.fft.rfft(whole)
+        for factor in self.factors:
+            values = factor_at(work, factor, *places)
+            spectrum = spectrum * (values if factor.part == "mtf" else np.exp(1j * values))
+        return np.asarray(scipy.fft.irfft(spectrum, len(whole))[: len(row)], np.float64)
+
+
+@dataclass(frozen=True)
+class Blocks(Linear):
+    """Mean or sum of blocks of pixels; what is left over is cropped.
+
+    Parameters
+    ----------
+    factor_x, factor_y : int
+        Pixels of a block.
+    mode : "mean" or "sum"
+        Which.
+    old : (int, int)
+        Rows and columns before.
+    """
+
+    factor_x: int
+    factor_y: int
+    mode: str
+    old: tuple[int, int]
+
+    @property
+    def gain(self) -> float:
+        """Number of pixels in a sum, 1 of a mean."""
+        return self.factor_x * self.factor_y if self.mode == "sum" else 1.0
+
+    @property
+    def combines_pixels(self) -> bool:
+        """True: these are blocks of pixels."""
+        return True
+
+    def size_before(self, rows: int, columns: int) -> tuple[int, int]:
+        """With what is cropped."""
+        return self.old
+
+    def grid_before(self, grid: Grid) -> Grid:
+        """Finer by the factors, with what is cropped."""
+        x, y = grid.interval_x_mrad / self.factor_x, grid.interval_y_mrad / self.factor_y
+        return Grid(*self.old, x, y)
+
+    def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
+        """Of the mean of neighbouring samples."""
+        if (self.factor_x, self.factor_y) == (1, 1):
+            return ()
+        x, y = (
+            Law.of(block_mean_mtf, interval_mrad=interval, samples=factor) if factor > 1 else None
+            for interval, factor in (
+                (before.interval_x_mrad, self.factor_x),
+                (before.interval_y_mrad, self.factor_y),
+            )
+        )
+        return (Separable(x, y, label="Combined pixels", node=node),)
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Averaged, or summed."""
+        behind = power.averaged(self.factor_x, self.factor_y)
+        return behind.scaled(self.gain) if self.mode == "sum" else behind
+
+    def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
+        """Averaged."""
+        factor = self.factor_x if axis == "x" else self.factor_y
+        whole = len(row) // factor
+        return np.asarray(row[: whole * factor].reshape(whole, factor).mean(axis=1), np.float64)
+
+
+@dataclass(frozen=True)
+class PlaceDependent(Separable, ABC):
+    """A factor that differs from sample to sample of a picture: the mean over all."""
+
+    @abstractmethod
+    def mean_over(self, law: Law, frequency: Vector, share: float) -> Vector:
+        """Modulus of the mean over the samples in this share of an axis, about its middle."""

@@ -1,1 +1,0 @@
-"""Arithmetic that a person writes in place of a number: text, units, value."""

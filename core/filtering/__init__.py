@@ -1,1 +1,0 @@
-"""Multiplying a frame's spectrum: mirrored, periodic, line by line."""

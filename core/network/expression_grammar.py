@@ -1,0 +1,342 @@
+"""The text of an expression, read into steps for a stack; nothing of it is ever run as code.
+
+    sum      = product {("+" | "-") product}
+    product  = signed {("*" | "/") signed}
+    signed   = {"-" | "+"} power
+    power    = value [("^" | "**") signed]
+    value    = (number | NODE.PARAMETER | "pi" | "(" sum ")" | function) [unit]
+    function = name "(" sum {"," sum} ")"
+
+A node whose name is no plain word stands in single quotes, a quote in it twice: ``'Lens 2'.x``.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Any, Literal
+
+from core.errors import InputError
+from core.names import close, shown
+from core.network.expression_units import canonical, similar, symbols
+
+LONGEST = 1000
+DEEPEST = 40
+_LARGEST_EXPONENT = 400  # of a number that is taken as a fraction: a double has none beyond
+_LONG_EXPONENT = 8
+
+Function = Callable[..., Any]
+Moved = Callable[[str, str], tuple[str, str]]
+"""What is to be named in the place of a node and its parameter."""
+
+# How many arguments each takes (None: two or more), and whether they may have a unit: it goes on to
+# the result ("keeps"), is turned into radians ("angle"), or is refused ("none").
+FUNCTIONS: Mapping[str, tuple[Function, int | None, Literal["keeps", "angle", "none"]]] = (
+    MappingProxyType(
+        {
+            "sqrt": (math.sqrt, 1, "none"),
+            "exp": (math.exp, 1, "none"),
+            "log": (math.log, 1, "none"),
+            "log10": (math.log10, 1, "none"),
+            "sin": (math.sin, 1, "angle"),
+            "cos": (math.cos, 1, "angle"),
+            "tan": (math.tan, 1, "angle"),
+            "atan": (math.atan, 1, "none"),
+            "abs": (abs, 1, "keeps"),
+            "round": (round, 1, "keeps"),
+            "floor": (math.floor, 1, "keeps"),
+            "ceil": (math.ceil, 1, "keeps"),
+            "min": (min, None, "keeps"),
+            "max": (max, None, "keeps"),
+        }
+    )
+)
+ALLOWED = "numbers, NODE.PARAMETER, + - * / ^ ( ) and " + ", ".join([*FUNCTIONS, "pi"])
+
+_SPACE = re.compile(r"\s*")
+_NUMBER = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
+_NAME = re.compile(r"[^\W\d]\w*")
+_QUOTED = re.compile(r"'((?:[^']|'')*)'")
+_OPERATOR = re.compile(r"\*\*|[-+*/^(),]")
+_SIGNS = str.maketrans({"\N{MINUS SIGN}": "-", "×": "*", "·": "*", "÷": "/"})
+_AFTER_UNIT = re.compile(r"[\w.(']")
+
+
+class ExpressionError(InputError):
+    """An expression that cannot be read, or has no value."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A parameter that an expression names, and where in its text the node's name stands."""
+
+    node: str
+    parameter: str
+    start: int
+    end: int
+
+    @property
+    def text(self) -> str:
+        """``NODE.PARAMETER`` as an expression has it."""
+        return f"{quoted(self.node)}.{self.parameter}"
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step over a stack of numbers.
+
+    `kind` is that of what is done; `name` an operator, function or unit; `count` how many numbers
+    are taken; `angle` whether a unit stands in the argument of a function of angles.
+    """
+
+    kind: Literal["number", "reference", "unit", "sign", "operator", "function"]
+    name: str = ""
+    value: Fraction | float = 0.0
+    reference: Reference | None = None
+    count: int = 0
+    angle: bool = False
+
+
+@dataclass(frozen=True)
+class Expression:
+    """An expression that has been read: its text, its steps, and what it names."""
+
+    text: str
+    steps: tuple[Step, ...]
+    references: tuple[Reference, ...]
+
+
+def quoted(node: str) -> str:
+    """A node's name as an expression has it."""
+    return node if _NAME.fullmatch(node) else "'" + node.replace("'", "''") + "'"
+
+
+def readable(parameter: str) -> bool:
+    """Whether an expression can name a parameter called so."""
+    return _NAME.fullmatch(parameter) is not None
+
+
+@lru_cache(maxsize=512)
+def parse_expression(text: str) -> Expression:
+    """Read an expression.
+
+    Raises
+    ------
+    ExpressionError
+        Stating what is wrong with the text, and where.
+    """
+    if len(text) > LONGEST:
+        raise ExpressionError(
+            f"the expression has {len(text)} characters; at most {LONGEST} are allowed"
+        )
+    reader = _Reader(text)
+    reader.sum(0, angle=False)
+    reader.end()
+    references = [step.reference for step in reader.steps if step.reference is not None]
+    return Expression(text, tuple(reader.steps), tuple(references))
+
+
+def rewritten(text: str, moved: Moved, *, refuse_long: bool = True) -> str:
+    """The expression with other nodes and parameters named; one that cannot be read stays.
+
+    Parameters
+    ----------
+    text : str
+        The expression.
+    moved : callable
+        Takes node and parameter, returns those to name instead.
+    refuse_long : bool
+        Whether one that becomes too long to be read is refused here, not where it is read.
+
+    Raises
+    ------
+    ExpressionError
+        If it would become too long to be read.
+    """
+    try:
+        references = parse_expression(text).references
+    except ExpressionError:
+        return text
+    for reference in sorted(references, key=lambda one: one.start, reverse=True):
+        new = moved(reference.node, reference.parameter)
+        if new != (reference.node, reference.parameter):
+            end = reference.end + 1 + len(reference.parameter)
+            text = f"{text[: reference.start]}{quoted(new[0])}.{new[1]}{text[end:]}"
+    if refuse_long and len(text) > LONGEST:
+        raise ExpressionError(
+            f"an expression that names it would have {len(text)} characters; at most {LONGEST} "
+            "are allowed"
+        )
+    return text
+
+
+class _Reader:
+    """Goes through the text once, from left to right."""
+
+    def __init__(self, text: str) -> None:
+        # One character for one: places in it are places in the text that was given.
+        self.text = canonical(text.translate(_SIGNS))
+        self.given = text
+        self.at = 0
+        self.steps: list[Step] = []
+        self.skip()
+
+    def skip(self) -> None:
+        match = _SPACE.match(self.text, self.at)
+        self.at = match.end() if match else self.at
+
+    def operator(self, *wanted: str) -> str:
+        """The operator that stands next, if it is one of these."""
+        match = _OPERATOR.match(self.text, self.at)
+        if match is None or match[0] not in wanted:
+            return ""
+        self.at = match.end()
+        self.skip()
+        return match[0]
+
+    def fault(self, wanted: str) -> ExpressionError:
+        """The error for what stands next where `wanted` should."""
+        if not self.given.strip():
+            return ExpressionError(f"the expression is empty; it takes {ALLOWED}")
+        if self.at >= len(self.text):
+            return ExpressionError(f"the expression ends where {wanted} should follow")
+        match = _NAME.match(self.text, self.at) or _NUMBER.match(self.text, self.at)
+        next_text = match[0] if match else self.given[self.at]
+        place = f"at character {self.at + 1}"
+        if next_text == ",":
+            return ExpressionError(
+                f"',' {place} stands where {wanted} should: it sets the arguments of min and max "
+                "apart, a decimal point is '.'"
+            )
+        return ExpressionError(f"{shown(next_text)} {place} stands where {wanted} should")
+
+    def end(self) -> None:
+        if self.at < len(self.text):
+            word = re.compile(r"[^\W\d][\w/²%^]*").match(self.text, self.at)
+            if word and self.steps[-1].kind in ("number", "reference"):
+                unit = word[0]
+                hint = similar(unit) or "; an operator such as * may be missing"
+                raise ExpressionError(f"{shown(unit)} is no unit that is known{hint}")
+            raise self.fault("an operator, as + - * / ^,")
+
+    def sum(self, depth: int, *, angle: bool) -> None:
+        self.product(depth, angle=angle)
+        while sign := self.operator("+", "-"):
+            self.product(depth, angle=angle)
+            self.steps.append(Step("operator", sign, count=2))
+
+    def product(self, depth: int, *, angle: bool) -> None:
+        self.signed(depth, angle=angle)
+        while sign := self.operator("*", "/"):
+            self.signed(depth, angle=angle)
+            self.steps.append(Step("operator", sign, count=2))
+
+    def signed(self, depth: int, *, angle: bool) -> None:
+        negative = False
+        while sign := self.operator("-", "+"):
+            negative ^= sign == "-"
+        self.power(depth, angle=angle)
+        if negative:
+            self.steps.append(Step("sign", "-", count=1))
+
+    def power(self, depth: int, *, angle: bool) -> None:
+        if depth > DEEPEST:
+            raise ExpressionError(f"the expression is nested more than {DEEPEST} deep")
+        self.value(depth, angle=angle)
+        if self.operator("^", "**"):
+            self.signed(depth + 1, angle=angle)
+            self.steps.append(Step("operator", "^", count=2))
+
+    def value(self, depth: int, *, angle: bool) -> None:
+        if self.operator("("):
+            self.sum(depth + 1, angle=angle)
+            self.closed()
+        elif number := _NUMBER.match(self.text, self.at):
+            self.at = number.end()
+            self.steps.append(Step("number", value=_number(number)))
+        else:
+            self.named(depth)
+        self.unit(angle=angle)
+
+    def closed(self) -> None:
+        if not self.operator(")"):
+            raise self.fault("')'")
+
+    def named(self, depth: int) -> None:
+        """A parameter, a function or pi."""
+        start = self.at
+        match = _QUOTED.match(self.text, start) or _NAME.match(self.text, start)
+        if match is None:
+            raise self.fault("a number, a NODE.PARAMETER or a function")
+        end = match.end()
+        plain = not match[0].startswith("'")
+        parameter = _NAME.match(self.text, end + 1) if self.text[end : end + 1] == "." else None
+        if parameter is not None:
+            # What the reader's own text has in place of another sign is the name as it was given.
+            node = self.given[start:end] if plain else self.given[start + 1 : end - 1]
+            node = node if plain else node.replace("''", "'")
+            name = self.given[parameter.start() : parameter.end()]
+            reference = Reference(node, name, start, end)
+            self.steps.append(Step("reference", reference=reference))
+            self.at = parameter.end()
+            return
+        self.at = end
+        self.skip()
+        if plain and self.operator("("):
+            self.called(match[0], depth)
+        elif plain and match[0] == "pi":
+            self.steps.append(Step("number", value=math.pi))
+        else:
+            raise _no_parameter(match[0])
+
+    def called(self, name: str, depth: int) -> None:
+        if name not in FUNCTIONS:
+            hint = close(name, FUNCTIONS) or f"; there are {', '.join(FUNCTIONS)}"
+            raise ExpressionError(f"there is no function {shown(name)}{hint}")
+        _, wanted, units = FUNCTIONS[name]
+        if self.text[self.at : self.at + 1] == ")":
+            raise ExpressionError(f"{name}() has nothing between its parentheses")
+        count = 1
+        self.sum(depth + 1, angle=units == "angle")
+        while self.operator(","):
+            self.sum(depth + 1, angle=units == "angle")
+            count += 1
+        self.closed()
+        if count != wanted if wanted is not None else count < 2:
+            allowed = "two numbers or more" if wanted is None else "one number"
+            raise ExpressionError(f"{name} takes {allowed}, not {count}")
+        self.steps.append(Step("function", name, count=count))
+
+    def unit(self, *, angle: bool) -> None:
+        """The unit behind a value, if there is one."""
+        self.skip()
+        for symbol in symbols():
+            end = self.at + len(symbol)
+            if self.text.startswith(symbol, self.at) and not _AFTER_UNIT.match(self.text, end):
+                self.at = end
+                self.skip()
+                self.steps.append(Step("unit", symbol, angle=angle))
+                return
+
+
+def _number(match: re.Match[str]) -> Fraction | float:
+    """The number as written; its double where its exponent would make a fraction huge."""
+    value = float(match[0])
+    if not math.isfinite(value):
+        raise ExpressionError(f"the number {shown(match[0])} is too large")
+    exponent = match[2] or "e0"
+    short = len(exponent) < _LONG_EXPONENT and abs(int(exponent[1:])) <= _LARGEST_EXPONENT
+    return Fraction(match[0]) if short else value
+
+
+def _no_parameter(name: str) -> ExpressionError:
+    if name in FUNCTIONS:
+        return ExpressionError(f"{name} is a function: put its numbers behind it in parentheses")
+    text = f"{shown(name)} is no number and no parameter"
+    hint = close(name, [*FUNCTIONS, "pi"])
+    return ExpressionError(text + (hint or ": write NODE.PARAMETER, as init.f_number"))

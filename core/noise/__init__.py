@@ -1,1 +1,0 @@
-"""Random fields with seeds of their own, and the power of noise after a chain."""

@@ -1,0 +1,446 @@
+"""What a pixel collects: solid angles, and electrons per photon radiance."""
+
+from __future__ import annotations
+
+import math
+from math import hypot, inf, log10, pi, sqrt
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from core.errors import DataError, ParameterError
+from core.physics.radiometry.constants import BOLTZMANN_J_K, ELEMENTARY_CHARGE_C
+from core.physics.scalar_checks import non_negative, positive, within
+
+
+def cone_sr(*, f_number: float) -> float:
+    """Projected solid angle in which a pixel sees the exit pupil.
+
+    Parameters
+    ----------
+    f_number : float
+        Focal length over aperture, above 0.
+
+    Returns
+    -------
+    float
+        Ω = π/(4F² + 1), sr.
+
+    Notes
+    -----
+    Source: Dereniak and Boreman 1996, Infrared Detectors and Systems, chapter 2: π·sin²θ with
+    tan θ = 1/(2F).
+    """
+    return pi / (4.0 * positive("f_number", f_number) ** 2 + 1.0)
+
+
+def housing_sr(*, f_number: float, cold_shield_efficiency: float) -> float:
+    """Projected solid angle in which a pixel sees its warm housing past the cold shield.
+
+    Parameters
+    ----------
+    f_number : float
+        Focal length over aperture, above 0.
+    cold_shield_efficiency : float
+        Share of the half space outside the cone of the optics that the shield covers, 0 to 1.
+
+    Returns
+    -------
+    float
+        (π − Ω)(1 − η), sr.
+
+    Notes
+    -----
+    Source: Dereniak and Boreman 1996, chapter 2.
+    """
+    efficiency = within("cold_shield_efficiency", cold_shield_efficiency, 0.0, 1.0)
+    return (pi - cone_sr(f_number=f_number)) * (1.0 - efficiency)
+
+
+def exposure_m2_s(
+    *,
+    pitch_x_um: float,
+    pitch_y_um: float,
+    fill_x: float,
+    fill_y: float,
+    integration_time_s: float,
+    tdi_stages: int = 1,
+) -> float:
+    """Light-sensitive area times the time in which it collects, m² s.
+
+    Parameters
+    ----------
+    pitch_x_um, pitch_y_um : float
+        Of the pixels, above 0.
+    fill_x, fill_y : float
+        Share of the pitch that is sensitive, above 0, at most 1.
+    integration_time_s : float
+        Of one stage, above 0.
+    tdi_stages : int
+        Stages that add their charge, 1 or more.
+
+    Returns
+    -------
+    float
+        t·n·A·FF. Times a photon radiance and a solid angle it is a number of photons.
+
+    Notes
+    -----
+    Source: Holst and Lomheim 2007, CMOS/CCD Sensors and Camera Systems, chapter 4.
+    """
+    area_m2 = (
+        positive("pitch_x_um", pitch_x_um, unit="µm")
+        * positive("pitch_y_um", pitch_y_um, unit="µm")
+        * 1e-12
+    )
+    fill = positive("fill_x", fill_x) * positive("fill_y", fill_y)
+    time = positive("integration_time_s", integration_time_s, unit="s")
+    return area_m2 * fill * time * positive("tdi_stages", tdi_stages)
+
+
+def dark_electrons(
+    *, dark_current_e_per_s: float, integration_time_s: float, tdi_stages: int = 1
+) -> float:
+    """Electrons of the dark current in an exposure, of all its stages.
+
+    Parameters
+    ----------
+    dark_current_e_per_s : float
+        Of one pixel, 0 or above.
+    integration_time_s, tdi_stages : float, int
+        As in `exposure_m2_s`.
+
+    Returns
+    -------
+    float
+        i·t·n.
+    """
+    current = non_negative("dark_current_e_per_s", dark_current_e_per_s, unit="e/s")
+    time = positive("integration_time_s", integration_time_s, unit="s")
+    return current * time * positive("tdi_stages", tdi_stages)
+
+
+# Noise of a detector that counts electrons, and the figures made of it.
+
+
+def shot_noise_e(*, electrons: float, frames_averaged: int = 1) -> float:
+    """Standard deviation of a Poisson number of electrons, averaged over frames: √(N/n)."""
+    frames = positive("frames_averaged", frames_averaged)
+    return sqrt(non_negative("electrons", electrons, unit="e-") / frames)
+
+
+def quantization_noise_e(*, gain_e_per_dn: float) -> float:
+    """Standard deviation of rounding to whole numbers of the gain: gain/√12."""
+    return non_negative("gain_e_per_dn", gain_e_per_dn, unit="e-/DN") / sqrt(12.0)
+
+
+def gain_to_fill_e_per_dn(*, full_well_e: float, bits: int) -> float:
+    """Gain at which the full well is the converter's last number: well/(2^bits − 1)."""
+    steps: float = 2.0 ** positive("bits", bits) - 1.0
+    return positive("full_well_e", full_well_e, unit="e-") / steps
+
+
+def temporal_noise_e(*, shot_e: float, read_e: float, quantization_e: float) -> float:
+    """All noise that changes from frame to frame: the root of the sum of squares.
+
+    Source: Janesick 2007, Photon Transfer, chapter 3; EMVA 1288.
+    """
+    return hypot(shot_e, read_e, quantization_e)
+
+
+def fixed_pattern_e(*, electrons: float, prnu_percent: float, dsnu_e: float) -> float:
+    """Standard deviation of the fixed pattern: PRNU in proportion to the electrons, and DSNU."""
+    return hypot(electrons * prnu_percent / 100.0, dsnu_e)
+
+
+def netd_of_electrons_K(  # noqa: N802
+    *, temporal_e: float, responsivity_e_per_K: float
+) -> float:
+    """Noise equivalent temperature difference: temporal noise over dN/dT, K; infinite without it.
+
+    Source: Dereniak and Boreman 1996, chapter 9.
+    """
+    return temporal_e / responsivity_e_per_K if responsivity_e_per_K > 0.0 else inf
+
+
+def nei_photons_per_cm2(*, temporal_e: float, quantum_efficiency: float, area_cm2: float) -> float:
+    """Noise equivalent irradiation: photons/cm² in an exposure that make one noise of electrons.
+
+    Parameters
+    ----------
+    temporal_e : float
+        Noise, electrons.
+    quantum_efficiency : float
+        Mean over the photons of the band, above 0.
+    area_cm2 : float
+        Light-sensitive area of the pixel.
+
+    Returns
+    -------
+    float
+        σ/(QE·A).
+    """
+    efficiency = positive("quantum_efficiency", quantum_efficiency)
+    return temporal_e / (efficiency * positive("area_cm2", area_cm2, unit="cm²"))
+
+
+def dynamic_range_dB(*, full_well_e: float, dark_noise_e: float) -> float:  # noqa: N802
+    """Full well over the temporal noise in the dark, 20·log₁₀; infinite without noise.
+
+    Source: EMVA 1288.
+    """
+    well = positive("full_well_e", full_well_e, unit="e-")
+    return 20.0 * log10(well / dark_noise_e) if dark_noise_e > 0.0 else inf
+
+
+# A response that bends down towards the full well.
+
+FloatOrArray = TypeVar("FloatOrArray", float, NDArray[Any])
+HIGHEST_PERCENT = 25.0
+"""With it the response just reaches the full well."""
+
+
+def bent_response(
+    *,
+    electrons: FloatOrArray,
+    full_well_e: float,
+    nonlinearity_percent: float,
+    out: NDArray[Any] | None = None,
+) -> FloatOrArray:
+    """Electrons as the read-out sees them: N·(1 − p·N/well), p percent too few at the full well.
+
+    Parameters
+    ----------
+    electrons : float or ndarray
+        Collected.
+    full_well_e : float
+        Above 0.
+    nonlinearity_percent : float
+        0 to 25.
+    out : ndarray, optional
+        Where to put those of an array; not that array itself.
+
+    Returns
+    -------
+    float or ndarray
+        The largest value of the parabola from there on, so that more light never gives less.
+
+    Notes
+    -----
+    Source: Janesick 2007, Photon Transfer, chapter 7: V/V and V/e nonlinearity to first order.
+    """
+    percent = within("nonlinearity_percent", nonlinearity_percent, 0.0, HIGHEST_PERCENT)
+    well = positive("full_well_e", full_well_e, unit="e-")
+    if percent == 0.0:
+        return electrons if out is None else cast(FloatOrArray, np.positive(electrons, out=out))
+    curvature = percent / 100.0 / well
+    # A third of the time of numpy's minimum by a number.
+    result: Any = np.clip(electrons, -np.inf, 0.5 / curvature, out=out)
+    factor = result * -curvature
+    factor += 1.0
+    result *= factor
+    return cast(FloatOrArray, result)
+
+
+def bent_slope(*, electrons: float, full_well_e: float, nonlinearity_percent: float) -> float:
+    """Its derivative, 1 − 2·p·N/well; 0 from the largest value on."""
+    share = 2.0 * nonlinearity_percent / 100.0 * electrons / positive("full_well_e", full_well_e)
+    return max(1.0 - share, 0.0)
+
+
+# Pixels that are dead or hot, alone and in clusters.
+
+DEAD, HOT = 1, 2
+_SINGLE_SHARE = 0.7  # of the clusters, which are then of one pixel
+_LARGEST = 9
+_ROW_STEPS, _COLUMN_STEPS = np.array([-1, 1, 0, 0]), np.array([0, 0, -1, 1])
+
+
+def bad_pixel_places(
+    *, rows: int, columns: int, percent: float, generator: Generator
+) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
+    """Where the dead and the hot pixels are.
+
+    Parameters
+    ----------
+    rows, columns : int
+        Of the detector.
+    percent : float
+        Share of its pixels that are bad, 0 to 100; their number is rounded.
+    generator : Generator
+        Decides where they are.
+
+    Returns
+    -------
+    ndarray, ndarray
+        Place of each bad pixel in the rows one after the other, no place twice, in no order; and
+        whether it is `DEAD` or `HOT`. Seven in ten clusters are single pixels, the others up to
+        nine neighbours; the pixels of a cluster are of one kind, which is either with equal chance.
+    """
+    wanted = round(within("bad_pixel_percent", percent, 0.0, 100.0) / 100.0 * rows * columns)
+    if wanted > rows * columns // 4:
+        # So many are no clusters any more.
+        anywhere = generator.permutation(rows * columns)[:wanted]
+        either = generator.integers(DEAD, HOT, size=wanted, endpoint=True)
+        return anywhere, either.astype(np.uint8)
+    taken = np.zeros(rows * columns, bool)
+    all_places = [np.empty(0, np.intp)]
+    all_kinds = [np.empty(0, np.uint8)]
+    left = wanted
+    while left > 0:
+        places, kinds = _clusters(left, rows, columns, generator)
+        first = np.unique(places, return_index=True)[1]
+        first.sort()  # in the order they came, so that a cut leaves no edge
+        first = first[~taken[places[first]]][:left]
+        taken[places[first]] = True
+        all_places.append(places[first])
+        all_kinds.append(kinds[first])
+        left -= len(first)
+    return np.concatenate(all_places), np.concatenate(all_kinds)
+
+
+def _clusters(
+    count: int, rows: int, columns: int, generator: Generator
+) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
+    """Flat places and kinds of about so many pixels, cluster by cluster."""
+    clusters = max(1, count // 2)
+    single = generator.random(clusters) < _SINGLE_SHARE
+    sizes = np.where(single, 1, generator.integers(2, _LARGEST, size=clusters, endpoint=True))
+    kinds = generator.integers(DEAD, HOT, size=clusters, endpoint=True).astype(np.uint8)
+    row = generator.integers(0, rows, size=clusters)
+    column = generator.integers(0, columns, size=clusters)
+    # A walk from neighbour to neighbour; a pixel that is met twice counts once.
+    directions = generator.integers(0, len(_ROW_STEPS), size=(clusters, _LARGEST))
+    places = np.empty((clusters, _LARGEST), np.intp)
+    inside = np.zeros((clusters, _LARGEST), bool)
+    places[:, 0], inside[:, 0] = row * columns + column, True
+    walking = np.flatnonzero(~single)
+    at_row, at_column = (
+        start[walking, np.newaxis] + np.cumsum(steps[directions[walking, 1:]], axis=1)
+        for start, steps in ((row, _ROW_STEPS), (column, _COLUMN_STEPS))
+    )
+    places[walking, 1:] = at_row * columns + at_column
+    met = np.arange(1, _LARGEST) < sizes[walking, np.newaxis]
+    met &= (at_row >= 0) & (at_row < rows) & (at_column >= 0) & (at_column < columns)
+    inside[walking, 1:] = met
+    return places[inside], np.broadcast_to(kinds[:, np.newaxis], inside.shape)[inside]
+
+
+# Dark current of HgCdTe by the rule of thumb of 2007.
+
+_J0_A_PER_CM2 = 8367.00001853855
+_EXPONENT = -1.16239134096245
+_SCALE_UM = 0.200847413564122
+_THRESHOLD_UM = 4.63513642316149
+_POWER = 0.544071281108481
+_PHOTON_EV_UM = 1.24  # as published, rounded
+
+
+def rule_07_A_per_cm2(*, cutoff_um: float, detector_K: float) -> float:  # noqa: N802
+    """Dark current density of good HgCdTe photodiodes.
+
+    Parameters
+    ----------
+    cutoff_um : float
+        Cutoff wavelength of the material at the temperature, µm, above 0.201.
+    detector_K : float
+        Temperature of the detector, K, above 0.
+
+    Returns
+    -------
+    float
+        J₀·exp(C·1.24 q/(k·λₑ·T)), A/cm². λₑ is the cutoff from 4.635 µm on, and below it
+        λ/(1 − (λₛ/λ − λₛ/λₜ)^P).
+
+    Raises
+    ------
+    ParameterError
+        For a value out of range.
+
+    Notes
+    -----
+    Within a factor of 2.5 for λ·T from 400 to 1700 µm K and 77 K and above. Source: Tennant, Lee,
+    Zandian, Piquette and Carmody 2008, MBE HgCdTe technology: a very general solution to IR
+    detection, described by "Rule 07", J. Electronic Materials 37, 1406.
+    """
+    cutoff = positive("material_cutoff_um", cutoff_um, unit="µm")
+    temperature = positive("detector_K", detector_K, unit="K")
+    effective = cutoff
+    if cutoff < _THRESHOLD_UM:
+        left = 1.0 - (_SCALE_UM / cutoff - _SCALE_UM / _THRESHOLD_UM) ** _POWER
+        if left <= 0.0:
+            raise ParameterError(
+                "material_cutoff_um", cutoff_um, f"above {_shortest_um():.3g}", unit="µm"
+            )
+        effective = cutoff / left
+    energy = _PHOTON_EV_UM * ELEMENTARY_CHARGE_C / (BOLTZMANN_J_K * effective * temperature)
+    return _J0_A_PER_CM2 * math.exp(_EXPONENT * energy)
+
+
+def rule_07_e_per_s(*, cutoff_um: float, detector_K: float, area_um2: float) -> float:
+    """Electrons per second of that current through a pixel of some area, µm²."""
+    density = rule_07_A_per_cm2(cutoff_um=cutoff_um, detector_K=detector_K)
+    area_cm2 = positive("area_um2", area_um2, unit="µm²") * 1e-8
+    return density * area_cm2 / ELEMENTARY_CHARGE_C
+
+
+def _shortest_um() -> float:
+    return _SCALE_UM / (1.0 + _SCALE_UM / _THRESHOLD_UM)
+
+
+# Correction of the unlike gains and offsets of detector elements by uniform references.
+
+Array = NDArray[Any]
+LEAST_RESPONSE = 0.1
+"""Of the mean response; an element of less is taken for bad, and its gain is left as it is."""
+
+
+def one_point_offset(*, low: Array) -> Array:
+    """Offset to be added, by one reference: its mean less each element's own.
+
+    Source: Perry and Dereniak 1993, Linear theory of nonuniformity correction in infrared staring
+    sensors, Opt. Eng. 32; Holst 2008, Electro-Optical Imaging System Performance.
+    """
+    return np.asarray(np.mean(low, dtype=np.float64) - np.asarray(low, np.float64))
+
+
+def two_point_gain(*, low: Array, high: Array) -> Array:
+    """Factor by which an element's response between two references becomes the mean one.
+
+    Parameters
+    ----------
+    low, high : ndarray
+        What the elements give of a cooler and of a warmer uniform reference.
+
+    Returns
+    -------
+    ndarray of float64
+        (mean of high − mean of low)/(high − low); 1 where an element's response is below
+        `LEAST_RESPONSE` of the mean one.
+
+    Raises
+    ------
+    DataError
+        If both references give the same on average.
+
+    Notes
+    -----
+    Source: Perry and Dereniak 1993; Schulz and Caldwell 1995, Infrared Phys. Technol. 36.
+    """
+    response = np.asarray(high, np.float64) - np.asarray(low, np.float64)
+    mean = float(response.mean())
+    if mean == 0.0 or not np.isfinite(mean):
+        raise DataError(
+            f"both references give {float(np.mean(low)):.6g} on average: a correction of gain "
+            "needs two that differ, and none beyond what the detector holds"
+        )
+    share = response / mean
+    good = share > LEAST_RESPONSE
+    return np.asarray(1.0 / np.where(good, share, 1.0))
+
+
+def two_point_offset(*, low: Array, gain: Array) -> Array:
+    """Offset to be added behind the gain: the cooler reference comes out as its mean."""
+    return np.asarray(np.mean(low, dtype=np.float64) - gain * np.asarray(low, np.float64))

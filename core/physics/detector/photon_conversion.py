@@ -1,0 +1,359 @@
+"""From the radiance of a band to electrons, where no spectrum is known.
+
+Photons per watt depend on the spectrum. A thermal scene's is that of a black body of each sample's
+own brightness temperature; sunlight's that of a source; or all photons have the energy of the
+band's middle. Electrons over radiance is then a smooth function of the radiance's logarithm that
+lies between the efficiencies at the ends of the band: one Chebyshev sum serves all samples.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import DataError
+from core.physics.detector.detectivity import ResponseCurve
+from core.physics.detector.filtered_body import FilteredBody
+from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
+from core.physics.quadrature import brent_root, chebyshev_sum
+from core.physics.radiometry.planck import (
+    band_radiance,
+    band_radiance_derivative,
+    brightness_temperature,
+)
+
+Array = NDArray[Any]
+FloatArray = NDArray[np.float64]
+Weighting = Literal["scene", "source", "middle", "spectrum"]
+WEIGHTINGS: tuple[Weighting, ...] = ("scene", "source", "middle")
+SHORTEST_THERMAL_UM = 2.5
+"""What reaches a camera of shorter waves is reflected light, of no brightness temperature."""
+
+_DEEPEST = 1e-9  # of the largest radiance; below it electrons are in proportion to the radiance
+_COLDEST_K, _HOTTEST_K, _LEAST_PHOTONS = 1.0, 1e6, 1e-290
+_FLAT = 1e-14  # of ln L: a picture of one value
+_FINEST = 2e-14
+_FIT_SIZES = (8, 16, 32, 64)
+_STEPS = 80
+_HORNER = 10  # terms up to which powers are as accurate as the recurrence
+
+
+@dataclass(frozen=True)
+class PhotonWeights:
+    """The spectrum by which a band's radiance is counted in photons.
+
+    Parameters
+    ----------
+    weighting : Weighting
+        As wanted; `scene` gives way to `source` where the band begins below 2.5 µm.
+    band_um : (float, float)
+        Of the radiance.
+    efficiency : QuantumEfficiency
+        Of the detector within its filter.
+    source_K : float
+        Temperature of the source.
+    responses : tuple of ResponseCurve
+        What has dimmed the radiance before: that of a black body has come through these.
+    """
+
+    weighting: Weighting
+    band_um: tuple[float, float]
+    efficiency: QuantumEfficiency
+    source_K: float
+    responses: tuple[ResponseCurve, ...] = ()
+
+    @property
+    def is_thermal(self) -> bool:
+        """Whether a brightness temperature means anything in the band."""
+        return min(self.band_um[0], self.efficiency.cut_on_um) >= SHORTEST_THERMAL_UM
+
+    @property
+    def used(self) -> Weighting:
+        """The weighting that is used."""
+        return "source" if self.weighting == "scene" and not self.is_thermal else self.weighting
+
+    @property
+    def _band(self) -> dict[str, float]:
+        return {"cut_on_um": self.band_um[0], "cut_off_um": self.band_um[1]}
+
+    def per_radiance(
+        self, radiance: FloatArray, *, temperature_K: FloatArray | None = None
+    ) -> FloatArray:
+        """∫ QE·L_q dλ over L, s⁻¹ W⁻¹, for radiances above 0.
+
+        `temperature_K`: their brightness temperatures, where known.
+        """
+        if self.used == "scene":
+            if temperature_K is None:
+                temperature_K = self._temperatures(radiance)
+            return np.asarray(self._photons(temperature_K) / radiance)
+        return np.full(np.shape(radiance), self._constant)
+
+    def slope(self, radiance: float, *, temperature_K: float | None = None) -> float:
+        """Derivative of ∫ QE·L_q dλ by L at a radiance above 0, s⁻¹ W⁻¹.
+
+        `temperature_K`: its brightness temperature, where known.
+        """
+        if self.used == "scene":
+            if temperature_K is None:
+                temperature_K = self.temperature(radiance)
+            photons = self.efficiency.photon_radiance_slope
+            if self.responses:
+                photons = self._counted.photons_slope
+            return float(photons(temperature_K)) / self.per_kelvin(temperature_K)
+        return self._constant
+
+    def temperature(self, mean: float) -> float:
+        """Temperature of the black body whose light gives this mean, K."""
+        return float(self._temperatures(np.float64(mean)))
+
+    def per_kelvin(self, temperature_K: float) -> float:
+        """Derivative of that light by the temperature."""
+        if self.responses:
+            return float(self._dimmed.radiance_slope(temperature_K))
+        return float(band_radiance_derivative(temperature_K=temperature_K, **self._band))
+
+    def _temperatures(self, radiance: Any) -> Any:
+        if self.responses:
+            return self._dimmed.temperature(radiance)
+        return brightness_temperature(radiance=radiance, **self._band)
+
+    def _radiance(self, temperature_K: float) -> Any:
+        if self.responses:
+            return self._dimmed.radiance(temperature_K)
+        return band_radiance(temperature_K=temperature_K, **self._band)
+
+    def _photons(self, temperature_K: Any) -> FloatArray:
+        if self.responses:
+            return self._counted.photons(temperature_K)
+        return self.efficiency.photon_radiance(temperature_K)
+
+    @cached_property
+    def _dimmed(self) -> FilteredBody:
+        """Black bodies behind the responses, in the band of the radiance."""
+        return FilteredBody((self.band_um,), self.efficiency, self.responses)
+
+    @cached_property
+    def _counted(self) -> FilteredBody:
+        """The same within the detector's filter."""
+        passed = self.efficiency.cut_on_um, self.efficiency.cut_off_um
+        return FilteredBody((passed,), self.efficiency, self.responses)
+
+    @cached_property
+    def _constant(self) -> float:
+        """Photons per radiance where that is the same for all samples."""
+        efficiency = self.efficiency
+        if self.used == "source":
+            radiance = float(self._radiance(self.source_K))
+            if not radiance > 0.0:
+                low, high = self.band_um
+                raise DataError(
+                    f"a source of {self.source_K:g} K emits nothing from {low:g} to {high:g} µm: "
+                    "give a hotter source_K"
+                )
+            return float(self._photons(self.source_K)) / radiance
+        low = max(self.band_um[0], efficiency.cut_on_um)
+        high = min(self.band_um[1], efficiency.cut_off_um)
+        if not low < high:
+            return 0.0
+        share = (high - low) / (self.band_um[1] - self.band_um[0])
+        counted = QuantumEfficiency(low, high, efficiency.value, efficiency.points).mean()
+        return share * counted * (low + high) / 2.0 / PHOTON_ENERGY_J_UM
+
+
+@dataclass(frozen=True)
+class CountedPhotons(PhotonWeights):
+    """Light whose spectrum is known: it comes as the photons that the detector counts already.
+
+    Parameters
+    ----------
+    windows : tuple of (float, float)
+        Where that spectrum has gaps, the parts of the band in which it is known; empty: all of it.
+    """
+
+    windows: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def used(self) -> Weighting:
+        """The picture's own spectrum."""
+        return "spectrum"
+
+    def temperature(self, mean: float) -> float:
+        """Temperature of the black body of which so many photons are counted, K."""
+
+        def above(logarithm: float) -> float:
+            photons = float(self._photons(math.exp(logarithm)))
+            return math.log(max(photons, _LEAST_PHOTONS) / mean)
+
+        low, high = math.log(_COLDEST_K), math.log(_HOTTEST_K)
+        if not above(low) < 0.0 < above(high):
+            raise DataError(
+                f"{mean:.6g} photons/s/m²/sr are those of no black body from {_COLDEST_K:g} to "
+                f"{_HOTTEST_K:g} K"
+            )
+        return math.exp(brent_root(above, low=low, high=high))
+
+    def per_kelvin(self, temperature_K: float) -> float:
+        """Derivative of the photons counted by the temperature."""
+        if self.responses or self.windows:
+            return float(self._counted.photons_slope(temperature_K))
+        return float(self.efficiency.photon_radiance_slope(temperature_K))
+
+    def _photons(self, temperature_K: Any) -> FloatArray:
+        if self.responses or self.windows:
+            return self._counted.photons(temperature_K)
+        return self.efficiency.photon_radiance(temperature_K)
+
+    @cached_property
+    def _counted(self) -> FilteredBody:
+        whole = ((self.efficiency.cut_on_um, self.efficiency.cut_off_um),)
+        return FilteredBody(self.windows or whole, self.efficiency, self.responses)
+
+    @cached_property
+    def _constant(self) -> float:
+        return 1.0
+
+
+@dataclass(frozen=True)
+class SmoothRatio:
+    """A ratio over the logarithm of what it multiplies; beyond its limits as at them.
+
+    Parameters
+    ----------
+    coefficients : ndarray
+        Of Chebyshev polynomials.
+    middle, half : float
+        Of the logarithm; a half of 0 where the ratio is one number.
+    """
+
+    coefficients: FloatArray
+    middle: float
+    half: float
+
+    def times(self, values: Array) -> Array:
+        """Values times their ratio."""
+        number = values.dtype.type
+        if self.half == 0.0:
+            return np.asarray(values * number(self.coefficients[0]))
+        least, greatest = np.exp([self.middle - self.half, self.middle + self.half])
+        least = max(number(least), np.finfo(values.dtype).tiny)
+        # A third of the time of numpy's maximum and minimum by a number.
+        places = np.clip(values, least, number(greatest))
+        np.log(places, out=places)
+        places -= number(self.middle)
+        if len(self.coefficients) <= _HORNER:
+            total = places * number(self._powers[-1])
+            for power in self._powers[-2:0:-1]:
+                total += number(power)
+                total *= places
+            total += number(self._powers[0])
+        else:
+            places *= number(1.0 / self.half)
+            np.clip(places, -1.0, 1.0, out=places)
+            total = chebyshev_sum(self.coefficients.astype(values.dtype), places)
+        total *= values
+        return np.asarray(total)
+
+    @cached_property
+    def _powers(self) -> FloatArray:
+        """Coefficients of the powers of the logarithm less its middle."""
+        powers = np.polynomial.chebyshev.cheb2poly(self.coefficients)
+        return np.asarray(powers / self.half ** np.arange(len(powers)))
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """Electrons of radiances, and back; the `ratio` is that of electrons to radiance."""
+
+    ratio: SmoothRatio
+
+    def electrons(self, radiance: Array) -> Array:
+        """Electrons of radiances; in proportion to it below and beyond the limits."""
+        return self.ratio.times(radiance)
+
+    def radiance(self, electrons: Array) -> Array:
+        """Radiance of electrons: the inverse of `electrons`."""
+        return self._inverse.times(electrons)
+
+    @cached_property
+    def _inverse(self) -> SmoothRatio:
+        """Radiance over electrons, over the logarithm of the electrons."""
+        coefficients, middle, half = self.ratio.coefficients, self.ratio.middle, self.ratio.half
+        if half == 0.0:
+            ratio = float(coefficients[0])
+            return SmoothRatio(np.array([1.0 / ratio if ratio > 0.0 else 0.0]), 0.0, 0.0)
+        ends = np.array([-1.0, 1.0])
+        logs = middle + half * ends + np.log(chebyshev_sum(coefficients, ends))
+        target_middle, target_half = float(logs.mean()), float(logs[1] - logs[0]) / 2.0
+
+        def ratio_at(places: FloatArray) -> FloatArray:
+            target = target_middle + target_half * places
+            scaled = places
+            for _ in range(_STEPS):  # each leaves less than a half of the error
+                logs = target - np.log(chebyshev_sum(coefficients, scaled))
+                before, scaled = scaled, np.clip((logs - middle) / half, -1.0, 1.0)
+                if np.abs(scaled - before).max() < _FLAT:
+                    break
+            return np.asarray(1.0 / chebyshev_sum(coefficients, scaled))
+
+        return SmoothRatio(_fit(ratio_at, _FINEST), target_middle, target_half)
+
+
+def conversion_between(
+    *,
+    weights: PhotonWeights,
+    electrons_per_photon: float,
+    low: float,
+    high: float,
+    tolerance: float = _FINEST,
+) -> Conversion:
+    """The conversion for radiances from `low` to `high`, W/m²/sr.
+
+    Parameters
+    ----------
+    weights : PhotonWeights
+        Photons of a radiance.
+    electrons_per_photon : float
+        What ∫ QE·L_q dλ is multiplied by, m² sr s.
+    low, high : float
+        Least and greatest radiance; what is below 1e-9 of the greatest is taken in proportion.
+    tolerance : float
+        Largest relative error between the limits.
+
+    Returns
+    -------
+    Conversion
+        Exact at the one radiance where there is only one.
+    """
+    if not high > 0.0:
+        low = high = 1.0  # a picture without light
+    ends = np.log([max(low, high * _DEEPEST), high])
+    middle, half = float(ends.mean()), float(ends[1] - ends[0]) / 2.0
+
+    def forward(places: FloatArray) -> FloatArray:
+        radiance = np.exp(middle + half * places)
+        return np.asarray(electrons_per_photon * weights.per_radiance(radiance))
+
+    if half <= _FLAT or weights.used != "scene":
+        return Conversion(SmoothRatio(forward(np.zeros(1)), middle, 0.0))
+    return Conversion(SmoothRatio(_fit(forward, tolerance), middle, half))
+
+
+def _fit(function: Callable[[FloatArray], FloatArray], tolerance: float) -> FloatArray:
+    """Chebyshev coefficients, as many as the tolerance needs."""
+    for size in _FIT_SIZES:
+        angles = np.pi * (np.arange(size) + 0.5) / size
+        values = function(np.cos(angles))
+        coefficients = 2.0 / size * (np.cos(np.outer(np.arange(size), angles)) @ values)
+        coefficients[0] /= 2.0
+        floor = 0.1 * tolerance * abs(coefficients[0])
+        if np.abs(coefficients[-3:]).max() <= floor:
+            break
+    rest = np.cumsum(np.abs(coefficients[::-1]))[::-1]
+    return np.asarray(coefficients[: max(1, int(np.count_nonzero(rest > floor)))])

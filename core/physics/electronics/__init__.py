@@ -1,1 +1,0 @@
-"""Filters, gain and bias, quantization and periodic noise."""

@@ -1,1 +1,0 @@
-"""Detectors that count electrons: from photons to what is read out, and its noise."""

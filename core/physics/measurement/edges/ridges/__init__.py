@@ -1,1 +1,0 @@
-"""Ridges of a picture's gradient, and their straight pieces."""

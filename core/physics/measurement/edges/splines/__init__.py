@@ -1,1 +1,0 @@
-"""Splines that the spread of an edge is made of."""

@@ -1,0 +1,492 @@
+"""OTF of a circular or annular aperture over a band, by as many wavelengths as a tolerance takes.
+
+The OTF of one wavelength has kinks where outlines of the aperture touch: at the cutoff, and with an
+obscuration at three more places. At a fixed frequency they lie at certain wavelengths of the band,
+between which the OTF is smooth but for half-integer powers at their ends, so that Gauss quadrature
+between them, in a variable that takes these powers away, converges like a power. A response of a
+few points has corners of its own, at fixed wavelengths: between these, too. One of many points is
+integrated exactly in narrow panels, over each of which the OTF is taken for a cubic.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+import scipy.fft
+from numpy.typing import ArrayLike, NDArray
+
+from core.errors import DataError, ParameterError
+from core.physics.detector.detectivity import ResponseCurve
+from core.physics.optics.annular_otf import annular_otf
+from core.physics.optics.band_weights import (
+    SpectralWeighting,
+    Spectrum,
+    panel_wavelengths,
+)
+from core.physics.quadrature import chebyshev_sum, gauss_legendre
+from core.physics.scalar_checks import positive
+
+Vector = NDArray[np.float64]
+COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
+FINEST_TOLERANCE = 1e-13
+USUAL_WITH_DEFOCUS = 1e-10  # each of its OTFs is an integral itself: a third of the time
+USUAL_WITH_MANY_BENDS = 1e-6
+MOST_PARTED = 12  # ends and corners of responses, at which series are parted
+PANELS = (64, 128, 256, 512, 1024, 2048, 4096)  # of a response with more
+_PROBES = 24  # frequencies at which the number of wavelengths is judged
+
+
+@dataclass(frozen=True)
+class Aperture:
+    """A circular aperture and its wavefront error.
+
+    Parameters
+    ----------
+    diameter_mm : float
+        Outer diameter, above 0.
+    obscuration_ratio : float
+        Inner over outer diameter, 0 up to but not including 1.
+    defocus_waves : float
+        W20 at the outer rim, at the reference wavelength; at most 100 waves at any wavelength.
+    rms_waves : float
+        Random wavefront error, waves rms at the reference wavelength; at most 0.18 at any.
+    reference_um : float
+        That wavelength.
+    """
+
+    diameter_mm: float
+    obscuration_ratio: float = 0.0
+    defocus_waves: float = 0.0
+    rms_waves: float = 0.0
+    reference_um: float = 1.0
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Where outlines touch, in frequencies over the cutoff."""
+        inner = self.obscuration_ratio
+        return ((1.0 - inner) / 2.0, inner, (1.0 + inner) / 2.0, 1.0) if inner else (1.0,)
+
+    def otf(self, rho: Vector, wavelength_um: Vector) -> Vector:
+        """Real OTF at radial frequencies, cycles/mrad, and wavelengths; they broadcast."""
+        ratio = wavelength_um * rho / self.diameter_mm
+        scale = self.reference_um / wavelength_um
+        if self.defocus_waves:
+            otf = annular_defocus_otf(
+                frequency_ratio=ratio,
+                w20_waves=self.defocus_waves * scale,
+                obscuration_ratio=self.obscuration_ratio,
+            )
+        else:
+            otf = annular_otf(frequency_ratio=ratio, obscuration_ratio=self.obscuration_ratio)
+        if self.rms_waves:
+            rms = self.rms_waves * scale
+            otf = otf * wavefront_factor(frequency_ratio=ratio, rms_waves=rms)
+        return otf
+
+    def check(self, shortest_um: float) -> None:
+        """Refuse what is out of range at the shortest wavelength of a band (`ParameterError`)."""
+        positive("aperture_mm", self.diameter_mm, unit="mm")
+        scale = self.reference_um / positive("cut_on_um", shortest_um, unit="µm")
+        annular_otf(frequency_ratio=0.0, obscuration_ratio=self.obscuration_ratio)
+        wavefront_factor(frequency_ratio=0.0, rms_waves=self.rms_waves * scale)
+        if not abs(self.defocus_waves * scale) <= MOST_DEFOCUS_WAVES:
+            allowed = f"at most {MOST_DEFOCUS_WAVES:g} waves of the shortest wavelength in size"
+            raise ParameterError("defocus_waves", self.defocus_waves, allowed, unit="waves")
+
+
+def diffraction_otf(
+    *,
+    rho: ArrayLike,
+    aperture: Aperture,
+    cut_on_um: float,
+    cut_off_um: float,
+    weighting: SpectralWeighting,
+    temperature_K: float,
+    responses: tuple[ResponseCurve, ...] = (),
+    wavelengths: int = 0,
+    tolerance: float = FINEST_TOLERANCE,
+) -> Vector:
+    """OTF over a band, weighted.
+
+    Parameters
+    ----------
+    rho : array_like
+        Radial frequency, cycles/mrad.
+    aperture : Aperture
+        What diffracts.
+    cut_on_um, cut_off_um, weighting, temperature_K, responses
+        As of `Spectrum`.
+    wavelengths : int
+        Number of Gauss-Legendre wavelengths over what the responses let through of the band, 1
+        being the band's middle; 0 for as many as the tolerance takes.
+    tolerance : float
+        Largest error with these, 1e-13 or more.
+
+    Returns
+    -------
+    ndarray
+        Real, signed where there is defocus, 1 at zero frequency.
+
+    Raises
+    ------
+    ParameterError
+        For a value out of range.
+    DataError
+        If the tolerance is not reached.
+
+    Notes
+    -----
+    ∫ w(λ)·OTF(λρ/D) dλ / ∫ w(λ) dλ. Source: Goodman 2005, Introduction to Fourier Optics, section
+    6.4; the weights of a photon detector: Boreman 2001, Modulation Transfer Function, chapter 1.
+    """
+    spectrum = Spectrum(cut_on_um, cut_off_um, weighting, temperature_K, responses)
+    spectrum.check()
+    aperture.check(cut_on_um)
+    if not (math.isfinite(wavelengths) and wavelengths >= 0):
+        raise ParameterError("wavelengths", wavelengths, "a whole number, zero or above")
+    radii = np.abs(np.asarray(rho, np.float64))
+    if wavelengths or cut_on_um == cut_off_um:
+        places, weights = _fixed(spectrum, max(1, wavelengths))
+        total = np.zeros(radii.shape)
+        for wavelength, weight in zip(places, weights, strict=True):
+            total = total + weight * aperture.otf(radii, np.asarray(wavelength))
+    else:
+        total = _series(aperture, spectrum, tolerance).at(radii)
+    return np.where(radii == 0.0, 1.0, total)
+
+
+def wavelengths_needed(
+    aperture: Aperture, spectrum: Spectrum, tolerance: float
+) -> tuple[int, float]:
+    """Wavelengths between two kinks that reach a tolerance, and the error left.
+
+    Raises
+    ------
+    ParameterError
+        For a tolerance out of range.
+    DataError
+        If none of the numbers tried reaches it.
+    """
+    if not FINEST_TOLERANCE <= tolerance < 1.0:
+        raise ParameterError("tolerance", tolerance, f"{FINEST_TOLERANCE:g} or more and below 1")
+    return _judged(aperture, spectrum, tolerance)
+
+
+def has_many_bends(spectrum: Spectrum) -> bool:
+    """Whether responses have more corners than series are parted at."""
+    return len(spectrum.corners_um) > MOST_PARTED
+
+
+@lru_cache(maxsize=32)
+def _judged(aperture: Aperture, spectrum: Spectrum, tolerance: float) -> tuple[int, float]:
+    last = _ends(aperture, spectrum)[-1]
+    probes = last * (np.arange(_PROBES) + 0.37) / _PROBES
+    counts = PANELS if has_many_bends(spectrum) else COUNTS
+    before = _over_band(probes, aperture, spectrum, counts[0])
+    error = math.inf
+    for count in counts[1:]:
+        finer = _over_band(probes, aperture, spectrum, count)
+        # Convergence is geometric: what a half more of them change bounds the error of the finer.
+        before, error = finer, float(np.abs(finer - before).max())
+        if error <= tolerance:
+            return count, max(error, 1e-15)
+    raise DataError(
+        f"{counts[-1]} wavelengths between kinks leave an error of {error:.2g}: give a tolerance "
+        "above that, or fewer waves of defocus"
+    )
+
+
+@lru_cache(maxsize=32)
+def _series(aperture: Aperture, spectrum: Spectrum, tolerance: float) -> RadialSeries:
+    count, _ = wavelengths_needed(aperture, spectrum, tolerance)
+    return RadialSeries.of(
+        lambda radii: _over_band(radii, aperture, spectrum, count),
+        ends=_ends(aperture, spectrum),
+        tolerance=tolerance,
+    )
+
+
+def _ends(aperture: Aperture, spectrum: Spectrum) -> tuple[float, ...]:
+    """Frequencies at which a kink enters or leaves the band."""
+    diameter = aperture.diameter_mm
+    corners = spectrum.ends_um if has_many_bends(spectrum) else spectrum.corners_um
+    places = sorted(kink * diameter / end for kink in aperture.kinks for end in corners)
+    ends = [0.0]
+    for place in places:
+        if place > ends[-1] * (1.0 + 1e-12):
+            ends.append(place)
+    return tuple(ends)
+
+
+def _over_band(rho: Vector, aperture: Aperture, spectrum: Spectrum, count: int) -> Vector:
+    """The weighted mean at frequencies above 0, by `count` wavelengths between the kinks.
+
+    By `count` panels where the response has many corners.
+    """
+    if has_many_bends(spectrum):
+        places, weights = panel_wavelengths(spectrum, count)
+        return np.array([float(aperture.otf(np.full(1, each), places) @ weights) for each in rho])
+    kinks = np.array(sorted(aperture.kinks)) * aperture.diameter_mm
+    at_kinks = kinks / rho[:, np.newaxis]
+    total, whole = np.zeros(rho.size), 0.0
+    for low, high in pairwise(spectrum.edges_um):
+        # Beyond the last kink, the cutoff, there is nothing.
+        inside = np.clip(at_kinks, low, high)
+        edges = np.concatenate([np.full((rho.size, 1), low), inside], axis=1)
+        for left, right in pairwise(edges.T):
+            chosen = np.flatnonzero(right > left)
+            if chosen.size:
+                places, weights = _between(left[chosen], right[chosen], count)
+                otf = aperture.otf(rho[chosen, np.newaxis], places)
+                total[chosen] += np.sum(weights * spectrum.weight(places) * otf, axis=1)
+        places, weights = _between(np.array([low]), np.array([high]), count)
+        whole += float(np.sum(weights * spectrum.weight(places)))
+    return np.asarray(total / whole)
+
+
+def _between(left: Vector, right: Vector, count: int) -> tuple[Vector, Vector]:
+    """Wavelengths and weights between ends, with powers of a half at the ends taken away."""
+    nodes, weights = gauss_legendre(count)
+    angle = 0.25 * np.pi * (nodes + 1.0)
+    width = (right - left)[:, np.newaxis]
+    places = left[:, np.newaxis] + width * np.sin(angle) ** 2
+    return places, width * (0.25 * np.pi * weights * np.sin(2.0 * angle))
+
+
+def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
+    """Wavelengths and weights, which sum to 1."""
+    places, weights = map(np.array, spectrum.places(count))
+    if count == 1:
+        return places, weights
+    weights = weights * spectrum.weight(places)
+    if not np.sum(weights) > 0.0:
+        raise DataError(
+            f"the response is 0 at each of the {count} wavelengths over the band: take more, or as "
+            "many as the tolerance needs"
+        )
+    return places, weights / np.sum(weights)
+
+
+# OTF of a centrally obscured circular aperture out of focus.
+
+MOST_DEFOCUS_WAVES = 100.0
+_NODES = 24  # Gauss-Legendre nodes of a panel
+_PHASE_PER_PANEL = 12.0  # [rad]; 24 nodes integrate cos over it to rounding
+_VALUES_PER_BLOCK = 1 << 19
+
+
+def annular_defocus_otf(
+    *, frequency_ratio: ArrayLike, w20_waves: ArrayLike, obscuration_ratio: float = 0.0
+) -> Vector:
+    """OTF of a disc or annulus with the wavefront error W = W20 rho², real and signed.
+
+    Parameters
+    ----------
+    frequency_ratio : array_like
+        Radial frequency over the cutoff (aperture diameter over wavelength), 0 or above.
+    w20_waves : array_like
+        Wavefront error at the outer rim [waves], at most 100 in size; broadcasts.
+    obscuration_ratio : float
+        Inner over outer radius, 0 up to but not including 1.
+
+    Returns
+    -------
+    ndarray
+        1 at zero, 0 from the cutoff on; absolute error near 1e-15.
+
+    Raises
+    ------
+    ParameterError
+        If defocus or obscuration are out of range.
+    DataError
+        If a frequency is not finite.
+
+    Notes
+    -----
+    Pupils moved by ±v differ in phase by kx, k = 8π·W20·v, so that the OTF is the integral of
+    cos(kx) over the area they share, (D − d)(D' − d') with discs D and obscurations d: a lens of
+    the discs, less twice that of a disc and the other's obscuration, and one of the obscurations.
+    Each is bounded by arcs x = c + R·cos t, whose chords are 2R·sin t. Source: Hopkins 1955, Proc.
+    R. Soc. A 231, 91, for the disc; O'Neill 1956, JOSA 46, 285, for the parts of the annulus.
+    """
+    inner = float(obscuration_ratio)
+    if not 0.0 <= inner < 1.0:
+        raise ParameterError(
+            "obscuration_ratio", inner, "0 up to but not including 1 (an opening must remain)"
+        )
+    v, w20 = np.broadcast_arrays(
+        np.asarray(frequency_ratio, np.float64), np.abs(np.asarray(w20_waves, np.float64))
+    )
+    if not np.all(np.isfinite(v)) or np.any(v < 0.0):
+        raise DataError("frequency_ratio holds a value that is negative or not finite")
+    if not np.all(w20 <= MOST_DEFOCUS_WAVES):
+        worst = float(w20[~(w20 <= MOST_DEFOCUS_WAVES)][0])
+        allowed = f"at most {MOST_DEFOCUS_WAVES:g} in size"
+        raise ParameterError("defocus_waves", worst, allowed, unit="waves")
+    flat, rate = v.ravel(), (8.0 * np.pi * w20 * v).ravel()
+    otf = np.zeros(flat.size)
+    inside = np.flatnonzero(flat < 1.0)
+    panels = np.ceil(rate[inside] * (1.0 + inner) / _PHASE_PER_PANEL).astype(np.int64) + 1
+    sizes = 1 << np.ceil(np.log2(panels)).astype(np.int64)
+    for size in np.unique(sizes):
+        chosen = inside[sizes == size]
+        nodes, weights = _panel_rule(int(size))
+        step = max(1, _VALUES_PER_BLOCK // len(nodes))
+        for start in range(0, chosen.size, step):
+            block = chosen[start : start + step]
+            otf[block] = _shared(flat[block], rate[block], inner, nodes, weights)
+    otf[flat == 0.0] = 1.0
+    return otf.reshape(v.shape)
+
+
+def _shared(v: Vector, k: Vector, inner: float, nodes: Vector, weights: Vector) -> Vector:
+    """∫ cos(kx) over what two annuli moved by ±v share, over the area of one."""
+
+    def arc(centre: Vector, radius: float, low: Vector, high: Vector) -> Vector:
+        """∫ of 2·√(R² − (x − c)²)·cos(kx) over x from low to high, 0 where high ≤ low."""
+        first = np.arccos(np.clip((high - centre) / radius, -1.0, 1.0))
+        last = np.arccos(np.clip((low - centre) / radius, -1.0, 1.0))
+        width = np.maximum(last - first, 0.0)
+        angle = first[:, np.newaxis] + width[:, np.newaxis] * nodes
+        x = centre[:, np.newaxis] + radius * np.cos(angle)
+        values = np.sin(angle) ** 2 * np.cos(k[:, np.newaxis] * x)
+        made: Vector = 2.0 * radius**2 * width * (values @ weights)
+        return made
+
+    zero = np.zeros_like(v)
+    area = 2.0 * arc(-v, 1.0, zero, 1.0 - v)
+    if inner > 0.0:
+        area += 2.0 * arc(-v, inner, zero, np.maximum(inner - v, 0.0))
+        # The disc about −v bounds the obscuration about v beyond where their outlines cross.
+        with np.errstate(divide="ignore"):
+            crossing = np.where(v > 0.0, (1.0 - inner**2) / (4.0 * v), np.inf)
+        crossing = np.clip(crossing, v - inner, v + inner)
+        area -= 2.0 * arc(v, inner, v - inner, crossing)
+        beyond = np.where(crossing < v + inner, 1.0 - v, crossing)
+        area -= 2.0 * arc(-v, 1.0, crossing, np.maximum(beyond, crossing))
+    return np.asarray(area / (np.pi * (1.0 - inner**2)))
+
+
+def _panel_rule(panels: int) -> tuple[Vector, Vector]:
+    """Nodes and weights over [0, 1] in equal panels."""
+    nodes, weights = gauss_legendre(_NODES)
+    places = (np.arange(panels)[:, np.newaxis] + 0.5 * (nodes + 1.0)) / panels
+    return places.ravel(), np.tile(0.5 * weights / panels, panels)
+
+
+# A function of the radial frequency as series between its kinks, to a given tolerance.
+#
+# Between kinks of half-integer powers, as edges of apertures make them, ρ = a + (b −
+# a)·sin²(πs/2)
+# makes the function an analytic one of s, whose Chebyshev series converges like a power.
+
+SIZES = (16, 32, 64, 128, 256, 512, 1024)
+
+
+@dataclass(frozen=True)
+class RadialSeries:
+    """Chebyshev series on pieces; 0 beyond the last."""
+
+    ends: tuple[float, ...]
+    coefficients: tuple[Vector, ...]
+
+    @classmethod
+    def of(
+        cls, function: Callable[[Vector], Vector], *, ends: tuple[float, ...], tolerance: float
+    ) -> RadialSeries:
+        """Fit a function of radii.
+
+        Parameters
+        ----------
+        function : callable
+            What is fitted.
+        ends : tuple of float
+            Where pieces begin and end, rising from 0; beyond the last one the function is 0.
+        tolerance : float
+            Largest error.
+
+        Raises
+        ------
+        DataError
+            If 1024 terms of a piece do not reach it.
+        """
+        pieces = (_fit(function, low, high, tolerance) for low, high in pairwise(ends))
+        return cls(ends, tuple(pieces))
+
+    def at(self, rho: Vector) -> Vector:
+        """Values at radii, 0 or above."""
+        values = np.zeros(rho.shape)
+        piece = np.searchsorted(self.ends, rho, side="right") - 1
+        for index, coefficients in enumerate(self.coefficients):
+            chosen = piece == index
+            if chosen.any():
+                low, high = self.ends[index], self.ends[index + 1]
+                share = np.clip((rho[chosen] - low) / (high - low), 0.0, 1.0)
+                place = 4.0 / np.pi * np.arcsin(np.sqrt(share)) - 1.0
+                values[chosen] = chebyshev_sum(coefficients, place)
+        return values
+
+
+def _fit(function: Callable[[Vector], Vector], low: float, high: float, tolerance: float) -> Vector:
+    for size in SIZES:
+        place = np.cos(np.pi * (np.arange(size) + 0.5) / size)
+        radii = low + (high - low) * np.sin(0.25 * np.pi * (place + 1.0)) ** 2
+        coefficients = scipy.fft.dct(function(radii), type=2) / size
+        coefficients[0] /= 2.0
+        rest = np.cumsum(np.abs(coefficients[::-1]))[::-1]
+        if rest[size - size // 4] <= tolerance:
+            return np.asarray(coefficients[: max(2, int(np.count_nonzero(rest > tolerance / 8)))])
+    raise DataError(
+        f"the polychromatic OTF between {low:g} and {high:g} cycles/mrad takes more than "
+        f"{SIZES[-1]} terms: give a larger tolerance, a number of wavelengths, or fewer waves of "
+        "defocus"
+    )
+
+
+# What a small random wavefront error takes off the MTF, known by its rms alone.
+
+MOST_RMS_WAVES = 0.18
+
+
+def wavefront_factor(*, frequency_ratio: ArrayLike, rms_waves: ArrayLike) -> NDArray[np.float64]:
+    """Shannon's aberration transfer factor.
+
+    Parameters
+    ----------
+    frequency_ratio : array_like
+        Radial frequency over the cutoff, 0 to 1; beyond there is no contrast left.
+    rms_waves : array_like
+        Wavefront error over the pupil [waves rms], 0 to 0.18; broadcasts.
+
+    Returns
+    -------
+    ndarray
+        1 − (W/0.18)²·(1 − 4(ν − 1/2)²), least at half the cutoff.
+
+    Raises
+    ------
+    ParameterError
+        For an error out of range: beyond 0.18 waves the form gives negative contrast.
+
+    Notes
+    -----
+    Source: Shannon 1994, "Optical specifications", in Handbook of Optics, 2nd ed., vol. I, chapter
+    35. An empirical mean over aberrations of low order; a known wavefront belongs to Exit Pupils.
+    """
+    rms = np.asarray(rms_waves, np.float64)
+    if not np.all((rms >= 0.0) & (rms <= MOST_RMS_WAVES)):
+        worst = float(rms.max() if np.all(rms >= 0.0) else rms.min())
+        raise ParameterError(
+            "rms_wavefront_waves",
+            worst,
+            f"0 to {MOST_RMS_WAVES:g} waves of the shortest wavelength, within which Shannon's "
+            "form holds: give a larger error to Exit Pupils",
+            unit="waves",
+        )
+    ratio = np.minimum(np.abs(np.asarray(frequency_ratio, np.float64)), 1.0)
+    return np.asarray(1.0 - (rms / MOST_RMS_WAVES) ** 2 * (1.0 - 4.0 * (ratio - 0.5) ** 2))

@@ -1,1 +1,0 @@
-"""Optics as they were measured or computed elsewhere: curves of MTF and point spread functions."""

@@ -1,1 +1,0 @@
-"""Arrays that lie on disk where memory is not to hold them."""

@@ -1,0 +1,336 @@
+"""Probability against range that a target is acquired, and the figures of merit as a table."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.results import CurveData, Series, TableData, TableRow
+from core.evaluation.recipes import ends_lineage
+from core.evaluation.work import Work
+from core.physics.acquisition.eye import (
+    CYC_PER_DEG,
+    eye_contrast_threshold,
+    system_contrast_threshold,
+)
+from core.physics.acquisition.mrtd import perceived_share
+from core.physics.acquisition.target_acquisition import (
+    apparent_difference,
+    johnson_probability,
+    resolvable_cycles,
+    ttp_probability,
+)
+from core.physics.acquisition.ttp import TtpThreshold, thermal_contrast
+from core.physics.atmosphere.air_path import AirPath, transmission_at_ranges
+from core.physics.noise.noise_components import COMPONENTS
+from core.physics.quadrature import range_for_probability
+from core.transfer.factors import Grid
+from nodes.analysis.threshold_curves import Sensitivity, Thresholds, Unseen
+
+Vector = NDArray[np.float64]
+TtpForm = Literal["mrtd", "system_contrast_threshold"]
+TASKS = ("detection", "recognition", "identification")
+_POINTS = 201
+_LEAST = 0.1  # of the easiest task, where the curve ends by itself
+_MEANINGS = {
+    "tvh": "random noise",
+    "vh": "fixed pattern of samples",
+    "v": "fixed pattern of rows",
+    "h": "fixed pattern of columns",
+    "t": "flicker of the frame",
+    "tv": "flicker of rows",
+    "th": "flicker of columns",
+}
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be acquired, through which air, how hard it is, and on what display.
+
+    Parameters
+    ----------
+    size_m, delta_K : float
+        Critical dimension and temperature difference of the target.
+    extinction_per_km : float
+        Of the path, where the picture has come through none.
+    n50 : tuple of float
+        Cycles of detection, recognition and identification.
+    v50 : float
+        TTP value of the task.
+    scene_contrast_K : float
+        Difference that the display shows as its mean luminance.
+    luminance_cd_m2, display_deg, magnification : float
+        The display.
+    range_max_km : float or None
+        Where the curve ends; None: where the easiest task has become unlikely.
+    ttp_threshold : TtpForm
+        The threshold that TTP values are sums over.
+    seconds_per_frame, seconds_fixed : float
+        Time over which the eye sees temporal noise as one picture, and fixed patterns; 0 for those
+        if they do not count.
+    air : tuple of AirPath
+        The path that the picture has come through.
+    band_um : (float, float)
+        Of the radiance.
+    """
+
+    size_m: float
+    delta_K: float
+    extinction_per_km: float
+    n50: tuple[float, float, float]
+    v50: float
+    scene_contrast_K: float
+    luminance_cd_m2: float
+    display_deg: float
+    magnification: float
+    range_max_km: float | None
+    ttp_threshold: TtpForm = "mrtd"
+    seconds_per_frame: float = 0.0
+    seconds_fixed: float = 0.0
+    air: tuple[AirPath, ...] = ()
+    band_um: tuple[float, float] = (8.0, 12.0)
+
+    def apparent_K(self, range_m: Any, background_K: float) -> Any:  # noqa: N802
+        """What is left of the target's difference at ranges, by the air of its own range."""
+        if not self.air:
+            return apparent_difference(
+                delta_K=self.delta_K, extinction_per_km=self.extinction_per_km, range_m=range_m
+            )
+        return self.delta_K * transmission_at_ranges(
+            paths=self.air,
+            range_m=range_m,
+            cut_on_um=self.band_um[0],
+            cut_off_um=self.band_um[1],
+            background_K=background_K,
+        )
+
+
+@dataclass(frozen=True)
+class Acquisition:
+    """Probabilities against range by task, and the ranges of one half in m."""
+
+    range_m: Vector
+    johnson: tuple[Vector, ...]
+    ttp: Vector
+    johnson_ranges: tuple[float | None, ...]
+    ttp_range: float | None
+
+
+@ends_lineage
+def acquisition(
+    work: Work,
+    thresholds: Thresholds | Unseen,
+    noise: Sensitivity | Unseen,
+    *,
+    task: Task,
+    grid: Grid,
+) -> Acquisition | Unseen:
+    """Johnson's and the TTP probability, and the ranges at which they are one half."""
+    if isinstance(thresholds, Unseen):
+        return thresholds
+    assert not isinstance(noise, Unseen)
+
+    def johnson(n50: float, range_m: Any) -> Any:
+        if len(thresholds.both) < 2:
+            return np.zeros_like(range_m)
+        cycles = resolvable_cycles(
+            frequency=thresholds.both_frequency,
+            mrtd_K=thresholds.both,
+            delta_K=task.apparent_K(range_m, noise.background_K),
+            target_size_m=task.size_m,
+            range_m=range_m,
+        )
+        return johnson_probability(cycles=cycles, n50=n50)
+
+    spectrum = noise.spectrum
+    turned = None if spectrum is None else spectrum.T
+    limits = [
+        TtpThreshold(
+            thresholds.frequency,
+            _contrast_threshold(thresholds, mrtd, mtf, task)
+            if task.ttp_threshold == "mrtd"
+            else _through_the_system(thresholds, mrtd, mtf, task, _relative_noise(task, *seen)),
+        )
+        for mrtd, mtf, seen in (
+            (
+                thresholds.horizontal,
+                thresholds.mtf_x,
+                (noise, thresholds.frequency, grid.nyquist_x, grid.nyquist_y, spectrum),
+            ),
+            (
+                thresholds.vertical,
+                thresholds.mtf_y,
+                (noise, thresholds.frequency, grid.nyquist_y, grid.nyquist_x, turned),
+            ),
+        )
+    ]
+
+    def ttp(range_m: Any) -> Any:
+        apparent = np.abs(task.apparent_K(range_m, noise.background_K))
+        contrast = thermal_contrast(difference_K=apparent, scene_contrast_K=task.scene_contrast_K)
+        across, along = (limit.value(contrast, task.size_m**2, range_m) for limit in limits)
+        return ttp_probability(value=np.sqrt(across) * np.sqrt(along), v50=task.v50)
+
+    def johnson_reach(n50: float, probability: float) -> float | None:
+        work.check()
+        return range_for_probability(
+            probability_at=lambda range_m: johnson(n50, range_m), probability=probability
+        )
+
+    half = tuple(johnson_reach(n50, 0.5) for n50 in task.n50)
+    work.check()
+    ttp_half = range_for_probability(probability_at=ttp, probability=0.5)
+    if task.range_max_km is not None:
+        farthest = 1000.0 * task.range_max_km
+    else:
+        reach = (johnson_reach(min(task.n50), _LEAST), ttp_half)
+        farthest = max(
+            (range_m for range_m in reach if range_m and math.isfinite(range_m)), default=1000.0
+        )
+    range_m = farthest * np.arange(1, _POINTS + 1) / _POINTS
+    return Acquisition(
+        range_m,
+        tuple(johnson(n50, range_m) for n50 in task.n50),
+        ttp(range_m),
+        half,
+        ttp_half,
+    )
+
+
+def _contrast_threshold(thresholds: Thresholds, mrtd: Vector, mtf: Vector, task: Task) -> Vector:
+    """Threshold of the eye through the sensor, and of its noise, as the root of their squares."""
+    eye = eye_contrast_threshold(
+        frequency_cyc_per_deg=thresholds.frequency * (CYC_PER_DEG / task.magnification),
+        luminance_cd_m2=task.luminance_cd_m2,
+        display_deg=task.display_deg,
+    )
+    noise = thermal_contrast(difference_K=mrtd, scene_contrast_K=task.scene_contrast_K)
+    resolved = np.isfinite(mrtd)
+    through = eye / np.where(resolved, mtf, 1.0)
+    return np.where(resolved, np.hypot(through, noise), np.inf)
+
+
+def _through_the_system(
+    thresholds: Thresholds, mrtd: Vector, mtf: Vector, task: Task, relative_noise: Vector
+) -> Vector:
+    """The published contrast threshold of the eye through MTF and noise; as far as is sampled."""
+    resolved = np.isfinite(mrtd)
+    threshold = system_contrast_threshold(
+        frequency=thresholds.frequency,
+        mtf=np.where(resolved, mtf, 1.0),
+        luminance_cd_m2=task.luminance_cd_m2,
+        display_deg=task.display_deg,
+        magnification=task.magnification,
+        relative_noise=relative_noise,
+    )
+    return np.where(resolved, threshold, np.inf)
+
+
+def _relative_noise(
+    task: Task,
+    noise: Sensitivity,
+    frequency: Vector,
+    across: float,
+    along: float,
+    spectrum: Vector | None,
+) -> Vector:
+    """Noise that hides a sine, over the display's mean luminance, 1/√Hz."""
+
+    def share(of: Vector | None) -> Vector:
+        return perceived_share(
+            frequency=frequency,
+            across_cyc_per_mrad=across,
+            along_cyc_per_mrad=along,
+            magnification=task.magnification,
+            luminance_cd_m2=task.luminance_cd_m2,
+            spectrum=of,
+        )
+
+    variances = noise.noise_K2
+    temporal = variances.temporal * task.seconds_per_frame * share(spectrum)
+    fixed = variances.fixed * task.seconds_fixed
+    total = temporal + fixed * share(None) if fixed else temporal
+    return np.asarray(np.sqrt(total) / task.scene_contrast_K, np.float64)
+
+
+@ends_lineage
+def probability_curve(work: Work, result: Acquisition | Unseen) -> CurveData:
+    """Probabilities against range."""
+    if isinstance(result, Unseen):
+        return result.curve("Target acquisition", "range (km)", "probability")
+    km = result.range_m / 1000.0
+    series = [
+        Series(task, km, probability)
+        for task, probability in zip(TASKS, result.johnson, strict=True)
+    ]
+    series.append(Series("TTP", km, result.ttp))
+    return CurveData("Target acquisition", "range (km)", "probability", tuple(series))
+
+
+@ends_lineage
+def merit_table(
+    work: Work,
+    seen: Sensitivity | Unseen,
+    thresholds: Thresholds | Unseen,
+    reached: Acquisition | Unseen,
+    *,
+    grid: Grid,
+    unit: str,
+    frames: float,
+) -> TableData:
+    """All figures in one table; empty with their reason where nothing of the scene is seen."""
+    values: dict[str, float | None] = {}
+    why = seen.reason if isinstance(seen, Unseen) else ""
+    if not isinstance(seen, Unseen):
+        ner = math.sqrt(max(seen.noise.temporal, 0.0))
+        values |= {"snr": seen.mean / ner if ner > 0.0 else None, "netd_K": seen.netd_K}
+        values |= {"ner": ner, "background_K": seen.background_K}
+        for name in COMPONENTS:
+            values[f"sigma_{name}_K"] = math.sqrt(seen.noise_K2.variance(name))
+    if not isinstance(reached, Unseen):
+        for task, range_m in zip(TASKS, reached.johnson_ranges, strict=True):
+            values[f"{task}_range_km"] = _km(range_m)
+        values["ttp_range_km"] = _km(reached.ttp_range)
+
+    def row(name: str, unit: str, meaning: str) -> TableRow:
+        return TableRow(name, values.get(name), unit, meaning, why)
+
+    rows = [
+        row("snr", "", "mean over temporal noise"),
+        row("netd_K", "K", "temporal noise as a temperature difference"),
+        row("ner", unit, "rms temporal noise"),
+        row("background_K", "K", "background that gives dL/dT"),
+        TableRow("frames_integrated", frames, "", "frames that the eye averages"),
+        *(row(f"sigma_{name}_K", "K", _MEANINGS[name]) for name in COMPONENTS),
+    ]
+    for share in (0.25, 0.5, 0.75):
+        text = f"{share:g} of Nyquist"
+        for axis, nyquist in (("x", grid.nyquist_x), ("y", grid.nyquist_y)):
+            name = f"mrtd_{axis}_{round(100 * share)}_percent_nyquist"
+            if not isinstance(thresholds, Unseen):
+                curve = thresholds.horizontal if axis == "x" else thresholds.vertical
+                values[name] = at_frequency(thresholds.frequency, curve, share * nyquist)
+            rows.append(row(name, "K", f"MRTD along {axis} at {text}"))
+    rows += [row(f"{task}_range_km", "km", f"Johnson: half of {task}s succeed") for task in TASKS]
+    rows.append(row("ttp_range_km", "km", "TTP: half succeed"))
+    return TableData(tuple(rows))
+
+
+def _km(range_m: float | None) -> float | None:
+    return range_m / 1000.0 if range_m is not None and math.isfinite(range_m) else None
+
+
+def at_frequency(frequency: Vector, curve: Vector, wanted: float) -> float | None:
+    """The curve at a frequency, straight between logarithms; None where nothing is resolved."""
+    upper = int(np.searchsorted(frequency, wanted * (1.0 - 1e-12)))
+    lower = max(upper - 1, 0)
+    if upper >= len(curve) or not np.isfinite(curve[upper]):
+        return None
+    if frequency[upper] == wanted or not curve[lower] > 0.0:
+        return float(curve[upper])
+    logs = np.interp(wanted, frequency[lower : upper + 1], np.log(curve[lower : upper + 1]))
+    return float(np.exp(logs))

@@ -1,1 +1,0 @@
-"""How cameras and line scanners sample a scene."""

@@ -1,0 +1,243 @@
+"""Compare Images: how far a picture is from a reference, and the MTF between them."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.wires import Curve, Image, Table
+from core.errors import DataError
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
+from core.evaluation.work import Work
+from core.modules.declaration import Module, NodeContext, readout
+from core.modules.parameters import Formula, Param
+from core.transfer.factors import Edges, Grid
+from core.transfer.mirrored import MeanFree, mirrored_spectrum
+from core.transfer.periodic import periodic_spectrum
+from nodes.input_output.sample_unit import blocks
+from nodes.shared.module_ports import figure
+
+Array = NDArray[Any]
+
+
+class CompareOutputs(NamedTuple):
+    """Figures, image less reference, and the ratio of their spectra."""
+
+    table: Table
+    difference: Image
+    curve: Curve
+
+
+class CompareImages(Module, key="compare_images", title="Compare Images", group="Analysis"):
+    """Measure how far a picture is from a reference of the same size.
+
+    Root mean square, largest and mean difference, and the peak signal to noise ratio, for which
+    the peak is the reference's maximum less its minimum. The MTF ratio is the modulus of the
+    picture's spectrum over that of the reference: on both frequency axes, or as the root of the
+    ratio of powers in rings. Frequencies at which the reference has nothing but rounding are left
+    out. For a frame filtered with mirrored edges it is the MTF itself if `edges` is `reflect`.
+    """
+
+    formulas = (
+        Formula(
+            r"\mathrm{RMSE}=\sqrt{\frac{1}{N}\sum_i(a_i-b_i)^2},\quad\mathrm{PSNR}=20\,\lg\frac{"
+            r"\max b-\min b}{\mathrm{RMSE}}",
+            where="a: the picture; b: the reference",
+        ),
+        Formula(
+            r"R(f)=\frac{|\mathcal{F}(a)|}{|\mathcal{F}(b)|}",
+            where="MTF ratio; in rings the root of the ratio of powers",
+        ),
+    )
+
+    average: Annotated[
+        Literal["axes", "radial"], Param("MTF ratio on both frequency axes, or in rings")
+    ] = "axes"
+    edges: Annotated[
+        Edges, Param("frame mirrored without end, or repeated as the plain FFT sees it")
+    ] = "reflect"
+
+    def run(self, image: Image, reference: Image, here: NodeContext) -> CompareOutputs:
+        """Plan the comparison."""
+        if image.shape != reference.shape:
+            raise DataError(
+                f"the image is {image.columns} × {image.rows} samples and the reference "
+                f"{reference.columns} × {reference.rows}: only equal sizes compare"
+            )
+        pair = (image.recipe, reference.recipe)
+        table = Step.of(compared, *pair, unit=image.unit, node=here.node)
+        difference = Step.of(subtracted, *pair, node=here.node)
+        return CompareOutputs(
+            Table(table), image.with_recipe(difference), Curve(self._ratio(image, reference, here))
+        )
+
+    def _ratio(self, image: Image, reference: Image, here: NodeContext) -> Recipe:
+        known = image.interval_x_mrad is not None and image.interval_y_mrad is not None
+        grid = image.grid() if known else Grid(image.rows, image.columns, 1.0, 1.0)
+        settings: dict[str, Any] = {
+            "grid": grid,
+            "edges": self.edges,
+            "unit": "cyc/mrad" if known else "cycles/sample",
+        }
+        if self.average == "axes":
+            return Step.of(axes_ratio, image.recipe, reference.recipe, node=here.node, **settings)
+        transform = mirrored_spectrum if self.edges == "reflect" else periodic_spectrum
+        spectra = [
+            Step.of(transform, picture.recipe, node=here.node) for picture in (image, reference)
+        ]
+        return Step.of(radial_ratio, *spectra, node=here.node, **settings)
+
+    @readout()
+    def rmse(self, outputs: CompareOutputs) -> Recipe:
+        """Root mean square difference, in the image's unit."""
+        return Step.of(figure, outputs.table.recipe, name="rmse")
+
+    @readout()
+    def max_error(self, outputs: CompareOutputs) -> Recipe:
+        """Largest difference, in the image's unit."""
+        return Step.of(figure, outputs.table.recipe, name="max_error")
+
+    @readout("dB")
+    def psnr_dB(self, outputs: CompareOutputs) -> Recipe:  # noqa: N802
+        """Peak signal to noise ratio; none for equal pictures or a constant reference."""
+        return Step.of(figure, outputs.table.recipe, name="psnr_dB")
+
+    @readout()
+    def mean_difference(self, outputs: CompareOutputs) -> Recipe:
+        """Mean of image less reference, in the image's unit."""
+        return Step.of(figure, outputs.table.recipe, name="mean_difference")
+
+
+@ends_lineage
+@pointwise
+def subtracted(work: Work, image: Array, reference: Array) -> Array:
+    """Image less reference."""
+    return np.subtract(image, reference, dtype=work.policy.dtype)
+
+
+@in_blocks()
+@ends_lineage
+def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableData:
+    """Figures of the difference, in double precision."""
+    largest, sums = 0.0, []
+    for a, b in zip(blocks(image, work.check), blocks(reference, work.check), strict=True):
+        difference = a - b
+        largest = max(largest, float(np.max(np.abs(difference))))
+        sums.append(float(np.sum(difference)))
+    squares = 0.0
+    if largest > 0.0:
+        # Relative to the largest: squares of huge or tiny differences leave the range of numbers.
+        pairs = zip(blocks(image, work.check), blocks(reference, work.check), strict=True)
+        squares = math.fsum(float(np.sum(((a - b) / largest) ** 2)) for a, b in pairs)
+    rmse = largest * math.sqrt(squares / image.size)
+    peak = float(reference.max()) - float(reference.min())
+    psnr_dB = 20.0 * math.log10(peak / rmse) if rmse > 0.0 and peak > 0.0 else None
+    mean = math.fsum(sums) / image.size
+    return TableData(
+        (
+            TableRow("rmse", rmse, unit, "root mean square difference"),
+            TableRow("max_error", largest, unit, "largest difference"),
+            TableRow("psnr_dB", psnr_dB, "dB", "reference's maximum less minimum over rmse"),
+            TableRow("mean_difference", mean, unit, "mean of image less reference"),
+        )
+    )
+
+
+# The MTF between two pictures, from the ratio of their spectra.
+
+Vector = NDArray[np.float64]
+_BLOCK_SAMPLES = 1 << 18
+# Times the rounding of the samples: where the reference has less, the ratio would be noise.
+_ABOVE_ROUNDING = 100.0
+
+
+@in_blocks()  # numpy averages the rows as they come
+@ends_lineage
+def axes_ratio(
+    work: Work, image: Array, reference: Array, *, grid: Grid, edges: Edges, unit: str
+) -> CurveData:
+    """|spectrum of image| / |spectrum of reference| on the axes xi and eta.
+
+    On an axis the spectrum is that of the picture averaged across it, a 1-D transform. `edges`
+    as in Init & Trans; `unit` is that of the grid's frequencies.
+    """
+    mirrored = edges == "reflect"
+    across = grid.xi_mirrored() if mirrored else grid.xi_half()
+    along = grid.eta_mirrored() if mirrored else np.abs(grid.eta()[: grid.rows // 2 + 1])
+    largest = max(abs(float(reference.max())), abs(float(reference.min())))
+    series = []
+    for name, axis, frequency in (("horizontal", 0, across), ("vertical", 1, along)):
+        work.check()
+        above, below = (
+            _modulus(np.mean(picture, axis=axis, dtype=np.float64), mirrored)
+            for picture in (image, reference)
+        )
+        seen = below > _rounding(reference.dtype) * largest * math.sqrt(len(frequency))
+        series.append(Series(name, frequency[seen], above[seen] / below[seen]))
+    return _curves(series, unit)
+
+
+@ends_lineage
+def radial_ratio(
+    work: Work, image: MeanFree, reference: MeanFree, *, grid: Grid, edges: Edges, unit: str
+) -> CurveData:
+    """Root of the ratio of the powers in rings of equal radial frequency, up to Nyquist.
+
+    A ring's frequency is the mean over it, weighted with the reference's power.
+    """
+    mirrored = edges == "reflect"
+    spacing = max(grid.frequency_interval_x, grid.frequency_interval_y) / (2 if mirrored else 1)
+    rings = int(min(grid.nyquist_x, grid.nyquist_y) / spacing) + 1
+    above, below, moment, count = (np.zeros(rings) for _ in range(4))
+    xi = grid.xi_mirrored() if mirrored else grid.xi_half()
+    eta = grid.eta_mirrored() if mirrored else grid.eta()
+    weight = np.ones(len(xi))
+    if not mirrored:
+        weight[1 : (grid.columns + 1) // 2] = 2.0  # a half spectrum's column and its twin
+    step = max(1, _BLOCK_SAMPLES // len(xi))
+    for start in range(0, len(eta), step):
+        work.check()
+        rows = slice(start, start + step)
+        rho = np.hypot(xi, eta[rows, np.newaxis])
+        ring = np.rint(rho / spacing).astype(np.intp)
+        inside = ring < rings
+        ring, rho = ring[inside], rho[inside]
+        powers = [_power(picture.values[rows]) * weight for picture in (image, reference)]
+        power_above, power_below = (power[inside] for power in powers)
+        above += np.bincount(ring, power_above, rings)
+        below += np.bincount(ring, power_below, rings)
+        moment += np.bincount(ring, power_below * rho, rings)
+        count += np.bincount(ring, np.broadcast_to(weight, inside.shape)[inside], rings)
+    # Unnormalised DCTs have twice the size of an FFT along each axis.
+    size = grid.rows * grid.columns * (4.0 if mirrored else 1.0)
+    above[0] += (image.mean * size) ** 2
+    below[0] += (reference.mean * size) ** 2
+    level = reference.mean**2 + float(np.sum(below)) / size**2
+    floor = _rounding(reference.values.real.dtype) ** 2 * level * size
+    seen = below > floor * count
+    ratio = np.sqrt(above[seen] / below[seen])
+    return _curves([Series("radial", moment[seen] / below[seen], ratio)], unit)
+
+
+def _modulus(profile: Vector, mirrored: bool) -> Vector:
+    transform = scipy.fft.dct(profile, type=2) if mirrored else scipy.fft.rfft(profile)
+    return np.asarray(np.abs(transform), np.float64)
+
+
+def _power(values: Array) -> Vector:
+    """|values|² in double, which holds the square of every single-precision number."""
+    real = values.real.astype(np.float64) ** 2
+    return real + values.imag.astype(np.float64) ** 2 if np.iscomplexobj(values) else real
+
+
+def _rounding(dtype: np.dtype[Any]) -> float:
+    return _ABOVE_ROUNDING * float(np.finfo(dtype).eps)
+
+
+def _curves(series: list[Series], unit: str) -> CurveData:
+    return CurveData("MTF ratio", f"frequency ({unit})", "MTF ratio", tuple(series))

@@ -1,0 +1,429 @@
+"""Figures of Merit: what a sensor resolves and detects, and how far."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Annotated, Literal, NamedTuple
+
+from core.chain.wires import Context, Curve, Image, Table
+from core.errors import DataError
+from core.evaluation.recipes import Step
+from core.modules.declaration import Module, NodeContext, warning
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.physics.acquisition.eye import frames_integrated
+from core.physics.acquisition.mdtd import Window
+from core.physics.atmosphere.air_path import AirPath
+from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
+from core.transfer.factors import Grid
+from nodes.analysis.acquisition_curves import (
+    Task,
+    TtpForm,
+    acquisition,
+    merit_table,
+    probability_curve,
+)
+from nodes.analysis.lineage import NoiseOf, transfer_of
+from nodes.analysis.threshold_curves import (
+    Model,
+    Observer,
+    mdtd_curve,
+    mrtd_curve,
+    sensitivity,
+    thresholds,
+)
+from nodes.shared.context_defaults import given_band, with_interval
+from nodes.shared.module_ports import CutOff, CutOn, table_figure
+from nodes.shared.shared_warnings import alike, band_caution, unit_caution
+
+Scanning = Literal["automatic", "parallel_scan", "serial_scan", "staring"]
+
+
+_OF_PLATFORM: dict[str, Scanning] = {
+    "line": "serial_scan",
+    "push": "parallel_scan",
+    "array": "staring",
+}
+
+
+class MeritOutputs(NamedTuple):
+    """Threshold curves, probabilities and figures."""
+
+    mrtd: Curve
+    mdtd: Curve
+    probability: Curve
+    table: Table
+
+
+class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", group="Analysis"):
+    """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor behind a picture.
+
+    Transfer function and noise are read off the chain that made the picture; nothing is drawn or
+    measured, and the mean that SNR and background come from is that of the picture without noise
+    and without errors of gain and bias. Connect the picture as the sensor samples it, before a
+    frame grabber interpolates it: its samples set Nyquist's frequency and the bandwidth of the
+    noise.
+
+    MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ left after the eye has averaged over
+    a bar and over time. `ratches_1976` takes the temporal noise alone, and has no limit by
+    sampling; `flir92` takes fixed patterns too, which do not fall with time, and ends at Nyquist
+    where the sensor samples. Temporal noise is averaged with the spectrum it has in the picture.
+    2-D: the root of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the
+    mean of its blurred image.
+
+    `scanning` sets where the sensor samples: `staring` in both directions, `serial_scan` between
+    the lines that one detector scans along x, `parallel_scan` between its detectors, which lie
+    along x on platform `push` and else along y. All else that sets them apart is in the picture's
+    noise: bandwidth_Hz (one detector in place of n is n times as fast, and noisier by √n), and what
+    gain and bias do on a uniform field: on `line`, of one detector, nothing; on `push` σ_h, which
+    hides upright bars; on `array` σ_vh. 1/f noise of channels (σ_tv) is not simulated.
+
+    A picture of a band that begins below 2.5 µm is of reflected light, which has no temperature: it
+    is refused, unless `background_K` states how hot the scene glows; Image Quality takes it.
+
+    All figures in K are those at the camera, behind the air, for the background as it looks from
+    there. What is left of ΔT at a range is by Atmospheric Path, if the picture has come through
+    one: the τ(R) of each wavelength, weighted by dL/dT; else ΔT·exp(−extinction·range).
+
+    Johnson: cycles across the target up to where it reaches the 2-D MRTD, over N50. TTP: the sum of
+    √(contrast/threshold) over frequencies, the threshold being that of the eye through the MTF and
+    of the MRTD, as the root of their squares (`mrtd`), or the published CTF_eye/MTF·√(1 + α²·σ²/S²)
+    (`system_contrast_threshold`), to which published V50 belong: α = 169.6 √Hz, σ the noise in K·√s
+    that channels of vision and eyeball leave beside a sine, S the scene contrast; fixed patterns
+    count with `flir92`. Display and eye have no part in the MRTD. The defaults are a target of 2.3
+    m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is quoted for identifying tracked vehicles,
+    which could not be checked.
+
+    Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
+    1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
+    IEEE Sensors J. 1, 31 (N50); Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806; Barten
+    1990 (eye). The numbers of their equations could not be checked.
+    """
+
+    formulas = (
+        Formula(
+            r"\mathrm{MRTD}(f)=\frac{\pi^2}{8}\;\frac{\mathrm{SNR}_{th}\,\sigma_p(f)}{H(f)}",
+            where="σ_p: noise in K that is left after the eye has averaged over a bar (1/(2f) "
+            "by 7/(2f)) and over time; H: MTF of the chain",
+        ),
+        Formula(
+            r"\mathrm{MDTD}(W)=\frac{\mathrm{SNR}_{th}\,\sigma_p(w)}{\overline{I}(W,w)}",
+            where="W: side of the square target; Ī: share of its difference that is left in a "
+            "window of side w",
+        ),
+        Formula(
+            r"P=\frac{r^E}{1+r^E},\quad r=\frac{N}{N_{50}},\quad E=2.7+0.7\,r",
+            where="N: cycles across the target",
+            when="Johnson",
+        ),
+        Formula(
+            r"V=\frac{\sqrt{A}}{R}\int\sqrt{\frac{C}{C_{th}(f)}}\;df",
+            where="A: area of the target; R: range; C: its contrast; C_th: threshold of sensor "
+            "and eye",
+            when="TTP",
+        ),
+        Formula(
+            r"P=\frac{r^E}{1+r^E},\quad r=\frac{V}{V_{50}},\quad E=1.51+0.24\,r",
+            when="TTP",
+        ),
+    )
+
+    model: Annotated[
+        Model, Param("temporal noise alone, or three-dimensional noise and a limit by sampling")
+    ] = "flir92"
+    scanning: Annotated[
+        Scanning,
+        Param("automatic: as Init & Trans's platform, line serial, push parallel, array staring"),
+    ] = "automatic"
+    cut_on_um: CutOn = None
+    cut_off_um: CutOff = None
+    background_K: Annotated[
+        float | None,
+        Param("background; empty: brightness temperature of the mean", unit="K", low=0),
+    ] = None
+    snr_threshold: Annotated[
+        float,
+        Param(
+            "SNR at which half of the observers resolve or detect",
+            low=0, high=1000, above=True, slider=(1, 5),
+        ),
+    ] = 2.5  # fmt: skip
+    frame_rate_Hz: Annotated[
+        float | None,
+        Param("frames per second; empty: a single still frame", unit="Hz", low=0, slider=(0, 120)),
+    ] = 30.0
+    eye_integration_s: Annotated[
+        float,
+        Param("time over which the eye averages frames", unit="s", low=0, high=10, above=True),
+    ] = 0.2
+    mdtd_window: Annotated[
+        Window, Param("MDTD: the eye averages over the target, or over its blurred image")
+    ] = "target"
+    eye_limit_mrad: Annotated[
+        float | None,
+        Param(
+            "MDTD: largest angle in the scene the eye averages over; empty: no limit",
+            unit="mrad", low=0, slider=(0, 100),
+        ),
+    ] = None  # fmt: skip
+    target_size_m: Annotated[
+        float,
+        Param(
+            "size of the target: the root of its area",
+            unit="m", low=0, above=True, high=1e6, slider=(0.1, 10),
+        ),
+    ] = 2.3  # fmt: skip
+    target_delta_K: Annotated[
+        float, Param("target less background", unit="K", low=-10000, high=10000, slider=(0, 10))
+    ] = 2.0
+    extinction_per_km: Annotated[
+        float,
+        Param(
+            "extinction of the air in the band, where no Atmospheric Path gives it",
+            unit="1/km",
+            low=0,
+            high=1e6,
+            slider=(0, 2),
+        ),
+    ] = 0.2
+    n50_detection: Annotated[
+        float,
+        Param(
+            "cycles at which half detect; 1 goes with one direction's MRTD",
+            low=0, above=True, high=1000, slider=(0.1, 10),
+        ),
+    ] = 0.75  # fmt: skip
+    n50_recognition: Annotated[
+        float,
+        Param(
+            "cycles at which half recognize; 4 goes with one direction's MRTD",
+            low=0, above=True, high=1000, slider=(0.1, 10),
+        ),
+    ] = 3.0  # fmt: skip
+    n50_identification: Annotated[
+        float,
+        Param(
+            "cycles at which half identify; 6.4 goes with one direction's MRTD",
+            low=0, above=True, high=1000, slider=(0.1, 10),
+        ),
+    ] = 6.0  # fmt: skip
+    ttp_threshold: Annotated[
+        TtpForm,
+        Param("TTP: threshold of eye and MRTD, or the published one through MTF and noise"),
+    ] = "mrtd"
+    v50: Annotated[
+        float,
+        Param(
+            "TTP value at which half succeed; published ones go with system_contrast_threshold",
+            low=0, above=True, high=10000, slider=(1, 40),
+        ),
+    ] = 18.8  # fmt: skip
+    scene_contrast_K: Annotated[
+        float,
+        Param(
+            "TTP: difference shown as the display's mean",
+            unit="K", low=0, above=True, high=1e4, slider=(0.5, 20),
+        ),
+    ] = 5.0  # fmt: skip
+    display_cd_m2: Annotated[
+        float,
+        Param(
+            "TTP: mean luminance of the display",
+            unit="cd/m²", low=0, above=True, high=1e6, slider=(1, 300),
+        ),
+    ] = 34.0  # fmt: skip
+    display_deg: Annotated[
+        float,
+        Param(
+            "TTP: side of the display at the eye",
+            unit="deg", low=0, above=True, high=180, slider=(1, 60),
+        ),
+    ] = 15.0  # fmt: skip
+    magnification: Annotated[
+        float | None,
+        Param(
+            "TTP: angle on the display over that in the scene; empty: it fills the display",
+            low=0, slider=(0, 20),
+        ),
+    ] = None  # fmt: skip
+    range_max_km: Annotated[
+        float | None,
+        Param(
+            "end of the curve; empty: where detection is unlikely",
+            unit="km", low=0, high=1e6, slider=(0, 20),
+        ),
+    ] = None  # fmt: skip
+
+    panel = (
+        Section("", ("model", "scanning", "snr_threshold"), page="Sensor"),
+        Section("Noise", ("cut_on_um", "cut_off_um", "background_K"), page="Sensor"),
+        Section("In time", ("frame_rate_Hz", "eye_integration_s"), page="Eye"),
+        Section("MDTD", ("mdtd_window", "eye_limit_mrad"), page="Eye"),
+        Section(
+            "Target",
+            ("target_size_m", "target_delta_K", "extinction_per_km", "range_max_km"),
+            page="Target",
+        ),
+        Section(
+            "Johnson", ("n50_detection", "n50_recognition", "n50_identification"), page="Target"
+        ),
+        Section("Task and scene", ("ttp_threshold", "v50", "scene_contrast_K"), page="TTP"),
+        Section("Display", ("display_cd_m2", "display_deg", "magnification"), page="TTP"),
+    )
+
+    def run(self, context: Context, image: Image, here: NodeContext) -> MeritOutputs:
+        """Plan each curve as a value of its own: a new task does not repeat the MRTD."""
+        image = with_interval(image, context)
+        known = replace(context, band_um=image.band_um or context.band_um)
+        passed, grid, node = transfer_of(image, of_camera=True), image.grid(), here.node
+        sensor = {"stages": passed.part("mtf"), "grid": grid, "observer": self._observer(context)}
+        band_um = given_band(self.cut_on_um, self.cut_off_um, known)
+        self._refuse_reflected(known.band_um or band_um)
+        seen = Step.of(
+            sensitivity,
+            NoiseOf(image, node, uniform=True),
+            *passed.levels,
+            node=node,
+            gain=passed.gain,
+            gain_before=passed.gain_before,
+            band_um=band_um,
+            background_K=self.background_K,
+        )
+        threshold_step = Step.of(thresholds, seen, node=node, **sensor)
+        task = replace(self._task(grid), air=_air(image, context), band_um=band_um)
+        reached = Step.of(acquisition, threshold_step, seen, node=node, task=task, grid=grid)
+        table = Step.of(
+            merit_table,
+            seen,
+            threshold_step,
+            reached,
+            node=node,
+            grid=grid,
+            unit=image.unit,
+            frames=self._frames(),
+        )
+        return MeritOutputs(
+            Curve(Step.of(mrtd_curve, threshold_step, node=node)),
+            Curve(Step.of(mdtd_curve, seen, node=node, **sensor)),
+            Curve(Step.of(probability_curve, reached, node=node)),
+            Table(table),
+        )
+
+    def _refuse_reflected(self, band_um: tuple[float, float]) -> None:
+        """Light that is reflected has no temperature (`DataError`)."""
+        if band_um[0] >= SHORTEST_THERMAL_UM or self.background_K is not None:
+            return
+        raise DataError(
+            f"the band begins at {band_um[0]:g} µm, where a scene reflects light and shows no "
+            "temperature: NETD, MRTD, MDTD and the ranges made of them do not apply; take "
+            "image_quality, or give background_K of a scene that glows"
+        )
+
+    @warning
+    def band(self, image: Image) -> Caution | None:
+        """A band that is not the picture's."""
+        return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
+
+    @warning
+    def unit(self, image: Image) -> Caution | None:
+        """A picture that is no radiance, and whose chain does not say how it became what it is."""
+        if image.interval_x_mrad is not None and transfer_of(image, of_camera=True).levels:
+            return None
+        return unit_caution(image.unit, meant="NETD, MRTD and MDTD")
+
+    @warning
+    def extinction(self, image: Image, given: frozenset[str]) -> Caution | None:
+        """An extinction beside the path that the picture has come through."""
+        if "extinction_per_km" not in given or not image.air:
+            return None
+        paths = [air for air in image.air if air.is_grey and air.range_m]
+        if len(paths) == len(image.air):
+            of_path = sum(1000.0 * float(air.depth_per_m(1.0)) for air in paths)
+            if alike(self.extinction_per_km, of_path):
+                return None
+        return Caution(
+            f"extinction_per_km = {self.extinction_per_km:g} 1/km is not used: the picture has "
+            "come through Atmospheric Path, whose transmission the ranges take",
+            "leave it out here, or correct it there",
+        )
+
+    def _frames(self) -> float:
+        """Frames averaged by the eye: one of a still frame."""
+        if self.frame_rate_Hz is None:
+            return 1.0
+        return frames_integrated(
+            frame_rate_Hz=self.frame_rate_Hz, eye_integration_s=self.eye_integration_s
+        )
+
+    def _observer(self, context: Context) -> Observer:
+        scanning = self.scanning
+        if scanning == "automatic":
+            scanning = _OF_PLATFORM[context.platform]
+        along_flight = scanning == "parallel_scan" and context.platform == "push"
+        return Observer(
+            model=self.model,
+            sampled_x=scanning == "staring" or along_flight,
+            sampled_y=not along_flight,
+            snr_threshold=self.snr_threshold,
+            frames=self._frames(),
+            window=self.mdtd_window,
+            eye_limit_mrad=self.eye_limit_mrad,
+        )
+
+    def _task(self, grid: Grid) -> Task:
+        field_deg = math.degrees(grid.columns * grid.interval_x_mrad / 1000.0)
+        return Task(
+            size_m=self.target_size_m,
+            delta_K=self.target_delta_K,
+            extinction_per_km=self.extinction_per_km,
+            n50=(self.n50_detection, self.n50_recognition, self.n50_identification),
+            v50=self.v50,
+            scene_contrast_K=self.scene_contrast_K,
+            luminance_cd_m2=self.display_cd_m2,
+            display_deg=self.display_deg,
+            magnification=self.magnification or self.display_deg / field_deg,
+            range_max_km=self.range_max_km,
+            ttp_threshold=self.ttp_threshold,
+            seconds_per_frame=self.eye_integration_s / self._frames(),
+            seconds_fixed=self.eye_integration_s if self.model == "flir92" else 0.0,
+        )
+
+    snr = table_figure("snr", "", "Noise-free mean over temporal noise; none without noise.")
+    netd_K = table_figure("netd_K", "K", "Noise equivalent temperature difference, temporal.")
+    ner = table_figure("ner", "W/m²/sr", "Noise equivalent radiance: rms temporal noise.")
+    mrtd_x_K = table_figure(
+        "mrtd_x_K", "K", "MRTD of upright bars at half of Nyquist, if resolved.",
+        row="mrtd_x_50_percent_nyquist",
+    )  # fmt: skip
+    mrtd_y_K = table_figure(
+        "mrtd_y_K", "K", "MRTD of lying bars at half of Nyquist, if resolved.",
+        row="mrtd_y_50_percent_nyquist",
+    )  # fmt: skip
+    detection_range_km = table_figure("detection_range_km", "km", "Where half detect (Johnson).")
+    recognition_range_km = table_figure(
+        "recognition_range_km", "km", "Where half recognize (Johnson)."
+    )
+    identification_range_km = table_figure(
+        "identification_range_km", "km", "Where half identify (Johnson)."
+    )
+    ttp_range_km = table_figure("ttp_range_km", "km", "Range at which half succeed (TTP).")
+
+
+def _air(image: Image, context: Context) -> tuple[AirPath, ...]:
+    """The path that the picture has come through; its range of Init & Trans where it has none.
+
+    Raises
+    ------
+    DataError
+        If no range is known for which the transmission holds.
+    """
+    paths = tuple(
+        air if air.range_m else replace(air, range_m=context.range_m) for air in image.air
+    )
+    if any(air.range_m is None for air in paths):
+        raise DataError(
+            "the transmission of Atmospheric Path holds for a range that is not known, and gives "
+            "none at others: give range_m there, on Camera or on Init & Trans"
+        )
+    return paths

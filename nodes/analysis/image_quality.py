@@ -1,0 +1,332 @@
+"""Image Quality: the interpretability of a picture by the image quality equations."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.linear_change import LevelChange
+from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.wires import Context, Curve, Image, Table
+from core.errors import DataError
+from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.work import Work
+from core.modules.declaration import Module, NodeContext, warning
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.physics.acquisition.giqe import (
+    INCH_M,
+    beyond_limits,
+    edge_overshoot,
+    edge_response,
+    giqe_3,
+    giqe_4,
+    giqe_5,
+    relative_edge_response,
+)
+from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
+from core.transfer.factors import Grid
+from nodes.analysis.lineage import ImageNoise, NoiseOf, transfer_of
+from nodes.analysis.lineage.line_transfer import Line, Stage, stage_along
+from nodes.analysis.threshold_curves import HORIZONTAL, VERTICAL, Unseen, unseen
+from nodes.shared.context_defaults import given, with_interval
+from nodes.shared.module_ports import table_figure
+
+
+class QualityOutputs(NamedTuple):
+    """Edge responses, and the equations with what they are made of."""
+
+    edge: Curve
+    table: Table
+
+
+@ends_lineage
+def typed_snr(work: Work, *, snr: float) -> float:
+    """The SNR that is typed in."""
+    return snr
+
+
+class ImageQuality(Module, key="image_quality", title="Image Quality", group="Analysis"):
+    """Estimate the interpretability (NIIRS) of a picture by GIQE 3, 4 and 5.
+
+    Ground sample distance is the picture's interval times the range, stretched along by the view
+    off nadir. The relative edge response (how far an edge rises within a sample about it) and the
+    overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer functions,
+    the SNR from its mean signal and temporal noise: nothing is drawn or measured. All are geometric
+    means across and along. Connect the picture as the sensor samples it, before a frame grabber
+    interpolates it.
+
+    GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
+    0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
+    9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. The
+    first two are of sharpened pictures, with the noise gain G of the sharpening. Fitted to visible
+    pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130 (version 4; the
+    limits of the others could not be checked): a warning names what lies beyond.
+
+    Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4); Harrington et al. 2015
+    (GIQE 5).
+    """
+
+    formulas = (
+        Formula(
+            r"\mathrm{NIIRS}=11.81+3.32\,\lg\frac{\mathrm{RER}}{\mathrm{GSD}}-1.48\,H-\frac{G}{"
+            r"\mathrm{SNR}}",
+            where="GSD: inches; RER: relative edge response; H: overshoot; G: noise gain of the "
+            "sharpening",
+            when="GIQE 3",
+        ),
+        Formula(
+            r"\mathrm{NIIRS}=10.251-a\,\lg\mathrm{GSD}+b\,\lg\mathrm{RER}-0.656\,H-\frac{0.344"
+            r"\,G}{\mathrm{SNR}}",
+            where="a = 3.32, b = 1.559; below an RER of 0.9 a = 3.16, b = 2.817",
+            when="GIQE 4",
+        ),
+        Formula(
+            r"\mathrm{NIIRS}=9.57-3.32\,\lg\mathrm{GSD}+3.32\left(1-e^{-1.9/\mathrm{SNR}}"
+            r"\right)\lg\mathrm{RER}-2\,\lg^4\mathrm{RER}-\frac{1.8}{\mathrm{SNR}}",
+            when="GIQE 5",
+        ),
+        Formula(
+            r"E(d)=\frac{1}{2}+\frac{1}{\pi}\int_0^\infty\frac{H(\xi)\,\sin(2\pi\xi d)}{\xi}\,d"
+            r"\xi",
+            where="edge response at distance d; RER = E(½) − E(−½) in samples",
+        ),
+    )
+
+    range_m: Annotated[
+        float | None,
+        Param("range to the ground; empty: that of Init & Trans", unit="m", low=0),
+    ] = None
+    off_nadir_deg: Annotated[
+        float,
+        Param(
+            "view off nadir along, which stretches the ground sample",
+            unit="deg", low=0, high=89, slider=(0, 60),
+        ),
+    ] = 0.0  # fmt: skip
+    snr: Annotated[
+        float | None, Param("SNR typed in; empty: mean signal over temporal noise", low=0)
+    ] = None
+    overshoot: Annotated[
+        float | None,
+        Param("overshoot H typed in; empty: that of the chain", low=0, slider=(0.8, 2)),
+    ] = None
+    noise_gain: Annotated[
+        float, Param("noise gain G of the sharpening", low=0, high=1e6, slider=(0, 20))
+    ] = 1.0
+
+    panel = (
+        Section("View", ("range_m", "off_nadir_deg")),
+        Section("Noise", ("snr",)),
+        Section("Sharpening", ("overshoot", "noise_gain")),
+    )
+
+    def run(self, context: Context, image: Image, here: NodeContext) -> QualityOutputs:
+        """Plan edge, noise and figures as values of their own."""
+        image = with_interval(image, context)
+        passed, grid, node = transfer_of(image), image.grid(), here.node
+        edge = Step.of(edge_quality, node=node, stages=passed.part("mtf"), grid=grid)
+        if self.snr is not None:
+            snr: Recipe = Step.of(typed_snr, node=node, snr=self.snr)
+        else:
+            snr = Step.of(
+                signal_over_noise,
+                NoiseOf(image, node, uniform=True),
+                *passed.levels,
+                node=node,
+                gain=passed.gain,
+                gain_before=passed.gain_before,
+            )
+        view = View(
+            given("range_m", self.range_m, context, unit="m"),
+            self.off_nadir_deg,
+            self.noise_gain,
+            self.overshoot,
+        )
+        table = Step.of(quality_table, edge, snr, node=node, grid=grid, view=view)
+        return QualityOutputs(Curve(Step.of(edge_curve, edge, node=node)), Table(table))
+
+    @warning
+    def band(self, image: Image, context: Context) -> Caution | None:
+        """A thermal picture, for which the equations are not."""
+        band = image.band_um or context.band_um
+        if band is None or band[0] < SHORTEST_THERMAL_UM:
+            return None
+        return Caution(
+            f"the picture's band, {band[0]:g} to {band[1]:g} µm, is thermal, and these equations "
+            "are fitted to visible pictures",
+            "take figures_of_merit, or NIIRS as a comparison of like cameras alone",
+        )
+
+    @warning
+    def limits(self, outputs: QualityOutputs) -> Recipe:
+        """Values outside those that the equations were fitted to."""
+        return Step.of(limits_caution, outputs.table.recipe)
+
+    giqe5 = table_figure("giqe5", "NIIRS", "Interpretability by GIQE 5.")
+    giqe4 = table_figure("giqe4", "NIIRS", "Interpretability by GIQE 4.")
+    giqe3 = table_figure("giqe3", "NIIRS", "Interpretability by GIQE 3.")
+    gsd_m = table_figure("gsd_m", "m", "Ground sample distance, geometric mean.")
+    rer = table_figure("rer", "", "Relative edge response, geometric mean.")
+    overshoot_figure = table_figure("overshoot", "", "Edge overshoot, geometric mean.")
+    snr_figure = table_figure("snr", "", "Mean signal over temporal noise; none without noise.")
+
+
+# What image quality equations take of a chain: its edge response, its signal over noise.
+
+Vector = NDArray[np.float64]
+_DRAWN = np.linspace(-4.0, 4.0, 129)  # samples beside the edge
+
+
+@dataclass(frozen=True)
+class EdgeQuality:
+    """Relative edge response and overshoot across and along, and the responses as curves."""
+
+    rer: tuple[float, float]
+    overshoot: tuple[float, float]
+    response: tuple[Vector, Vector]
+
+
+@ends_lineage
+def edge_quality(work: Work, *, stages: tuple[Stage, ...], grid: Grid) -> EdgeQuality:
+    """Of the whole chain, sample by sample of the picture."""
+    results = []
+    for line, sample_mrad in ((HORIZONTAL, grid.interval_x_mrad), (VERTICAL, grid.interval_y_mrad)):
+
+        def mtf(frequency: Vector, line: Line = line) -> Vector:
+            total = np.ones(len(frequency))
+            for stage in stages:
+                work.check()
+                total = total * stage_along(work, stage, "mtf", line, frequency)
+            return total
+
+        results.append(
+            (
+                relative_edge_response(mtf=mtf, sample_mrad=sample_mrad),
+                edge_overshoot(mtf=mtf, sample_mrad=sample_mrad),
+                edge_response(mtf=mtf, places_px=_DRAWN, sample_mrad=sample_mrad),
+            )
+        )
+    rer, overshoot, response = zip(*results, strict=True)
+    return EdgeQuality(rer, overshoot, response)
+
+
+@ends_lineage
+def signal_over_noise(
+    work: Work,
+    seen: ImageNoise,
+    *levels: LevelChange,
+    gain: float | None,
+    gain_before: float,
+) -> float | Unseen:
+    """Mean of the scene's share of the picture over the temporal noise; infinite without noise.
+
+    Raises
+    ------
+    DataError
+        If noise cannot be followed to the picture, or there is no signal.
+    """
+    seen.require_known()
+    if gain is None:
+        raise DataError("gain_model literal scales the picture by the gain error; take per_pixel")
+    gain *= math.prod(level.gain for level in levels)
+    clipped = unseen(gain, levels, "it has no signal")
+    if clipped is not None:
+        return clipped
+    mean = levels[0].signal / levels[0].gain / gain_before if levels else seen.mean / gain
+    if not mean > 0.0:
+        raise DataError(f"the picture's signal is {mean:.6g}: its SNR needs one above zero")
+    noise = math.sqrt(max(seen.total.variances.temporal, 0.0)) / gain
+    return mean / noise if noise > 0.0 else math.inf
+
+
+@dataclass(frozen=True)
+class View:
+    """How the ground is seen: range, angle off nadir, and what the sharpening does.
+
+    `overshoot` is None where the chain's own counts.
+    """
+
+    range_m: float
+    off_nadir_deg: float
+    noise_gain: float
+    overshoot: float | None
+
+
+@ends_lineage
+def quality_table(
+    work: Work, edge: EdgeQuality, snr: float | Unseen, *, grid: Grid, view: View
+) -> TableData:
+    """The equations and what they are made of; those of the noise are empty without a signal."""
+    across = grid.interval_x_mrad * view.range_m / 1000.0
+    along = (
+        grid.interval_y_mrad * view.range_m / 1000.0 / math.cos(math.radians(view.off_nadir_deg))
+    )
+    gsd_m, rer = math.sqrt(across * along), _mean("relative edge response", edge.rer)
+    overshoot = view.overshoot
+    if overshoot is None:
+        overshoot = _mean("height beside the edge", edge.overshoot)
+    gsd_inch = gsd_m / INCH_M
+    why = snr.reason if isinstance(snr, Unseen) else ""
+    fifth = fourth = third = shown_snr = None
+    if not isinstance(snr, Unseen):
+        known = {"gsd_inch": gsd_inch, "rer": rer, "snr": snr}
+        sharpened = {"overshoot": overshoot, "noise_gain": view.noise_gain}
+        fifth = float(giqe_5(**known))
+        fourth, third = (float(giqe(**known, **sharpened)) for giqe in (giqe_4, giqe_3))
+        shown_snr = snr if math.isfinite(snr) else None
+    rows: tuple[tuple[Any, ...], ...] = (
+        ("giqe5", fifth, "NIIRS", "GIQE 5, of the picture as it is", why),
+        ("giqe4", fourth, "NIIRS", "GIQE 4, with H and G", why),
+        ("giqe3", third, "NIIRS", "GIQE 3, with H and G", why),
+        ("gsd_m", gsd_m, "m", "ground sample distance, geometric mean"),
+        ("gsd_across_m", across, "m", "across"),
+        ("gsd_along_m", along, "m", "along"),
+        ("gsd_inch", gsd_inch, "in", "geometric mean"),
+        ("rer", rer, "", "relative edge response, geometric mean"),
+        ("rer_x", edge.rer[0], "", "across"),
+        ("rer_y", edge.rer[1], "", "along"),
+        ("overshoot", overshoot, "", "edge overshoot H, geometric mean"),
+        ("noise_gain", view.noise_gain, "", "noise gain G of the sharpening"),
+        ("snr", shown_snr, "", "signal over temporal noise", why),
+    )
+    return TableData(tuple(TableRow(*row) for row in rows))
+
+
+def _mean(what: str, values: tuple[float, float]) -> float:
+    if min(values) <= 0.0:
+        across, along = values
+        raise DataError(
+            f"the {what} is {across:.6g} across and {along:.6g} along: the image quality "
+            "equations need both above zero"
+        )
+    return math.sqrt(values[0] * values[1])
+
+
+@ends_lineage
+def edge_curve(work: Work, edge: EdgeQuality) -> CurveData:
+    """The edge responses across and along."""
+    series = tuple(
+        Series(name, _DRAWN, response)
+        for name, response in zip(("across", "along"), edge.response, strict=True)
+    )
+    return CurveData("Edge response", "samples beside the edge", "response", series)
+
+
+@ends_lineage
+def limits_caution(work: Work, table: TableData) -> Caution | None:
+    """Values outside those that the equations were fitted to."""
+    figures = table.as_dict()
+    values = {name: figures[name] for name in ("gsd_inch", "rer", "overshoot", "snr")}
+    known = {name: math.inf if value is None else float(value) for name, value in values.items()}
+    beyond = beyond_limits(**known)
+    if not beyond:
+        return None
+    return Caution(
+        f"beyond the limits of the image quality equations: {', '.join(beyond)}",
+        "take NIIRS as an extrapolation there",
+    )

@@ -1,0 +1,372 @@
+"""Measured MTF: from an edge or a line in any picture."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+
+from core.chain.results import CurveData, CurveMark, Series, TableData, TableRow
+from core.chain.wires import Curve, Image, Table
+from core.errors import ParameterError
+from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.work import Work
+from core.modules.declaration import Module, NodeContext, readout
+from core.modules.panel_sections import Section
+from core.modules.parameters import Formula, Param
+from core.physics.measurement.edges.edge_line import Target
+from core.physics.measurement.edges.slanted_edge import Window
+from nodes.analysis.mtf_measuring import (
+    Direction,
+    Expected,
+    Measured,
+    Rectangle,
+    chain_behind,
+    expected,
+    measured_rows,
+    measured_slanted,
+)
+
+# A measured MTF, and what was expected, as curves and figures.
+
+Axis = Literal["cyc_per_mrad", "cyc_per_pixel"]
+NYQUIST = 0.5  # cycles per pixel
+UNITS: dict[Axis, str] = {"cyc_per_mrad": "cyc/mrad", "cyc_per_pixel": "cyc/pixel"}
+
+
+@ends_lineage
+def curve_of(work: Work, measured: Measured, *expected: Expected, axis: Axis) -> CurveData:
+    """MTF, the bounds of one standard error, and what is expected where that is known."""
+    axis, factor = _axis(measured, axis)
+    x = measured.frequency * factor
+    series = [Series("measured", x, measured.mtf)]
+    if measured.error.any():
+        series.append(Series("+ standard error", x, measured.mtf + measured.error))
+        series.append(Series("− standard error", x, np.maximum(measured.mtf - measured.error, 0.0)))
+    series += [Series("expected", curve.frequency * factor, curve.mtf) for curve in expected]
+    return CurveData(
+        f"MTF {measured.direction}",
+        f"frequency ({UNITS[axis]})",
+        "MTF",
+        tuple(series),
+        marks=(CurveMark("Nyquist", NYQUIST * factor),),
+    )
+
+
+@ends_lineage
+def spread_of(work: Work, measured: Measured, *, unit: str) -> CurveData:
+    """Edge spread and line spread, per pixel, against the distance along the normal."""
+    y_label = f"value ({unit})" if unit else "value"
+    series = (
+        Series("edge spread", measured.away, measured.spread),
+        Series("line spread", measured.away, measured.line_spread),
+    )
+    return CurveData(f"Spread {measured.direction}", "distance (pixels)", y_label, series)
+
+
+@ends_lineage
+def table_of(
+    work: Work, measured: Measured, *expected: Expected, axis: Axis, unit: str
+) -> TableData:
+    """Figures with their standard errors, and what is expected where that is known."""
+    axis, factor = _axis(measured, axis)
+
+    def scaled(value: float | None) -> float | None:
+        return None if value is None else value * factor
+
+    rows = [TableRow("direction", measured.direction, "", "across what the MTF is measured")]
+    rows.append(
+        TableRow("edge_angle_deg", measured.angle_deg, "deg", "direction of the edge's normal")
+    )
+    for name, figure, meaning in (
+        ("mtf50", measured.mtf50, "frequency at which the MTF falls to 0.5"),
+        ("mtf10", measured.mtf10, "frequency at which the MTF falls to 0.1"),
+    ):
+        rows.append(TableRow(name, scaled(figure.value), UNITS[axis], meaning))
+        rows.append(TableRow(f"{name}_error", scaled(figure.error), UNITS[axis], "standard error"))
+    rows += [
+        TableRow("nyquist", NYQUIST * factor, UNITS[axis], "half a cycle per pixel"),
+        TableRow("at_nyquist", measured.nyquist.value, "", "MTF at Nyquist"),
+        TableRow("at_nyquist_error", measured.nyquist.error, "", "standard error"),
+        TableRow("contrast", measured.contrast, unit, "step of the edge, or height of the line"),
+        TableRow("noise", measured.noise, unit, "standard deviation of a sample"),
+    ]
+    rows += _expected_rows(expected[0] if expected else None, factor, UNITS[axis])
+    return TableData(tuple(rows))
+
+
+def _axis(measured: Measured, axis: Axis) -> tuple[Axis, float]:
+    """Axis and cycles on it in a cycle per pixel: without an interval per pixel."""
+    if axis == "cyc_per_mrad" and measured.per_mrad is not None:
+        return axis, measured.per_mrad
+    return "cyc_per_pixel", 1.0
+
+
+@ends_lineage
+def figure_of(work: Work, measured: Measured, *, name: str) -> float | None:
+    """One figure, frequencies in cycles per pixel or per mrad by the name."""
+    if name == "edge_angle_deg":
+        return measured.angle_deg
+    if name.startswith("at_nyquist"):
+        return measured.nyquist.error if name.endswith("error") else measured.nyquist.value
+    figure = measured.mtf50 if name.startswith("mtf50") else measured.mtf10
+    value = figure.error if name.endswith("error") else figure.value
+    if name.endswith("per_pixel"):
+        return value
+    return None if value is None or measured.per_mrad is None else value * measured.per_mrad
+
+
+def _expected_rows(expected: Expected | None, factor: float, unit: str) -> list[TableRow]:
+    """Figures, without values where nothing is expected."""
+
+    def scaled(value: float | None) -> float | None:
+        return None if value is None else value * factor
+
+    half = at_nyquist = largest = at = scene = None
+    if expected is not None:
+        half, at_nyquist = scaled(expected.mtf50), expected.at_nyquist
+        largest, at = expected.largest_difference, scaled(expected.largest_difference_at)
+        scene = expected.scene
+    return [
+        TableRow("expected_mtf50", half, unit, "where the chain's own MTF falls to 0.5"),
+        TableRow("expected_at_nyquist", at_nyquist, "", "the chain's own MTF at Nyquist"),
+        TableRow("largest_difference", largest, "", "measured from expected, up to Nyquist"),
+        TableRow("largest_difference_at", at, unit, "frequency of the largest difference"),
+        TableRow("scene_blur", scene, "", "the scene's own, which counts as expected if known"),
+    ]
+
+
+@ends_lineage
+def expected_figure(
+    _work: Work, measured: Measured, expected: Expected, *, name: str
+) -> float | None:
+    """One figure for a read-out; frequencies in cycles/mrad."""
+    if name == "expected_at_nyquist":
+        return expected.at_nyquist
+    if name == "largest_difference":
+        return expected.largest_difference
+    known = expected.mtf50 is not None and measured.per_mrad is not None
+    return expected.mtf50 * measured.per_mrad if known else None  # type: ignore[operator]
+
+
+_PIXELS = (0, 1024)  # of sliders
+
+
+class MeasuredOutputs(NamedTuple):
+    """MTF, edge and line spread, and figures."""
+
+    curve: Curve
+    spread: Curve
+    table: Table
+
+
+class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analysis"):
+    """Measure the MTF from an edge or a line in a picture.
+
+    `slanted_edge`: the edge's angle is found, the samples are sorted by their distance from it
+    into quarters of a sample, the derivative of their means is windowed and transformed, and the
+    responses of quarters and derivative are taken out; frequencies are along the edge's normal.
+    `row_average`: the mean of the rows is clipped at its ends, its derivative transformed, and the
+    modulus divided by its largest; the differences' own response, 0.64 at Nyquist, stays in.
+    Standard errors come from leaving out rows. `expected` is the MTF of the chain the picture
+    comes from, along the same direction and up to Nyquist: of all stages from the source on, and of
+    a test scene's samples, which are means over their area. How much the scene in a file is blurred
+    is not known, and does not count; a picture straight from a file expects nothing. What
+    `row_average` folds back from beyond Nyquist is no part of it. `imagechain measure` searches the
+    picture of a real camera for its edges by itself. Source: ISO 12233:2023; Tantalo
+    1996, eqs. 5.67 to 5.70 and appendix B.
+    """
+
+    formulas = (
+        Formula(
+            r"\mathrm{MTF}(f)=\frac{1}{\mathrm{sinc}(f/4)\,\mathrm{sinc}(f/2)}\;\left|\frac{"
+            r"\sum_j w_j\,\ell_j\,e^{-2\pi ifx_j}}{\sum_j w_j\,\ell_j}\right|",
+            where="ℓ: line spread, the central difference of the edge in quarters of a sample; "
+            "w: window; f: cycles a sample along the edge's normal; the sincs are the "
+            "responses of quarters and difference",
+            when="slanted_edge",
+        ),
+        Formula(
+            r"\mathrm{MTF}(f)=\frac{|D(f)|}{\max|D|}",
+            where="D: transform of the difference of neighbours in the mean row",
+            when="row_average",
+        ),
+    )
+
+    method: Annotated[
+        Literal["slanted_edge", "row_average"],
+        Param("ISO 12233's way for a slanted edge, or the thesis' way for an upright one"),
+    ] = "slanted_edge"
+    target: Annotated[Target, Param("what is in the region; a line's width counts as blur")] = (
+        "edge"
+    )
+    direction: Annotated[
+        Direction, Param("across (an upright edge), along, or whichever changes most")
+    ] = "automatic"
+    region_x: Annotated[
+        int, Param("first column of the region", unit="px", low=0, slider=_PIXELS)
+    ] = 0
+    region_y: Annotated[int, Param("first row of the region", unit="px", low=0, slider=_PIXELS)] = 0
+    region_width: Annotated[
+        int | None,
+        Param("columns; empty: to the picture's end", unit="px", low=0, slider=_PIXELS),
+    ] = None
+    region_height: Annotated[
+        int | None, Param("rows; empty: to the picture's end", unit="px", low=0, slider=_PIXELS)
+    ] = None
+    window: Annotated[
+        Window, Param("weight of the line spread; tukey: level over its middle half")
+    ] = "tukey"
+    samples: Annotated[int, Param("points of the curve", low=2, high=4096, slider=(32, 1024))] = 129
+    clip_left_px: Annotated[
+        int | None,
+        Param(
+            "first sample across that is not level; empty: found",
+            unit="px",
+            low=0,
+            zero_is_empty=False,
+        ),
+    ] = None
+    clip_right_px: Annotated[
+        int | None,
+        Param(
+            "last sample across that is not level; empty: found",
+            unit="px",
+            low=0,
+            zero_is_empty=False,
+        ),
+    ] = None
+    axis: Annotated[
+        Axis, Param("unit of the frequency; without a sampling interval always per pixel")
+    ] = "cyc_per_mrad"
+
+    panel = (
+        Section("", ("method", "target", "direction")),
+        Section("Region", ("region_x", "region_y", "region_width", "region_height")),
+        Section("Slanted edge", ("window", "samples"), shown_when=("method", ("slanted_edge",))),
+        Section(
+            "Level ends", ("clip_left_px", "clip_right_px"), shown_when=("method", ("row_average",))
+        ),
+        Section("Curve", ("axis",)),
+    )
+
+    def run(self, image: Image, here: NodeContext) -> MeasuredOutputs:
+        """Plan the measurement."""
+        known = image.interval_x_mrad is not None and image.interval_y_mrad is not None
+        settings: dict[str, Any] = {
+            "where": self._where(image),
+            "intervals": (image.interval_x_mrad, image.interval_y_mrad) if known else None,
+            "direction": self.direction,
+            "target": self.target,
+        }
+        if self.method == "slanted_edge":
+            measured = Step.of(
+                measured_slanted,
+                image.recipe,
+                node=here.node,
+                window=self.window,
+                samples=self.samples,
+                **settings,
+            )
+        else:
+            measured = Step.of(
+                measured_rows,
+                image.recipe,
+                node=here.node,
+                clip_left=self.clip_left_px,
+                clip_right=self.clip_right_px,
+                **settings,
+            )
+        shown = {"axis": self.axis}
+        behind = chain_behind(image)
+        both = [measured]
+        if behind is not None:
+            differences = self.method == "row_average" and self.target == "edge"
+            both.append(
+                Step.of(expected, measured, node=here.node, differences=differences, **behind)
+            )
+        return MeasuredOutputs(
+            Curve(Step.of(curve_of, *both, node=here.node, **shown)),
+            Curve(Step.of(spread_of, measured, node=here.node, unit=image.unit)),
+            Table(Step.of(table_of, *both, node=here.node, unit=image.unit, **shown)),
+        )
+
+    def _where(self, image: Image) -> Rectangle:
+        """The region, which must lie in the picture."""
+        ends = []
+        for first, size, start, length, whole in (
+            ("region_x", "region_width", self.region_x, self.region_width, image.columns),
+            ("region_y", "region_height", self.region_y, self.region_height, image.rows),
+        ):
+            if start >= whole:
+                raise ParameterError(first, start, f"0 to {whole - 1}, inside the picture")
+            if length is not None and start + length > whole:
+                raise ParameterError(
+                    size, length, f"at most {whole - start} from {first} = {start}, in the picture"
+                )
+            ends.append(whole - start if length is None else length)
+        return Rectangle(self.region_x, self.region_y, ends[0], ends[1])
+
+    @readout("cyc/mrad")
+    def mtf50(self, outputs: MeasuredOutputs) -> Recipe:
+        """Frequency at which the MTF falls to one half."""
+        return _figure(outputs, "mtf50")
+
+    @readout("cyc/mrad")
+    def mtf50_error(self, outputs: MeasuredOutputs) -> Recipe:
+        """Standard error of mtf50; of a slanted edge only."""
+        return _figure(outputs, "mtf50_error")
+
+    @readout("cyc/pixel")
+    def mtf50_per_pixel(self, outputs: MeasuredOutputs) -> Recipe:
+        """The same in cycles per pixel."""
+        return _figure(outputs, "mtf50_per_pixel")
+
+    @readout("cyc/mrad")
+    def mtf10(self, outputs: MeasuredOutputs) -> Recipe:
+        """Frequency at which the MTF falls to a tenth."""
+        return _figure(outputs, "mtf10")
+
+    @readout("cyc/pixel")
+    def mtf10_per_pixel(self, outputs: MeasuredOutputs) -> Recipe:
+        """The same in cycles per pixel."""
+        return _figure(outputs, "mtf10_per_pixel")
+
+    @readout()
+    def at_nyquist(self, outputs: MeasuredOutputs) -> Recipe:
+        """MTF at half a cycle per pixel."""
+        return _figure(outputs, "at_nyquist")
+
+    @readout()
+    def at_nyquist_error(self, outputs: MeasuredOutputs) -> Recipe:
+        """Standard error of at_nyquist."""
+        return _figure(outputs, "at_nyquist_error")
+
+    @readout("cyc/mrad")
+    def expected_mtf50(self, outputs: MeasuredOutputs) -> Recipe | None:
+        """Frequency at which the MTF of the chain behind the picture falls to one half."""
+        return _expected_figure(outputs, "expected_mtf50")
+
+    @readout()
+    def expected_at_nyquist(self, outputs: MeasuredOutputs) -> Recipe | None:
+        """MTF of the chain behind the picture at half a cycle per pixel."""
+        return _expected_figure(outputs, "expected_at_nyquist")
+
+    @readout()
+    def largest_difference(self, outputs: MeasuredOutputs) -> Recipe | None:
+        """Largest distance of the measured MTF from the expected one, up to Nyquist."""
+        return _expected_figure(outputs, "largest_difference")
+
+    @readout("deg")
+    def edge_angle_deg(self, outputs: MeasuredOutputs) -> Recipe:
+        """Direction of the edge's normal, along which the MTF is: 0 across, 90 along."""
+        return _figure(outputs, "edge_angle_deg")
+
+
+def _figure(outputs: MeasuredOutputs, name: str) -> Recipe:
+    return Step.of(figure_of, outputs.table.recipe.inputs[0], name=name)
+
+
+def _expected_figure(outputs: MeasuredOutputs, name: str) -> Recipe | None:
+    both = outputs.table.recipe.inputs
+    return Step.of(expected_figure, *both, name=name) if len(both) == 2 else None

@@ -1,1 +1,0 @@
-"""What a sensor resolves, detects and how far."""

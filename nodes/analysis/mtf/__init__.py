@@ -1,1 +1,0 @@
-"""Transfer functions measured, expected and compared."""

@@ -1,1 +1,0 @@
-"""Noise predicted and measured, by source and by component."""

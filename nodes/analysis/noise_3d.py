@@ -1,0 +1,203 @@
+"""3-D Noise: the seven noise components of a sequence of frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+from core.chain.results import CurveData, TableData
+from core.chain.wires import Curve, Image, Table
+from core.errors import DataError, ParameterError
+from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.work import Work
+from core.modules.declaration import Module, NodeContext, readout
+from core.modules.panel_sections import Section
+from core.modules.parameters import Formula, Param
+from core.physics.noise.noise_components import MeasuredNoise, NoiseCube
+from nodes.analysis.frame_noise import FrameNoise, bars_of, sigma_of, table_of
+from nodes.analysis.lineage import NoiseOf, noise_free
+from nodes.files.common.paths import readable_file
+from nodes.files.frames.frame_reading import FrameFile, open_frames
+from nodes.files.headers.envi_header import header_beside
+from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
+
+
+class NoiseOutputs(NamedTuple):
+    """Components as bars, and as figures."""
+
+    curve: Curve
+    table: Table
+
+
+def _figure(name: str, meaning: str) -> Callable[..., Recipe]:
+    """A read-out that is one figure of the table."""
+
+    def method(self: Module, outputs: NoiseOutputs) -> Recipe:
+        return Step.of(sigma_of, outputs.table.recipe, name=name)
+
+    method.__doc__ = meaning
+    return readout(name=name, unit_of="image")(method)
+
+
+class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
+    """Split noise by what it varies with: time (t), rows (v), columns (h), or several.
+
+    Predicted: every noise of the chain is followed to this picture, through the transfer functions,
+    combined pixels and interpolation behind it. Measured: frames of the picture are simulated, each
+    with temporal noise of its own and the same fixed patterns; less the noise-free picture, their
+    variance is split into the seven components by unbiased estimates. One pattern is measured, so a
+    fixed component of few rows or columns scatters about what is predicted for all sensors of this
+    kind. Noise correlated between neighbours shows in σ tv and σ th too. Rounding counts as noise.
+    A file of frames (`path`), of a camera say, is measured in place of simulated ones, one frame at
+    a time: all that stays from frame to frame is then a fixed pattern, the scene too, so give
+    frames of a uniform one. With a picture linked its prediction stands beside. Sources: D'Agostino
+    and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance
+    Components (unbiased estimates).
+    """
+
+    formulas = (
+        Formula(
+            r"N=N_t+N_v+N_h+N_{tv}+N_{th}+N_{vh}+N_{tvh}",
+            where="independent fields that vary with time (t), row (v), column (h), or several",
+        ),
+        Formula(
+            r"\sigma^2=\sigma_t^2+\sigma_v^2+\sigma_h^2+\sigma_{tv}^2+\sigma_{th}^2+\sigma_{"
+            r"vh}^2+\sigma_{tvh}^2",
+            where="estimates are those of the analysis of variance, without bias",
+        ),
+    )
+
+    frames: Annotated[
+        int,
+        Param(
+            "frames to simulate, 0: prediction alone; of a file all are measured",
+            low=0,
+            high=100000,
+            slider=(0, 200),
+        ),
+    ] = 16
+    path: Annotated[
+        Path | None,
+        Param(
+            "file of frames to measure in place of simulated ones, or empty: .npy (frames, rows, "
+            "columns), TIFF of a page each, ENVI of a band each"
+        ),
+    ] = None
+
+    panel = (Section("Measurement", ("frames", "path")),)
+
+    def check(self) -> None:
+        """Refuse a single frame, of which nothing temporal can be measured."""
+        if self.frames == 1:
+            raise ParameterError("frames", 1, "0, or 2 and more")
+
+    def run(self, here: NodeContext, image: Image | None = None) -> NoiseOutputs:
+        """Plan the prediction, and the frames if any."""
+        if image is None and self.path is None:
+            raise ParameterError("path", None, "a file of frames, where no image is linked")
+        predicted: tuple[Recipe, ...] = ()
+        unit = "" if image is None else image.unit
+        if image is not None:
+            predicted = (NoiseOf(image, node=here.node),)
+        if self.path is not None:
+            measured, of_file = frames_in_file(self.path, here, image)
+            unit = of_file or unit
+            predicted = (*predicted, measured)
+        elif self.frames and image is not None:
+            clean = noise_free(image.recipe)
+            simulated = FrameNoise(image.recipe, clean, self.frames, node=here.node)
+            predicted = (*predicted, simulated)
+        node = here.node
+        if image is None:
+            bars = Step.of(bars_of_file, *predicted, node=node, unit=unit)
+            table = Step.of(table_of_file, *predicted, node=node, unit=unit)
+        else:
+            bars = Step.of(bars_of, *predicted, node=node, unit=unit)
+            table = Step.of(table_of, *predicted, node=node, unit=unit)
+        return NoiseOutputs(Curve(bars), Table(table))
+
+    sigma_tvh = _figure("sigma_tvh", "Random noise, predicted.")
+    sigma_vh = _figure("sigma_vh", "Fixed pattern of samples, predicted.")
+    sigma_v = _figure("sigma_v", "Fixed pattern of rows, predicted.")
+    sigma_h = _figure("sigma_h", "Fixed pattern of columns, predicted.")
+    sigma_t = _figure("sigma_t", "Noise of whole frames, predicted.")
+    sigma_tv = _figure("sigma_tv", "Noise of rows from frame to frame, predicted.")
+    sigma_th = _figure("sigma_th", "Noise of columns from frame to frame, predicted.")
+    temporal = _figure("temporal", "All temporal noise, predicted.")
+    fixed = _figure("fixed", "All fixed-pattern noise, predicted.")
+    temporal_measured = _figure("temporal_measured", "All temporal noise, measured.")
+    fixed_measured = _figure("fixed_measured", "All fixed-pattern noise, measured.")
+
+
+# Noise of frames in a file, of a camera say, as the noise of simulated frames.
+
+
+def frames_in_file(path: Path, here: NodeContext, image: Image | None) -> tuple[Recipe, str]:
+    """Recipe of the noise of the frames in a file, and their unit, empty where it names none.
+
+    Raises
+    ------
+    FileError
+        The file is missing, damaged or of an unknown format.
+    DataError
+        It holds a single frame, or its frames are not those of the picture that predicts their
+        noise: of another size or unit.
+    """
+    file = readable_file((here.folder / path).absolute())
+    stamps = stamps_of(file, header_beside(file))
+    known = _described(file, stamps)
+    if known.frames < 2:
+        raise DataError(f"{file}: holds a single frame; noise in time needs 2 or more")
+    if image is not None and image.shape != (known.rows, known.columns):
+        raise DataError(
+            f"{file}: holds frames of {known.rows} × {known.columns} samples, and the picture that "
+            f"predicts their noise has {image.rows} × {image.columns}: link that camera's, or none"
+        )
+    if image is not None and known.unit and known.unit != image.unit:
+        raise DataError(
+            f"{file}: holds frames in {known.unit!r:.40}, and the picture that predicts their "
+            f"noise is in {image.unit!r:.40}: link one in the same unit, or none"
+        )
+    if known.path != file:
+        stamps += stamps_of(known.path)
+    return Step.of(measured_in_file, node=here.node, path=file, stamps=stamps), known.unit or ""
+
+
+@lru_cache(maxsize=64)
+def _described(path: Path, stamps: tuple[Stamp, ...]) -> FrameFile:
+    """Description of the file in the state of these stamps, so that planning again costs less."""
+    return open_frames(path)
+
+
+@ends_lineage
+def measured_in_file(work: Work, *, path: Path, stamps: tuple[Stamp, ...]) -> MeasuredNoise:
+    """Components of the noise; all that stays from frame to frame counts as a pattern.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or is another one than was planned with.
+    DataError
+        Its frames have a single row or column, or samples that are not finite.
+    """
+    check_unchanged(path, stamps)
+    file = _described(path, stamps)
+    cube = NoiseCube(file.rows, file.columns)
+    for frame in file.each():
+        work.check()
+        cube.add(frame)
+    return cube.measured()
+
+
+@ends_lineage
+def table_of_file(work: Work, measured: MeasuredNoise, *, unit: str) -> TableData:
+    """The components that were measured, where nothing is predicted."""
+    return table_of(work, None, measured, unit=unit)
+
+
+@ends_lineage
+def bars_of_file(work: Work, measured: MeasuredNoise, *, unit: str) -> CurveData:
+    """The components that were measured as bars, where nothing is predicted."""
+    return bars_of(work, None, measured, unit=unit)

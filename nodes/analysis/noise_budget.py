@@ -1,0 +1,98 @@
+"""Noise Budget: which source makes how much of a picture's noise, which stage of its blur."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from core.chain.wires import Curve, Image, Table
+from core.evaluation.recipes import Step
+from core.modules.declaration import Module, NodeContext
+from core.modules.panel_sections import Section
+from core.modules.parameters import Formula, Param
+from nodes.analysis.budget_shares import (
+    Kind,
+    Show,
+    blur_bars,
+    blur_shares,
+    budget_table,
+    noise_bars,
+    noise_shares,
+    unknown_before,
+)
+from nodes.analysis.lineage import NoiseOf, transfer_of
+from nodes.shared.module_ports import table_figure
+
+
+class BudgetOutputs(NamedTuple):
+    """Bars of noise and blur, and figures."""
+
+    noise: Curve
+    blur: Curve
+    table: Table
+
+
+class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analysis"):
+    """Show how much of the noise each source makes, and how much of the blur each stage.
+
+    All is read off the chain that made the picture, and nothing is drawn: each noise is followed
+    to the picture through the filters, combined pixels and interpolation behind it. Variances of
+    independent noises add, so each source has a share of the sum; `fixed` are patterns that stay
+    from frame to frame, as all sensors of this kind have them on average. Rounding counts as noise.
+
+    Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency that of a Gaussian blur is in
+    proportion to its variance. A stage that amplifies has a share below zero: how much of the
+    loss it makes up for. A stage that lets nothing through has all of it. Phases do not blur.
+    """
+
+    formulas = (
+        Formula(
+            r"\mathrm{share}_k=\frac{\sigma_k^2}{\sum_j\sigma_j^2}",
+            where="σ_k: standard deviation of a source's noise in the picture, behind all filters",
+        ),
+        Formula(
+            r"\mathrm{share}_k(f)=\frac{-\ln|M_k(f)|}{-\sum_j\ln|M_j(f)|}",
+            where="M_k: MTF of a stage",
+        ),
+    )
+
+    frequency: Annotated[
+        float,
+        Param(
+            "frequency of the MTFs, as a share of the picture's Nyquist frequency",
+            unit="Nyquist", low=0, high=1, above=True, slider=(0.05, 1),
+        ),
+    ] = 0.5  # fmt: skip
+    noise: Annotated[Kind, Param("all noise, what changes from frame to frame, or what stays")] = (
+        "all"
+    )
+    show: Annotated[
+        Show, Param("bars: share in percent, or amount: standard deviation, and −ln of the MTF")
+    ] = "share"
+
+    panel = (Section("Noise and blur", ("noise", "frequency", "show")),)
+
+    def run(self, image: Image, here: NodeContext) -> BudgetOutputs:
+        """Plan both budgets."""
+        node, grid, passed = here.node, image.grid(), transfer_of(image)
+        noise = Step.of(noise_shares, NoiseOf(image, node), node=node, kind=self.noise)
+        blur = Step.of(
+            blur_shares,
+            node=node,
+            stages=passed.part("mtf"),
+            frequency=(self.frequency * grid.nyquist_x, self.frequency * grid.nyquist_y),
+            before=unknown_before(passed),
+        )
+        noise_kind = {"kind": self.noise, "unit": image.unit}
+        return BudgetOutputs(
+            Curve(Step.of(noise_bars, noise, node=node, show=self.show, **noise_kind)),
+            Curve(Step.of(blur_bars, blur, node=node, show=self.show)),
+            Table(Step.of(budget_table, noise, blur, node=node, **noise_kind)),
+        )
+
+    sigma = table_figure("sigma", "", "All noise together.", unit_of="image")
+    sigma_temporal = table_figure("sigma_temporal", "", "All temporal noise.", unit_of="image")
+    sigma_fixed = table_figure("sigma_fixed", "", "All fixed patterns.", unit_of="image")
+    mtf_x = table_figure("mtf_x", "", "|MTF| of all stages across, at the frequency.")
+    mtf_y = table_figure("mtf_y", "", "|MTF| of all stages along, at the frequency.")
+    xi = table_figure("xi", "cyc/mrad", "The frequency across.")
+    eta = table_figure("eta", "cyc/mrad", "The frequency along.")

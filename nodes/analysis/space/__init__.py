@@ -1,1 +1,0 @@
-"""The chain's blur in space instead of frequency."""

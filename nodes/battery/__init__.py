@@ -1,1 +1,0 @@
-"""What must hold of any module, for those who write one."""

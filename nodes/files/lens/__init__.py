@@ -1,1 +1,0 @@
-"""Files of a lens: its MTF and its wavefront, measured or computed elsewhere."""

@@ -1,1 +1,0 @@
-"""Tagged image files read without OpenImageIO, strip by strip."""

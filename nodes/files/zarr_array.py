@@ -1,0 +1,381 @@
+"""Zarr arrays as pictures, read and written chunk by chunk, in the memory of a few.
+
+Versions 2 and 3, with any packing that the library knows. Rows and columns are found by the names
+of the dimensions where the store gives them (y and x, lines and samples, latitude and longitude,
+…), else they are the first two; a third dimension is that of bands. In a group the one array of
+two or three dimensions is read. Samples equal to an attribute ``_FillValue`` or ``missing_value``
+are NaN, and so are those of a chunk whose file is not there. Stores of our own have a file for
+every chunk: one that lacks a file is damaged. ``scale_factor`` and ``add_offset`` are not applied.
+Source: Zarr core specification, version 3.1 (2025); CF Metadata Conventions 1.11, section 2.5.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import itertools
+import math
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import FileError, how_to_install
+from core.scratch_disk import Empty
+from nodes.files.common.paths import checked_band, first_bytes
+from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples, delivered_dtype
+from nodes.files.common.size_limits import oversized, refuse_oversized
+from nodes.files.headers.header_fields import header_fields
+from nodes.files.store_folder import (
+    atomic_store,
+    count_chunks,
+    readable_picture,
+    store_state,
+)
+
+Array = NDArray[Any]
+
+_ROWS = ("y", "row", "rows", "line", "lines", "lat", "latitude", "northing", "along_track")
+_COLUMNS = (
+    "x", "column", "columns", "col", "sample", "samples", "lon", "longitude", "easting",
+    "across_track",
+)  # fmt: skip
+_V2_NAMES = "_ARRAY_DIMENSIONS"  # as xarray has it
+_MISSING = ("_FillValue", "missing_value")
+_WHOLE = "every_chunk_written"  # an attribute of our own stores
+_SCALING = (("scale_factor", 1.0), ("add_offset", 0.0))
+_READ_SAMPLES = 1 << 22  # at a time, at least one chunk
+_OTHERS_S = 5.0  # for the chunks that are being read beside one that failed
+_CHUNK = 1024  # rows and columns of a chunk that is written
+
+
+@dataclass(frozen=True)
+class _Opened:
+    """An array with what is known of it, its dimensions in the order (rows, columns[, bands])."""
+
+    folder: Path
+    array: Any
+    attributes: Mapping[str, Any]
+    axes: tuple[int, ...]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return tuple(int(self.array.shape[axis]) for axis in self.axes)
+
+    @property
+    def chunks(self) -> tuple[int, ...]:
+        return tuple(int(self.array.chunks[axis]) for axis in self.axes)
+
+    @property
+    def stored(self) -> tuple[int, ...]:
+        """Sizes of what a file holds, in the array's own order: a chunk, or a shard of chunks."""
+        return tuple(map(int, self.array.shards or self.array.chunks))
+
+    @property
+    def absent(self) -> int:
+        """How many of these files are not there."""
+        grid = zip(map(int, self.array.shape), self.stored, strict=True)
+        return max(0, math.prod(-(-size // of) for size, of in grid) - count_chunks(self.folder))
+
+    def files(
+        self, rows: slice, columns: slice, band: int
+    ) -> Iterator[tuple[str, tuple[slice, slice]]]:
+        """Names of the files that hold these samples, and the rows and columns of each."""
+        part = [slice(band, band + 1)] * len(self.axes)
+        part[self.axes[0]], part[self.axes[1]] = rows, columns
+        sizes = self.stored
+        along = (
+            range(one.start // size, -(-one.stop // size))
+            for one, size in zip(part, sizes, strict=True)
+        )
+        for place in itertools.product(*along):
+            first = [index * size for index, size in zip(place, sizes, strict=True)]
+            down, across = (
+                slice(max(first[axis], part[axis].start), first[axis] + sizes[axis])
+                for axis in self.axes[:2]
+            )
+            yield self.array.metadata.encode_chunk_key(place), (down, across)
+
+    def part(self, rows: slice, columns: slice, band: int) -> Array:
+        """Samples of a band as they are stored, rows first."""
+        place: list[Any] = [band] * len(self.axes)
+        place[self.axes[0]], place[self.axes[1]] = rows, columns
+        samples = np.asarray(self.array[tuple(place)])
+        return samples.T if self.axes[0] > self.axes[1] else samples
+
+
+def read_info(path: str | os.PathLike[str]) -> PictureInfo:
+    """Describe an array without reading its samples.
+
+    Raises
+    ------
+    FileError
+        The store is damaged, holds no picture or several, or the package zarr is not installed.
+    """
+    folder = readable_picture(path)
+    return _info(folder, _opened(folder))
+
+
+def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
+    """Read one band.
+
+    Parameters
+    ----------
+    path
+        The store's folder, or that of an array within.
+    band
+        Counted from 0.
+    empty
+        Makes the array to be filled in, perhaps on disk.
+
+    Returns
+    -------
+    numpy.ndarray
+        (rows, columns); float64 when the store holds doubles or integers of 32 or more bits, else
+        float32. Missing samples are NaN.
+
+    Raises
+    ------
+    FileError
+        As `read_info`; a chunk is damaged; there is no such band.
+    """
+    folder = readable_picture(path)
+    opened = _opened(folder)
+    info = _info(folder, opened)
+    if empty is np.empty:
+        refuse_oversized(info)
+    high, wide, *_ = opened.chunks
+    dtype = delivered_dtype(np.dtype(info.dtype))
+    if reason := oversized(min(high, info.rows), min(wide, info.columns), dtype):
+        raise FileError(f"{path}: a chunk of {reason}")
+    band = checked_band(band, info.bands, folder)
+    samples = empty((info.rows, info.columns), dtype)
+    missing = _missing_value(opened.attributes)
+    for rows, columns in _parts(info.rows, info.columns, (high, wide), _READ_SAMPLES):
+        absent = list(_absent(opened, rows, columns, band))
+        try:
+            part = opened.part(rows, columns, band)
+        except Exception as error:  # each packing has errors of its own
+            _await_other_chunks()
+            where = f"rows {rows.start} to {rows.stop}, columns {columns.start} to {columns.stop}"
+            raise FileError(f"{path}: {where} cannot be read: {_line(error)}") from error
+        samples[rows, columns] = part
+        if missing is not None:
+            samples[rows, columns][part == missing] = math.nan
+        for place in absent:
+            samples[place] = math.nan
+    return samples
+
+
+def _absent(
+    opened: _Opened, rows: slice, columns: slice, band: int
+) -> Iterator[tuple[slice, slice]]:
+    """Rows and columns of the chunks whose files are not there; refuses damage seen without them.
+
+    Blosc takes the length of what it unpacks from the chunk, and reads on in memory beyond one that
+    was cut short. A shard of no bytes is taken for one that is not there.
+    """
+    packing = type(next(iter(opened.array.compressors[-1:]), None)).__name__
+    is_blosc = opened.array.shards is None and packing.startswith("Blosc")
+    for name, place in opened.files(rows, columns, band):
+        file = opened.folder / name
+        if not file.is_file():
+            if opened.attributes.get(_WHOLE) is True:
+                raise FileError(f"{opened.folder}: is damaged: its chunk {name} is missing")
+            yield place
+            continue
+        length = file.stat().st_size
+        whole = int.from_bytes(first_bytes(file, 16)[12:], "little") if is_blosc else length
+        if length != whole or not length:
+            raise FileError(f"{opened.folder}: is damaged: its chunk {name} is cut short")
+
+
+def write_store(
+    path: Path,
+    samples: Array,
+    metadata: Mapping[str, MetadataValue],
+    dtype: np.dtype[Any] | None = None,
+) -> None:
+    """Write a picture as a Zarr array of version 3, not packed, whole or not at all.
+
+    Parameters
+    ----------
+    path
+        A new folder, or a store that is replaced.
+    samples
+        (rows, columns), perhaps on disk.
+    metadata
+        Attributes: what `read_info` finds again.
+    dtype
+        Of the stored samples, by default their own.
+
+    Raises
+    ------
+    FileError
+        It cannot be written, or the package zarr is not installed.
+    """
+    zarr = _library(path)
+    rows, columns = samples.shape
+    chunk = min(rows, _CHUNK), min(columns, _CHUNK)
+    with atomic_store(path) as folder:
+        array = zarr.create_array(
+            folder,
+            shape=samples.shape,
+            chunks=chunk,
+            dtype=(dtype or samples.dtype).newbyteorder("<"),
+            compressors=None,  # noise packs by a tenth, in many times the time
+            attributes={
+                _WHOLE: True,
+                **{"units" if key == "unit" else key: it for key, it in metadata.items()},
+            },
+            dimension_names=("y", "x"),
+            config={"write_empty_chunks": True},  # what is not there was not written
+        )
+        for part in _parts(rows, columns, chunk, 1):
+            array[part] = samples[part]
+        _flush(folder)
+
+
+def check_zarr(path: Path) -> None:
+    """Refuse a store where the package is not installed that reads and writes it.
+
+    Raises
+    ------
+    FileError
+        Naming the extra that brings it.
+    """
+    if importlib.util.find_spec("zarr") is None:
+        raise FileError(f"{path}: Zarr needs the package zarr: {how_to_install('zarr')}")
+
+
+def _library(path: Path) -> Any:
+    check_zarr(path)
+    import zarr  # 1 s, which nobody else is to pay
+
+    return zarr
+
+
+def _opened(folder: Path) -> _Opened:
+    zarr = _library(folder)
+    store_state(folder)  # refuses what could be read for ever
+    try:
+        stored = zarr.open(folder, mode="r")
+        group: Mapping[str, Any] = {}
+        if isinstance(stored, zarr.Group):
+            group, arrays = stored.attrs.asdict(), dict(stored.arrays())
+            pictures = {name: one for name, one in arrays.items() if len(one.shape) in (2, 3)}
+            if len(pictures) != 1:
+                names = ", ".join(f"{folder.name}/{name}" for name in sorted(pictures)) or "none"
+                raise FileError(
+                    f"{folder}: is a group; allowed: the path of an array of 2 or 3 dimensions in "
+                    f"it ({names})"
+                )
+            (stored,) = pictures.values()
+        attributes = {**group, **stored.attrs.asdict()}
+        named = getattr(stored.metadata, "dimension_names", None) or attributes.get(_V2_NAMES)
+        axes = _axes(folder, stored.shape, named)
+        opened = _Opened(folder / stored.path, stored, attributes, axes)
+        if min(*opened.chunks, *opened.stored) < 1:
+            raise FileError(f"{folder}: is damaged: its chunks have the shape {opened.stored}")
+        return opened
+    except FileError:
+        raise
+    except Exception as error:  # of a damaged store, or a packing that is not installed
+        raise FileError(f"{folder}: cannot be read as a Zarr store: {_line(error)}") from error
+
+
+def _axes(folder: Path, shape: tuple[int, ...], names: Any) -> tuple[int, ...]:
+    if len(shape) not in (2, 3) or 0 in shape:
+        raise FileError(
+            f"{folder}: holds an array of shape {shape}; allowed: (rows, columns) or (rows, "
+            "columns, bands), none of them 0"
+        )
+    words = [str(name).lower() for name in names] if isinstance(names, list | tuple) else []
+    rows = [axis for axis, word in enumerate(words) if word in _ROWS]
+    columns = [axis for axis, word in enumerate(words) if word in _COLUMNS]
+    if len(words) != len(shape) or len(rows) != 1 or len(columns) != 1:
+        return tuple(range(len(shape)))
+    others = {*range(len(shape))} - {*rows, *columns}
+    return (*rows, *columns, *others)
+
+
+def _info(folder: Path, opened: _Opened) -> PictureInfo:
+    dtype = np.dtype(opened.array.dtype)
+    if dtype.kind not in "buif":
+        raise FileError(f"{folder}: holds samples of type {dtype}; allowed: real numbers")
+    attributes = opened.attributes
+    fields = {
+        key: value
+        for key, value in attributes.items()
+        if isinstance(value, str | int | float) and not isinstance(value, bool)
+    }
+    common = header_fields(fields, where=str(folder))
+    rows, columns, *bands = opened.shape
+    return PictureInfo(
+        path=folder,
+        rows=rows,
+        columns=columns,
+        bands=bands[0] if bands else 1,
+        unit=common.unit,
+        wavelengths_um=None,
+        fwhm_um=None,
+        focal_length_mm=common.focal_length_mm,
+        fov_x_deg=common.fov_x_deg,
+        fov_y_deg=common.fov_y_deg,
+        dtype=dtype.newbyteorder("=").name,
+        kind="zarr",
+        not_applied=tuple(
+            key for key, neutral in _SCALING if attributes.get(key, neutral) != neutral
+        ),
+        absent_chunks=opened.absent,
+    )
+
+
+def _await_other_chunks() -> None:
+    """Let the library end what it reads beside a chunk that failed, of which it would tell."""
+    import asyncio
+
+    from zarr.core.sync import sync
+
+    async def end() -> None:
+        if others := asyncio.all_tasks() - {asyncio.current_task()}:
+            await asyncio.wait(others, timeout=_OTHERS_S)
+
+    sync(end())
+
+
+def _missing_value(attributes: Mapping[str, Any]) -> float | None:
+    for key in _MISSING:
+        value = attributes.get(key)
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            return value
+    return None
+
+
+def _parts(
+    rows: int, columns: int, chunk: tuple[int, int], samples: int
+) -> Iterator[tuple[slice, slice]]:
+    """Blocks of whole chunks, of about so many samples."""
+    wide = chunk[1] * max(1, min(-(-columns // chunk[1]), samples // (chunk[0] * chunk[1])))
+    high = chunk[0] * max(1, samples // (chunk[0] * wide))
+    for top in range(0, rows, high):
+        for left in range(0, columns, wide):
+            yield slice(top, min(top + high, rows)), slice(left, min(left + wide, columns))
+
+
+def _flush(folder: Path) -> None:
+    """Have the system write the store's files to the disk, where a full one shows at the latest."""
+    for file in folder.rglob("*"):
+        if file.is_file():
+            descriptor = os.open(file, os.O_RDONLY)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
+
+
+def _line(error: BaseException) -> str:
+    return next(iter(str(error).splitlines()), "") or type(error).__name__

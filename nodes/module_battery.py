@@ -1,0 +1,466 @@
+"""What must hold of any module: those who write one run it over theirs.
+
+It holds a module against what the engine relies on: that its parameters take or refuse a value in
+one line, that equal keys mean equal values, that a part of a picture is a part of the whole, that
+single and double precision agree, that a transfer function is 1 at zero, and that each step says
+what becomes of a picture in it. Whether its physics is right is for its own tests.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import pickle
+import tempfile
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from core.chain.engine import Engine, Plan
+from core.chain.noise_power import NoisePower
+from core.chain.realize import transfer_plane
+from core.chain.results import CurveData, TableData
+from core.chain.wires import Image, Transfer
+from core.errors import ImagechainError, NetworkError, ParameterError
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Recipe, Step
+from core.evaluation.region import Region
+from core.modules.declaration import Declaration, Library, Module, declaration
+from core.modules.parameters import Parameter, plain
+from core.network.network import Link, Network, Node
+from core.transfer.product import Product
+from nodes.library import standard_library
+
+Params = Mapping[str, Any]
+XI = np.concatenate([[0.0], np.geomspace(1e-3, 40.0, 15)])
+ETA = np.concatenate([[0.0], np.geomspace(2e-3, 30.0, 11)])
+SINGLE_ERROR = 2e-5  # of the range: what single precision may make of a chain
+DOUBLE_ERROR = 1e-12
+WARMER_K = 320.0
+GAIN_ERROR = 0.01
+
+
+def check_module(
+    module: type[Module],
+    *,
+    examples: Sequence[Params] = ({},),
+    scene: Params = MappingProxyType({}),
+    passive: bool = True,
+    folder: Path | None = None,
+) -> None:
+    """Refuse a module of which something does not hold; parameters as for `faults_of`.
+
+    Raises
+    ------
+    AssertionError
+        With every fault, one a line.
+    """
+    faults = faults_of(module, examples=examples, scene=scene, passive=passive, folder=folder)
+    assert not faults, "\n".join([f"{module.__name__}:", *faults])
+
+
+def faults_of(
+    module: type[Module],
+    *,
+    examples: Sequence[Params] = ({},),
+    scene: Params = MappingProxyType({}),
+    passive: bool = True,
+    folder: Path | None = None,
+) -> list[str]:
+    """What does not hold of a module, each in one line.
+
+    Parameters
+    ----------
+    module : type
+        The module's class.
+    examples : sequence of mapping
+        Parameters with which it runs, as in a network's file; the defaults count as one of them.
+    scene : mapping
+        Parameters of the *Test Scene* that it is given, such as its band.
+    passive : bool
+        Whether its transfer function is 1 at zero and nowhere above 1.
+    folder : Path, optional
+        Where files that the examples name lie; one that is empty, if not given.
+    """
+    try:
+        declared = declaration(module)
+    except TypeError as error:
+        return [f"declaration: {error}"]
+    faults = list(_of_declaration(declared))
+    for parameter in declared.parameters:
+        faults += _safely(parameter.name, partial(_of_parameter, module, parameter))
+    with tempfile.TemporaryDirectory() as empty:
+        for params in examples:
+            trial = _Trial(module, dict(params), scene, folder or Path(empty))
+            name = json.dumps(trial.params, ensure_ascii=False)
+            checks = [_of_values, _of_precision, _of_regions, _of_keys, _of_steps, _of_gain]
+            checks += [_of_noise, _of_readouts]
+            for check in checks:
+                faults += _safely(name, partial(check, trial))
+            faults += _safely(name, partial(_of_transfer, trial, passive))
+    return list(dict.fromkeys(faults))
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A module with parameters, where it is tried."""
+
+    module: type[Module]
+    params: Params
+    scene: Params
+    folder: Path
+
+    def planned(self, **changes: Any) -> tuple[Engine, Plan]:
+        return planned(self.module, {**self.params, **changes}, self.scene, self.folder)
+
+    def values(self, policy: Policy, **changes: Any) -> dict[str, Any]:
+        """Every output by its name."""
+        engine, plan = self.planned(**changes)
+        work = engine.work(policy)
+        return {name: engine.value(plan, f"{IT}.{name}", work) for name in plan.nodes[IT].outputs}
+
+
+def _safely(name: str, check: Callable[[], Iterable[str]]) -> list[str]:
+    """Faults, each with what it is of; an exception is one of them."""
+    try:
+        return [f"{name}: {fault}" for fault in check()]
+    except ImagechainError as error:
+        return [f"{name}: does not run: {error}"]
+    except Exception as error:  # whatever code of others may raise
+        return [f"{name}: {type(error).__name__} in place of an error in words: {error}"]
+
+
+def _of_declaration(declared: Declaration) -> Iterator[str]:
+    if not declared.text:
+        yield "help: the class has no docstring"
+    if len(declared.title) > 40:
+        yield f"title: {len(declared.title)} letters do not fit on a node"
+    for parameter in declared.parameters:
+        if not parameter.param.text:
+            yield f"{parameter.name}: has no text"
+        elif parameter.param.text.rstrip().endswith("."):
+            yield f"{parameter.name}: its text is a sentence; write a phrase without a full stop"
+    for readout in declared.readouts:
+        if not readout.meaning:
+            yield f"read-out {readout.name}: its method has no docstring"
+
+
+def _of_parameter(module: type[Module], parameter: Parameter) -> Iterator[str]:
+    if not parameter.required:
+        stored = json.loads(json.dumps(plain(parameter.default)))
+        if parameter.coerce(stored) != parameter.default:
+            yield "its default is another value when it comes back from a file"
+    if parameter.kind not in ("number", "integer"):
+        return
+    param = parameter.param
+    outside: list[Any] = [math.nan, math.inf, -math.inf, "no number"]
+    outside += [] if param.low is None else [param.low - 1]
+    outside += [] if param.high is None else [param.high + 1]
+    if parameter.empty and param.zero_is_empty and 0 in outside:
+        outside.remove(0)  # an empty number
+    for value in outside:
+        try:
+            module.build({parameter.name: value})
+        except ParameterError as error:
+            if "\n" in str(error):
+                yield f"{value} is refused in more than one line"
+        else:
+            yield f"{value} is taken, and not refused"
+
+
+def _of_values(trial: _Trial) -> Iterator[str]:
+    engine, plan = trial.planned()
+    work = engine.work(Policy(precision="double"))
+    for name, wire in plan.nodes[IT].outputs.items():
+        value = engine.value(plan, f"{IT}.{name}", work)
+        if not _finite(value):
+            yield f"output {name} is not finite"
+        if isinstance(wire, Image) and isinstance(value, np.ndarray):
+            if value.shape != wire.shape:
+                yield f"output {name} has {value.shape} samples, and says {wire.shape}"
+            if value.flags.writeable:
+                yield f"output {name} can be changed: the engine hands out what it keeps"
+        if pickle.loads(pickle.dumps(wire)).key != wire.key:
+            yield f"output {name} has another key once it has been sent to another process"
+
+
+def _of_precision(trial: _Trial) -> Iterator[str]:
+    if trial.module.draws_noise:
+        return  # deviates need not be alike
+    single, double = (trial.values(Policy(precision=name)) for name in ("single", "double"))
+    known = {
+        name: values
+        for name, values in double.items()
+        if isinstance(values, np.ndarray) and np.isrealobj(values) and np.isfinite(values).all()
+    }
+    # A difference of pictures is as good as these are.
+    widest = max((float(np.ptp(values)) for values in known.values()), default=0.0)
+    for name, exact in known.items():
+        if span := widest or float(np.abs(exact).max()):
+            error = float(np.abs(single[name] - exact).max()) / span
+            if error > SINGLE_ERROR:
+                yield f"output {name} in single precision is {error:.1g} of the range off"
+
+
+def _of_regions(trial: _Trial) -> Iterator[str]:
+    engine, plan = trial.planned()
+    policy = Policy(precision="double")
+    for name, wire in plan.nodes[IT].outputs.items():
+        if not isinstance(wire, Image):
+            continue
+        whole = engine.value(plan, f"{IT}.{name}", engine.work(policy))
+        rows, columns = wire.shape
+        span = float(np.ptp(whole)) or 1.0
+        for region in (
+            Region(0, 0, 1, 1),
+            Region(rows // 2, columns // 3, rows // 3, columns // 2),
+        ):
+            other, again = trial.planned()
+            part = other.value(again, f"{IT}.{name}", other.work(policy), region)
+            error = float(np.abs(part - whole[region.slices]).max()) / span
+            if error > DOUBLE_ERROR:
+                yield f"output {name}: a part of it is {error:.1g} of the range off the whole"
+
+
+def _of_keys(trial: _Trial) -> Iterator[str]:
+    """Equal keys mean equal values, whichever parameter is changed."""
+    policy = Policy(precision="double")
+    (_, one), (_, two) = trial.planned(), trial.planned()
+    outputs = one.nodes[IT].outputs
+    for name, wire in outputs.items():
+        if two.nodes[IT].outputs[name].key != wire.key:
+            yield f"output {name} has another key each time it is planned"
+    before = trial.values(policy)
+    for parameter in declaration(trial.module).parameters:
+        for value in _other_values(parameter, trial.params):
+            try:
+                _, changed = trial.planned(**{parameter.name: value})
+                after = trial.values(policy, **{parameter.name: value})
+            except ImagechainError:
+                continue  # refused, or it does not fit the others
+            for name in outputs.keys() & after.keys():
+                same_key = changed.nodes[IT].outputs[name].key == outputs[name].key
+                if same_key and not _same(before[name], after[name]):
+                    yield (
+                        f"output {name} keeps its key when {parameter.name} = {value} changes it: "
+                        "what it depends on must be an argument of the recipe"
+                    )
+
+
+def _of_transfer(trial: _Trial, passive: bool) -> Iterator[str]:
+    engine, plan = trial.planned()
+    work = engine.work(Policy(precision="double"))
+    outputs = plan.nodes[IT].outputs
+    factors: tuple[Any, ...] = ()
+    xi, eta = (np.concatenate([-half[:0:-1], half]) for half in (XI, ETA))
+    for name in ("mtf", "ptf"):
+        wire = outputs.get(name)
+        if not isinstance(wire, Transfer) or wire.own is not None:
+            continue
+        plane = transfer_plane(work, wire, xi, eta)
+        if not np.isfinite(plane).all():
+            yield f"{name} is not finite at some frequency"
+        factors += tuple(wire.factors)
+    if not factors:
+        return
+    otf = Product(factors).total(work, xi, eta)
+    zero = otf[ETA.size - 1, XI.size - 1]
+    if np.abs(otf - otf[::-1, ::-1].conj()).max() > 1e-11:
+        yield "H(−f) is not the conjugate of H(f): a picture would not stay real"
+    if passive and zero != 1.0:
+        yield f"H(0) = {zero}, and not 1: the mean would change"
+    if passive and np.abs(otf).max() > 1.0 + 1e-15:
+        yield f"|H| reaches {np.abs(otf).max():.6g}, above 1; say passive=False if that is meant"
+
+
+def _of_steps(trial: _Trial) -> Iterator[str]:
+    _, plan = trial.planned()
+    waiting: list[Recipe] = []
+    for wire in plan.nodes[IT].outputs.values():
+        waiting += [one for one in vars(wire).values() if isinstance(one, Recipe)]
+    seen: set[str] = set()
+    while waiting:
+        recipe = waiting.pop()
+        if recipe.key in seen:
+            continue
+        seen.add(recipe.key)
+        if isinstance(recipe, Step) and not callable(getattr(recipe.function, "lineage", None)):
+            yield (
+                f"{recipe.function.__qualname__} does not say what becomes of a picture: mark it "
+                "by picture_step, source_step or ends_lineage"
+            )
+        waiting += [*recipe.made_of, *recipe.inputs]
+
+
+def _of_gain(trial: _Trial) -> Iterator[str]:
+    """What a step says that it multiplies small differences by, against two scenes."""
+    if trial.module.draws_noise:
+        return
+    warmer = replace(trial, scene={**trial.scene, "temperature_K": WARMER_K})
+    means: list[dict[str, float]] = []
+    for one in (trial, warmer):
+        engine, plan = one.planned()
+        work = engine.work(Policy(precision="double"))
+        lineages = {
+            name: wire.recipe.lineage
+            for name, wire in plan.nodes[IT].outputs.items()
+            if isinstance(wire, Image)
+        }
+        scene = plan.output("scene.image").recipe
+        known = {
+            name: lineage.linear.gain
+            for name, lineage in lineages.items()
+            if lineage is not None
+            and lineage.picture is not None
+            and lineage.picture.key == scene.key
+            and lineage.linear.level is None
+            and not lineage.noise
+        }
+        values = {name: engine.value(plan, f"{IT}.{name}", work) for name in known}
+        means.append({name: float(np.mean(value)) for name, value in values.items()})
+        means[-1][""] = float(np.mean(engine.value(plan, "scene.image", work)))
+    span = means[1][""] - means[0][""]
+    for name, gain in known.items():
+        measured = (means[1][name] - means[0][name]) / span
+        if abs(measured - gain) > GAIN_ERROR * max(abs(gain), abs(measured)):
+            yield (
+                f"output {name}: a brighter scene is {measured:.4g} times as much brighter, and "
+                f"the step says {gain:.4g}: give its linear change in picture_step"
+            )
+
+
+def _of_noise(trial: _Trial) -> Iterator[str]:
+    """What a step makes of noise that was there."""
+    engine, plan = trial.planned()
+    work = engine.work(Policy(precision="double"))
+    for name, wire in plan.nodes[IT].outputs.items():
+        lineage = wire.recipe.lineage if isinstance(wire, Image) else None
+        if lineage is None or lineage.picture is None:
+            continue
+        rows, columns = lineage.linear.size_before(*wire.shape)
+        white = NoisePower.white(rows, columns, 1.0)
+        behind = lineage.linear.carried(work, white, temporal=True)
+        variance = 0.0 if behind is None else behind.moments().sample
+        if not (math.isfinite(variance) and variance >= 0):
+            yield f"output {name}: noise of variance 1 gets a variance of {variance}"
+
+
+def _of_readouts(trial: _Trial) -> Iterator[str]:
+    engine, plan = trial.planned()
+    for name, value in engine.readouts(plan, IT, engine.work(Policy(precision="double"))).items():
+        if not _finite(value):
+            yield f"read-out {name} is {value}"
+
+
+def _other_values(parameter: Parameter, params: Params) -> list[Any]:
+    """Some values beside the one it has."""
+    now = params.get(parameter.name, None if parameter.required else plain(parameter.default))
+    if parameter.kind == "switch":
+        return [not now]
+    if parameter.kind == "choice":
+        return [choice for choice in parameter.choices if choice != now]
+    if parameter.kind not in ("number", "integer"):
+        return []
+    start = now if isinstance(now, int | float) and now else parameter.param.low or 1.0
+    return [round(2 * start) if parameter.kind == "integer" else 1.37 * start]
+
+
+def _same(one: Any, two: Any) -> bool:
+    if isinstance(one, np.ndarray) and isinstance(two, np.ndarray):
+        return bool(np.array_equal(one, two))
+    return pickle.dumps(one) == pickle.dumps(two)
+
+
+def _finite(value: Any) -> bool:
+    if isinstance(value, np.ndarray):
+        return value.size > 0 and bool(np.isfinite(value).all())
+    if isinstance(value, CurveData):
+        return all(_finite(s.x) and _finite(s.y) for s in value.series)
+    if isinstance(value, TableData):
+        return all(_finite(row.value) for row in value.rows)
+    return math.isfinite(value) if isinstance(value, float) else True
+
+
+# A small network around one module, its inputs linked by their types.
+
+IT = "it"
+SENSOR = {
+    "focal_length_mm": 50.0, "f_number": 2.0, "detector_x_um": 30.0, "detector_y_um": 30.0,
+}  # fmt: skip
+SCENE = {"width": 15, "height": 11, "fov_x_deg": 1.5, "fov_y_deg": 1.1}
+BASE: Mapping[str, tuple[str, Mapping[str, Any]]] = {
+    "scene": ("test_scene", SCENE),
+    "init": ("init_trans", SENSOR),
+    "pupil": ("exit_pupil", {"size_x": 32, "size_y": 32, "radius": 12}),
+    "blur": ("gaussian_mtf", {"sigma_x_mrad": 1.0}),
+    "lag": ("charge_eff_phase", {"efficiency": 0.99}),
+}
+BASE_LINKS = (
+    ("scene", "image", "init", "image"),
+    ("init", "context", "blur", "context"),
+    ("init", "magnitude", "blur", "magnitude"),
+    ("init", "context", "lag", "context"),
+    ("init", "phase", "lag", "phase"),
+)
+SOURCES = {
+    "image": ("scene", "image"),
+    "context": ("init", "context"),
+    "magnitude": ("blur", "magnitude"),
+    "phase": ("lag", "phase"),
+    "pupil": ("pupil", "pupil"),
+    "transfer": ("blur", "mtf"),
+}
+
+
+def library_with(module: type[Module]) -> Library:
+    """The standard library and this module, which takes the place of one of its key."""
+    return {**standard_library(), module.key: module}
+
+
+def network_of(
+    module: type[Module], params: Mapping[str, Any], scene: Mapping[str, Any]
+) -> Network:
+    """The module as node ``it`` in a small network.
+
+    Raises
+    ------
+    NetworkError
+        For an input of a type that nothing here delivers.
+    """
+    nodes = {
+        name: Node(name, key, {**values, **(scene if name == "scene" else {})})
+        for name, (key, values) in BASE.items()
+    }
+    links = [Link(*ends) for ends in BASE_LINKS]
+    for port in declaration(module).inputs:
+        source = next((SOURCES[kind] for kind in port.types if kind in SOURCES), None)
+        if source is not None:
+            links.append(Link(*source, IT, port.name))
+        elif port.required:
+            kinds = " or ".join(port.types)
+            raise NetworkError(f"nothing here delivers {kinds} for the input {port.name}", node=IT)
+    nodes[IT] = Node(IT, module.key, dict(params))
+    return Network(nodes=nodes, links=tuple(links), seed=1996)
+
+
+def planned(
+    module: type[Module], params: Mapping[str, Any], scene: Mapping[str, Any], folder: Path
+) -> tuple[Engine, Plan]:
+    """The network planned.
+
+    Raises
+    ------
+    ImagechainError
+        The first fault of a node.
+    """
+    engine = Engine(library_with(module))
+    plan = engine.plan(network_of(module, params, scene), folder=folder)
+    for node in plan.nodes.values():
+        if node.error is not None:
+            raise node.error
+    return engine, plan
