@@ -24,14 +24,19 @@ SWITCH = re.compile(r"\.function (?:is\b|==|!=|in\b|not in\b)")
 def planned_steps(source: str, names: dict[str, object]) -> list[tuple[int, object]]:
     """Functions of every ``Step.of(…)`` in a file, by their lines; of a choice, all of them."""
     tree = ast.parse(source)
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    return [step for function in functions for step in _planned_in(function, names)]
+
+
+def _planned_in(function: ast.FunctionDef, names: dict[str, object]) -> list[tuple[int, object]]:
     chosen: dict[str, list[ast.expr]] = {}
-    for node in ast.walk(tree):
+    for node in ast.walk(function):
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
             value = node.value
             either = [value.body, value.orelse] if isinstance(value, ast.IfExp) else [value]
             chosen.setdefault(node.targets[0].id, []).extend(either)
     found = []
-    for node in ast.walk(tree):
+    for node in ast.walk(function):
         if not isinstance(node, ast.Call) or ast.unparse(node.func) != "Step.of":
             continue
         given = [node.args[0]]

@@ -20,7 +20,7 @@ _SLOW = {
     "core/physics/measurement/edges/test_slanted_edge.py",
     "core/physics/motion/test_transfer_blur.py",
     "core/network/test_network_mutations.py",
-    "core/noise/test_photon_events.py",
+    "core/chain/test_photon_events.py",
     "core/transfer/test_planar_blocks.py",
 }
 _FILES = {
