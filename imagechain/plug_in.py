@@ -17,8 +17,8 @@ from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.transfer.factors import Law, Planar, Separable
-from nodes.shared.factor_helpers import radial, separable
-from nodes.shared.flicker_deviates import SeededModule
+from nodes.shared.deviates import SeededModule
+from nodes.shared.factors import radial, separable
 from nodes.shared.module_ports import (
     Apply,
     ImageOutput,

@@ -19,9 +19,9 @@ from app.bench.timing import Settings, paired, round_trip, seconds
 from core.chain.back_transformed import Delivered
 from core.chain.random_fields import Stream, normal_field, poisson_field
 from core.evaluation.policy import Policy, Precision
+from core.machine import ForEach
 from core.network.network import Network
-from core.physics.detector.charge_transfer import MODELS, charge_transfer_mtf, charge_transfer_ptf
-from core.threads import ForEach
+from core.physics.detector.detector_mtf import MODELS, charge_transfer_mtf, charge_transfer_ptf
 from core.transfer.factors import Grid, Planar
 from core.transfer.planar_blocks import Planes
 from core.transfer.product import Product

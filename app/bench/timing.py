@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from app.options.command_options import version
 from app.run import shipped as own_process
 from core.errors import UsageError
-from core.threads import physical_bytes
+from core.machine import physical_bytes
 from core.transfer.periodic import backend
 
 Array = NDArray[Any]

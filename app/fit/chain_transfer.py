@@ -26,8 +26,8 @@ from core.chain.step_lineage import lineage_of
 from core.chain.wires import Image
 from core.errors import DataError, UsageError
 from core.evaluation.work import Work
-from core.physics.detector.charge_transfer import aperture_mtf
-from core.physics.quadrature import sinc
+from core.physics.detector.detector_mtf import aperture_mtf
+from core.physics.numerics import sinc
 from core.physics.sampling.interpolation import block_mean_mtf
 from core.transfer.factors import Factor, Planar, Separable
 from nodes.analysis.lineage import ImageTransfer, transfer_of

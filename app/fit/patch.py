@@ -9,7 +9,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.picture_suspicions import FoundEdge
+from core.physics.measurement.edges.picture_checks import FoundEdge
 
 # The part of a picture about an edge.
 

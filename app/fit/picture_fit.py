@@ -28,12 +28,12 @@ from core.errors import Cancelled, DataError, ImagechainError, UsageError
 from core.evaluation.work import Work
 from core.physics.measurement.edges.edge_line import edge_samples
 from core.physics.measurement.edges.edge_search import find_edges
-from core.physics.measurement.edges.picture_suspicions import (
+from core.physics.measurement.edges.picture_checks import (
     FoundEdge,
     missing_samples,
     why_no_picture,
 )
-from core.physics.measurement.noise.clipped_ends import clipped_ends, rounding_step
+from core.physics.measurement.noise.digitisation import clipped_ends, rounding_step
 from core.physics.measurement.noise.picture_noise import noise_of_picture
 from core.physics.measurement.noise.variance_levels import LevelVariance
 

@@ -40,7 +40,7 @@ from core.physics.measurement.edges.edge_mtf import (
 )
 from core.physics.measurement.edges.edge_search import find_edges
 from core.physics.measurement.edges.long_tails import LongTails, long_tails
-from core.physics.measurement.edges.picture_suspicions import (
+from core.physics.measurement.edges.picture_checks import (
     FoundEdge,
     missing_samples,
     why_interpolated,

@@ -27,7 +27,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext
 from core.physics.measurement.edges.slanted_edge import falls_to
 from core.physics.measurement.levels.flat_field import row_average
-from core.physics.quadrature import sinc
+from core.physics.numerics import sinc
 from core.physics.sampling.interpolation import folded
 from core.transfer.factors import factor_at
 from nodes.analysis.lineage import ImageTransfer, transfer_of

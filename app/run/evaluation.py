@@ -21,11 +21,11 @@ from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Work
+from core.machine import Workers
 from core.modules.panel_sections import Caution, PendingCheck
 from core.network.network import Network
 from core.network.validation import NetworkProblems
-from core.scratch_disk import BlockRun
-from core.threads import Workers
+from core.scratch import BlockRun
 from nodes.files.read import check_finite
 
 Readouts = dict[str, dict[str, Any]]

@@ -24,7 +24,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import number_bits
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.scratch_disk import is_on_disk
+from core.scratch import is_on_disk
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.digital_numbers import integer_type
 from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes

@@ -21,8 +21,8 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.scratch_disk import BlockRun, ScratchDisk, is_for_disk
-from core.threads import amount_text, usable_bytes
+from core.machine import amount_text, usable_bytes
+from core.scratch import BlockRun, ScratchDisk, is_for_disk
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR
 from nodes.files.formats import NPY, TIFF
 

@@ -22,10 +22,10 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import content_key
 from core.evaluation.store import Store
 from core.evaluation.work import Work
+from core.machine import store_bytes
 from core.modules.declaration import Library, declaration
 from core.names import in_line
 from core.network.network import Network, Node
-from core.threads import store_bytes
 from nodes.files.read import check_finite
 
 KEPT_BYTES = 256_000_000

@@ -10,7 +10,7 @@ import numpy as np
 
 from core.errors import UsageError
 from core.modules.parameters import Parameter
-from core.physics.quadrature import brent_root
+from core.physics.numerics import brent_root
 
 Evaluated = Callable[[float], float | None]
 _HALVINGS = 24  # of a step, to find where the read-out's values end within it

@@ -14,8 +14,8 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe, Step
-from core.scratch_disk import BlockRun, ScratchDisk, Shape
-from core.threads import amount_text
+from core.machine import amount_text
+from core.scratch import BlockRun, ScratchDisk, Shape
 
 IN_MEMORY_AT_ONCE = 8
 """Pictures of the largest size that a run in memory may hold, with what its steps make besides."""

@@ -21,6 +21,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Work
+from core.machine import Workers
 from core.modules.declaration import (
     GIVEN,
     Declaration,
@@ -33,7 +34,6 @@ from core.modules.declaration import (
 from core.modules.panel_sections import Caution, PendingCheck, checked
 from core.network.linked_values import with_values
 from core.network.network import Link, Network, Node, passed_through
-from core.threads import Workers
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from core.chain.band_stack import BandStack, Row, Rows
 from core.chain.wavelength_rank import ChosenWavelengths, WavelengthRank
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
-from core.scratch_disk import StripArray
+from core.scratch import StripArray
 from core.transfer.factors import Factor, Grid, Planar
 from core.transfer.mirrored import BLOCK_SAMPLES, MeanFree, mirrored_spectrum
 from core.transfer.periodic import periodic_spectrum

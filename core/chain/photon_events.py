@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from core.chain.random_fields import Stream
 from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
+from core.machine import ForEach, in_turn
 from core.physics.optics.gaussian import gaussian_mtf
-from core.scratch_disk import Empty, StripArray
-from core.threads import ForEach, in_turn
+from core.scratch import Empty, StripArray
 from core.transfer.mirrored import (
     column_blocks,
     row_blocks,

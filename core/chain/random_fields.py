@@ -21,7 +21,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from core.errors import DataError, ParameterError
 from core.evaluation.region import Region, runs
-from core.threads import ForEach, in_turn
+from core.machine import ForEach, in_turn
 
 Floats = TypeVar("Floats", NDArray[np.float32], NDArray[np.float64])
 _Array = NDArray[Any]

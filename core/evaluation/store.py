@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core.scratch_disk import is_on_disk
-from core.threads import store_bytes
+from core.machine import store_bytes
+from core.scratch import is_on_disk
 
 if TYPE_CHECKING:
     from core.evaluation.recipes import Recipe

@@ -17,8 +17,8 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.evaluation.store import EvaluationLog, Store
-from core.scratch_disk import BlockRun
-from core.threads import Workers
+from core.machine import Workers
+from core.scratch import BlockRun
 
 Progress = Callable[[str | None], None]
 DEEPEST = 24

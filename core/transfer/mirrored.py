@@ -26,7 +26,7 @@ from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.scratch_disk import StripArray
+from core.scratch import StripArray
 from core.transfer.factors import Grid
 from core.transfer.planar_blocks import Planes
 from core.transfer.product import Product

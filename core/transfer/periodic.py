@@ -20,7 +20,7 @@ from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.scratch_disk import StripArray
+from core.scratch import StripArray
 from core.transfer.factors import Grid
 from core.transfer.mirrored import BLOCK_SAMPLES, MeanFree, column_blocks, row_blocks
 from core.transfer.planar_blocks import Planes

@@ -23,9 +23,9 @@ from core.chain.wires import Image
 from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
 from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
+from core.machine import store_bytes
 from core.modules.panel_sections import Caution
 from core.names import close, shown
-from core.threads import store_bytes
 from imagechain.parts.plain_errors import block, plain_errors, stays_here, table, users_matplotlib
 from imagechain.results.chain_picture import Picture, PictureValues
 from imagechain.results.readout_table import ReadoutTable, readout_table

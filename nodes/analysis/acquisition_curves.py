@@ -27,7 +27,7 @@ from core.physics.acquisition.target_acquisition import (
 from core.physics.acquisition.ttp import TtpThreshold, thermal_contrast
 from core.physics.atmosphere.air_path import AirPath, transmission_at_ranges
 from core.physics.noise.noise_components import COMPONENTS
-from core.physics.quadrature import range_for_probability
+from core.physics.numerics import range_for_probability
 from core.transfer.factors import Grid
 from nodes.analysis.threshold_curves import Sensitivity, Thresholds, Unseen
 

@@ -22,7 +22,7 @@ from core.physics.measurement.edges.slanted_edge import (
     spread_to_line,
 )
 from core.physics.measurement.levels.flat_field import row_average
-from core.physics.quadrature import sinc
+from core.physics.numerics import sinc
 from core.transfer.factors import Grid, factor_at
 from nodes.analysis.lineage import transfer_of
 from nodes.analysis.lineage.line_transfer import Stage

@@ -19,7 +19,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
-from core.scratch_disk import is_on_disk
+from core.scratch import is_on_disk
 from core.transfer.factors import Edges, Grid
 from core.transfer.product import Product
 from nodes.analysis.impulse_response import (

@@ -30,7 +30,7 @@ from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
 from core.transfer.factors import AtWavelength, Factor, Law, Planar
 from nodes.optics.band_spectrum import photon_weights
 from nodes.shared.context_defaults import of_context
-from nodes.shared.factor_helpers import radial, separable
+from nodes.shared.factors import radial, separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, apart_caution, wavelength_caution
 

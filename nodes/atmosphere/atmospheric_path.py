@@ -18,8 +18,8 @@ from core.physics.atmosphere.air_path import (
     path_of_bands,
 )
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
-from core.physics.radiometry.materials import SUNLIGHT_K
 from core.physics.radiometry.radiance_units import radiance_unit
+from core.physics.radiometry.spectra import SUNLIGHT_K
 from nodes.atmosphere import path_steps as steps
 from nodes.files.path_table import read_path_table
 from nodes.files.wavelength_table import read_wavelengths

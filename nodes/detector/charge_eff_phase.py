@@ -5,9 +5,9 @@ from __future__ import annotations
 from core.chain.wires import Context, Phase
 from core.modules.declaration import NodeContext
 from core.modules.parameters import Formula
-from core.physics.detector.charge_transfer import charge_transfer_ptf
+from core.physics.detector.detector_mtf import charge_transfer_ptf
 from nodes.detector.charge_transfer_base import ChargeTransfer
-from nodes.shared.factor_helpers import separable
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import PtfModule, PtfOutputs
 
 

@@ -28,8 +28,8 @@ from nodes.detector.focal_plane_figures import (
 )
 from nodes.detector.focal_plane_panel import FocalPlanePanel
 from nodes.detector.spectral_response import counted_photons, radiance_per_photon
-from nodes.shared.factor_helpers import passed_factors
-from nodes.shared.flicker_deviates import unit_deviates
+from nodes.shared.deviates import unit_deviates
+from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import table_figure
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, Band, alike, unit_caution
 

@@ -15,7 +15,7 @@ from core.errors import DataError
 from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.panel_sections import Caution
-from core.physics.detector.collection import (
+from core.physics.detector.focal_plane_array import (
     bent_response,
     bent_slope,
     dynamic_range_dB,

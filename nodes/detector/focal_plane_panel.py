@@ -11,7 +11,7 @@ from core.errors import ParameterError
 from core.modules.declaration import NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
-from core.physics.detector.collection import (
+from core.physics.detector.focal_plane_array import (
     cone_sr,
     dark_electrons,
     exposure_m2_s,
@@ -26,7 +26,7 @@ from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.detector.spectral_response import lit_windows
 from nodes.files.wavelength_table import read_wavelengths
 from nodes.shared.context_defaults import given_band, of_context
-from nodes.shared.flicker_deviates import SEED_SECTIONS, SeededModule
+from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 
 _NEEDED_BY = {
     "full_well_e": "nonlinearity_percent is a share of the full well",

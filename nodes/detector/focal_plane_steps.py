@@ -25,9 +25,9 @@ from core.evaluation.recipes import (
 )
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.physics.detector.collection import DEAD, HOT, bad_pixel_places, bent_response
+from core.physics.detector.focal_plane_array import DEAD, HOT, bad_pixel_places, bent_response
 from core.physics.detector.quantization import rounding_variances
-from core.physics.noise.poisson_deviates import poisson_of_normal
+from core.physics.noise.poisson import poisson_of_normal
 from nodes.detector.focal_plane_figures import (
     ElectronLevels,
     bent_level,

@@ -19,14 +19,14 @@ from core.physics.radiometry.planck import band_radiance_derivative
 from core.transfer.factors import Separable
 from nodes.detector import microbolometer_steps as steps
 from nodes.shared.context_defaults import given, given_band, with_interval
-from nodes.shared.factor_helpers import separable
-from nodes.shared.flicker_deviates import (
+from nodes.shared.deviates import (
     SEED_SECTIONS,
     SeededModule,
     flicker_deviates,
     unit_deviates,
     waves_of_all_frames,
 )
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import CutOff, CutOn, LongestPeriod, table_figure
 from nodes.shared.shared_warnings import apart_caution, band_caution, unit_caution
 

@@ -21,14 +21,14 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.detector.collection import (
+from core.physics.detector.focal_plane_array import (
     LEAST_RESPONSE,
     one_point_offset,
     two_point_gain,
     two_point_offset,
 )
 from core.physics.radiometry.planck import band_radiance
-from nodes.shared.flicker_deviates import SEED_SECTIONS, SeededModule, unit_deviates
+from nodes.shared.deviates import SEED_SECTIONS, SeededModule, unit_deviates
 from nodes.shared.module_ports import table_figure
 
 Array = NDArray[Any]

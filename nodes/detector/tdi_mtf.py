@@ -8,10 +8,10 @@ from core.chain.wires import Context, Magnitude
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.detector.charge_transfer import smear_mrad, tdi_mtf
+from core.physics.detector.detector_mtf import smear_mrad, tdi_mtf
 from core.physics.sampling.detector_sampling import ifov_mrad
 from nodes.shared.context_defaults import given
-from nodes.shared.factor_helpers import separable
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 from nodes.shared.shared_warnings import apart_caution, first
 

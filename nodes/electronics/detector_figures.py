@@ -22,8 +22,8 @@ from core.physics.noise.noise_equivalent import (
     netd_K,
     system_netd_K,
 )
-from core.physics.radiometry.materials import find_material
 from core.physics.radiometry.planck import brightness_temperature
+from core.physics.radiometry.spectra import find_material
 
 Array = NDArray[Any]
 

@@ -22,7 +22,7 @@ from core.physics.detector.filters import (
     post_filter_ptf,
 )
 from core.physics.noise.noise_equivalent import detector_area_cm2
-from core.physics.radiometry.materials import MANUAL, MATERIALS_BY_REGION
+from core.physics.radiometry.spectra import MANUAL, MATERIALS_BY_REGION
 from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import (
@@ -33,8 +33,8 @@ from nodes.electronics.detector_figures import (
 )
 from nodes.input_output.sample_unit import radiance_caution
 from nodes.shared.context_defaults import given_band, of_context, with_interval
-from nodes.shared.factor_helpers import separable
-from nodes.shared.flicker_deviates import SEED_SECTIONS, SeededModule
+from nodes.shared.deviates import SEED_SECTIONS, SeededModule
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import CutOff, CutOn, table_figure
 from nodes.shared.shared_warnings import apart_caution, band_caution, is_radiance, unit_caution
 

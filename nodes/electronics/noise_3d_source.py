@@ -26,7 +26,7 @@ from core.physics.noise.flicker_noise import (
     flicker_sigma,
 )
 from core.physics.noise.noise_components import COMPONENTS
-from nodes.shared.flicker_deviates import (
+from nodes.shared.deviates import (
     SEED_SECTIONS,
     SeededModule,
     flicker_deviates,

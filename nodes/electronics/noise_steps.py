@@ -29,7 +29,7 @@ from core.physics.detector.quantization import (
 from core.transfer.factors import Edges, Grid, Separable
 from core.transfer.line_filter import filter_lines
 from nodes.electronics.detector_figures import DetectorFigures, Statistics
-from nodes.shared.flicker_deviates import unit_deviates
+from nodes.shared.deviates import unit_deviates
 
 Array = NDArray[Any]
 STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.atomic import atomic_file, write_text
 from core.errors import DataError, FileError, ParameterError
-from core.scratch_disk import Empty
+from core.scratch import Empty
 from nodes.files.common.file_format import CSV
 from nodes.files.common.paths import checked_band, first_bytes, readable_file
 from nodes.files.common.picture_info import (

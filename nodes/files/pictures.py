@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
-from core.scratch_disk import Empty
+from core.scratch import Empty
 from nodes.files.common.paths import checked_band, first_bytes, readable_file
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.common.quiet import quiet_stderr

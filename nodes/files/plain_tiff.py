@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
-from core.scratch_disk import Empty
+from core.scratch import Empty
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
 from nodes.files.tiff_deflate import each_block, unpacked

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.scratch_disk import Empty
+from core.scratch import Empty
 from nodes.files.common.picture_info import PictureInfo, Samples
 from nodes.files.formats import format_of
 from nodes.files.store_folder import readable_picture

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError, how_to_install
-from core.scratch_disk import Empty
+from core.scratch import Empty
 from nodes.files.common.paths import checked_band, first_bytes
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples, delivered_dtype
 from nodes.files.common.size_limits import oversized, refuse_oversized

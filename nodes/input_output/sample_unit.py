@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
+from core.machine import ForEach, in_turn
 from core.modules.panel_sections import Caution
 from core.physics.radiometry.grey_body import (
     COLDEST_SURFACE_K,
@@ -21,7 +22,6 @@ from core.physics.radiometry.grey_body import (
     coldest_for_radiance,
 )
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
-from core.threads import ForEach, in_turn
 from nodes.files.common.picture_info import PictureInfo
 
 DEFAULT_UNIT = "W/m²/sr"

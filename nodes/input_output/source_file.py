@@ -16,7 +16,7 @@ from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext
-from core.scratch_disk import Empty
+from core.scratch import Empty
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.headers.envi_bands import integrate_bands
 from nodes.files.headers.envi_header import header_beside

@@ -10,7 +10,7 @@ from core.modules.panel_sections import Caution
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.platform_motion import blur_mrad, motion_mtf
 from nodes.shared.context_defaults import given
-from nodes.shared.factor_helpers import separable
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 from nodes.shared.shared_warnings import apart_caution
 

@@ -9,7 +9,7 @@ from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.platform_motion import motion_mtf, scan_blur_mrad
-from nodes.shared.factor_helpers import separable
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 from nodes.shared.shared_warnings import apart_caution
 

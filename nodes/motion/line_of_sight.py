@@ -15,6 +15,7 @@ from core.chain.wires import Context, Magnitude, Phase, Transfer
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
+from core.physics.checks import non_negative, positive
 from core.physics.sampling.vibration import (
     WAVES,
     MotionSpectrum,
@@ -24,10 +25,9 @@ from core.physics.sampling.vibration import (
     motion_waves,
     within_exposure,
 )
-from core.physics.scalar_checks import non_negative, positive
 from nodes.files.motion_table import read_motion
-from nodes.shared.factor_helpers import separable
-from nodes.shared.flicker_deviates import SEED_SECTIONS, SeededModule
+from nodes.shared.deviates import SEED_SECTIONS, SeededModule
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import Apply, NyquistReadouts
 
 Axes = tuple[MotionSpectrum, MotionSpectrum]

@@ -11,7 +11,7 @@ from core.modules.parameters import Formula, Param
 from core.physics.sampling.platform_motion import blur_mrad, line_motion_mtf, motion_mtf
 from core.transfer.factors import Factor, Law, Planar
 from nodes.shared.context_defaults import given
-from nodes.shared.factor_helpers import separable
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 from nodes.shared.shared_warnings import apart_caution
 

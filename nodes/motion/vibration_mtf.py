@@ -8,7 +8,7 @@ from core.chain.wires import Context, Magnitude
 from core.modules.declaration import NodeContext, readout
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.vibration import vibration_mtf
-from nodes.shared.factor_helpers import separable
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 

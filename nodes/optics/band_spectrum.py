@@ -18,8 +18,8 @@ from core.modules.panel_sections import Caution
 from core.modules.parameters import Param
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
-from core.physics.radiometry.materials import SUNLIGHT_K
 from core.physics.radiometry.planck import brightness_temperature
+from core.physics.radiometry.spectra import SUNLIGHT_K
 from nodes.files.wavelength_table import read_wavelengths
 from nodes.shared.shared_warnings import Band, is_radiance
 

@@ -13,7 +13,6 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.optics.band_weights import Spectrum
 from core.physics.optics.diffraction_otf import (
     FINEST_TOLERANCE,
     USUAL_WITH_DEFOCUS,
@@ -23,6 +22,7 @@ from core.physics.optics.diffraction_otf import (
     has_many_bends,
     wavelengths_needed,
 )
+from core.physics.optics.polychromatic import Spectrum
 from core.transfer.factors import AtWavelength, Law, Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,
@@ -35,7 +35,7 @@ from nodes.optics.band_spectrum import (
     weighting_responses,
 )
 from nodes.shared.context_defaults import given_band
-from nodes.shared.factor_helpers import OtfOutputs, otf_outputs
+from nodes.shared.factors import OtfOutputs, otf_outputs
 from nodes.shared.module_ports import Apply, CutOff, CutOn, LightingSource, NyquistReadouts
 from nodes.shared.shared_warnings import (
     F_NUMBER_NEAR,

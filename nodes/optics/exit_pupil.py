@@ -24,7 +24,7 @@ from core.physics.optics.pupil_shapes import (
     sample_pupil,
     support_circle,
 )
-from core.physics.optics.zernike import known_wavefront, map_scale, wrapped_waves
+from core.physics.optics.wavefront import known_wavefront, map_scale, wrapped_waves
 from nodes.files.read import check_finite
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
 

@@ -16,7 +16,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.optics.band_weights import Spectrum, band_wavelengths
+from core.physics.optics.polychromatic import Spectrum, band_wavelengths
 from core.transfer.factors import Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,
@@ -38,7 +38,7 @@ from nodes.optics.pupil_factor import (
     sampled_factors,
 )
 from nodes.shared.context_defaults import given_band
-from nodes.shared.factor_helpers import OtfOutputs, otf_outputs
+from nodes.shared.factors import OtfOutputs, otf_outputs
 from nodes.shared.module_ports import Apply, CutOff, CutOn, LightingSource, NyquistReadouts
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, alike, wavelength_caution
 

@@ -8,7 +8,7 @@ from core.chain.wires import Context, Magnitude
 from core.modules.declaration import NodeContext
 from core.modules.parameters import Formula, Param
 from core.physics.optics.gaussian import gaussian_mtf
-from nodes.shared.factor_helpers import separable
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 

@@ -32,7 +32,7 @@ from nodes.files.lens_samples import LensSamples, describe_lens_samples, read_le
 from nodes.files.mtf_table import MTF_COLUMNS, PHASE_COLUMNS, MtfTable, read_mtf_table
 from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
 from nodes.shared.context_defaults import given
-from nodes.shared.factor_helpers import OtfOutputs, otf_outputs, separable
+from nodes.shared.factors import OtfOutputs, otf_outputs, separable
 from nodes.shared.module_ports import Apply, NyquistReadouts
 from nodes.shared.shared_warnings import apart_caution, first, unlinked_phase_caution
 

@@ -17,9 +17,9 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.noise.poisson_deviates import photon_means, published_means, radiance_of_photons
+from core.physics.noise.poisson import photon_means, published_means, radiance_of_photons
 from nodes.input_output.sample_unit import Statistics, statistics
-from nodes.shared.flicker_deviates import SEED_SECTIONS, SeededModule
+from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.shared_warnings import is_temperature, unit_caution
 
 Array = NDArray[Any]

@@ -22,7 +22,7 @@ from core.transfer.factors import Factor, Law, Planar
 from nodes.files.read import check_finite
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
 from nodes.shared.context_defaults import given
-from nodes.shared.factor_helpers import OtfOutputs, otf_outputs
+from nodes.shared.factors import OtfOutputs, otf_outputs
 from nodes.shared.module_ports import Apply, NyquistReadouts
 from nodes.shared.shared_warnings import apart_caution, unlinked_phase_caution
 

@@ -26,7 +26,7 @@ from core.physics.optics.pupil_shapes import (
     support_circle,
 )
 from core.physics.optics.sampled_otf import autocorrelation, complex_pupil
-from core.physics.optics.zernike import wavefront_waves
+from core.physics.optics.wavefront import wavefront_waves
 from core.physics.sampling.detector_sampling import error_estimate
 from core.transfer.factors import Law, Planar, WavelengthLaw
 

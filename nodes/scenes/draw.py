@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from core.scratch_disk import Empty
-from core.threads import ForEach, in_turn
+from core.machine import ForEach, in_turn
+from core.scratch import Empty
 from nodes.scenes import scene_targets as targets
 from nodes.scenes.coverage import (
     Mix,

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from core.scratch_disk import Empty
-from core.threads import ForEach, in_turn
+from core.machine import ForEach, in_turn
+from core.scratch import Empty
 from nodes.scenes.coverage import (
     FloatArray,
     Mix,

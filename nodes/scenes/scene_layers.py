@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from core.threads import ForEach, in_turn
+from core.machine import ForEach, in_turn
 from nodes.scenes.coverage import FloatArray, Radiances, Texture, cell_edges
 from nodes.scenes.scene_canvas import Drawing, Place, with_textures
 

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from core.errors import ParameterError
-from core.scratch_disk import Empty
-from core.threads import ForEach, in_turn
+from core.machine import ForEach, in_turn
+from core.scratch import Empty
 from nodes.scenes.coverage import (
     FloatArray,
     difference,

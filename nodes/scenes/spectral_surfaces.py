@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import ParameterError
-from core.physics.radiometry.materials import (
+from core.physics.radiometry.planck import band_radiance
+from core.physics.radiometry.spectra import (
     SUNLIGHT_K,
     CoarseSpectrum,
     mean_by_planck,
     white_surface_radiance,
 )
-from core.physics.radiometry.planck import band_radiance
 
 FloatArray = NDArray[np.float64]
 Emissivity = Literal["spectra", "grey"]

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from core.threads import ForEach, in_turn
+from core.machine import ForEach, in_turn
 from nodes.scenes import scene_targets as targets
 from nodes.scenes.coverage import Radiances, check_frame, check_radiometry
 from nodes.scenes.draw import DRAWN, drawing_of

@@ -14,7 +14,7 @@ from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Formula, Param
 from core.physics.optics.gaussian import gaussian_mtf
 from core.transfer.factors import Grid
-from nodes.shared.factor_helpers import separable
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import ImageOutput
 
 Kernel = Literal["box", "gaussian", "lanczos"]

@@ -24,7 +24,7 @@ from core.physics.sampling.interpolation import (
     takes_the_later,
 )
 from core.transfer.factors import Edges, Factor, Grid, Law
-from nodes.shared.factor_helpers import separable
+from nodes.shared.factors import separable
 from nodes.shared.module_ports import ImageOutput
 
 Array = NDArray[Any]

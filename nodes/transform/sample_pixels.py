@@ -10,10 +10,10 @@ from core.errors import ParameterError
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.detector.charge_transfer import aperture_mtf
+from core.physics.detector.detector_mtf import aperture_mtf
 from core.physics.optics.tabulated_mtf import radial_tabulated_mtf, tabulated_mtf
 from core.transfer.factors import Separable
-from nodes.shared.factor_helpers import passed_factors
+from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import apart_caution, first
 

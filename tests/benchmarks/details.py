@@ -17,7 +17,7 @@ from app.bench.timing import Settings, paired, round_trip
 from app.bench.truth import Sensor, mirrored_frame, poisson_cumulative
 from core.evaluation.policy import Policy
 from core.network.network import Link, Network, Node
-from core.physics.noise.poisson_deviates import poisson_of_normal
+from core.physics.noise.poisson import poisson_of_normal
 
 Array = NDArray[Any]
 SPACE, FOURIER = "space.image", "back.image"

@@ -9,7 +9,7 @@ import pytest
 
 from child_process import PATIENCE_S
 from core.errors import DataError
-from core.threads import Workers
+from core.machine import Workers
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])

@@ -18,7 +18,7 @@ from app.editor.viewers.picture.kept_side import KeptSide, Way
 from app.editor.viewers.plot.plot_export import Data
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from core.editing.operations import Restored
-from core.threads import store_bytes
+from core.machine import store_bytes
 
 OWNER = "snapshots.kept"
 SHARE = 4

@@ -34,10 +34,10 @@ from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Work
+from core.machine import Workers
 from core.modules.declaration import Library
 from core.modules.panel_sections import Caution, PendingCheck
 from core.network.network import Network
-from core.threads import Workers
 
 
 class Runner:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import sici
 
 from core.errors import ParameterError
-from core.physics.scalar_checks import (
+from core.physics.checks import (
     all_above_zero,
     all_finite,
     all_from_zero,

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.physics.quadrature import gauss_legendre
-from core.physics.scalar_checks import all_above_zero, all_from_zero, broadcast
+from core.physics.checks import all_above_zero, all_from_zero, broadcast
+from core.physics.numerics import gauss_legendre
 
 INCH_M = 0.0254
 _SHARP = 0.9  # relative edge response from which version 4 has its other pair of coefficients

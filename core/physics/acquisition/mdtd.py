@@ -18,9 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
 from core.physics.acquisition.eye import coloured_share, frame_count, spatial_share
+from core.physics.checks import all_above_zero, all_finite, positive, rising
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
-from core.physics.quadrature import sinc
-from core.physics.scalar_checks import all_above_zero, all_finite, positive, rising
+from core.physics.numerics import sinc
 
 Vector = NDArray[np.float64]
 Window = Literal["target", "image"]

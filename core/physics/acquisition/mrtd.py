@@ -21,9 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.errors import ParameterError
 from core.physics.acquisition.eye import coloured_share, frame_count, spatial_share
 from core.physics.acquisition.target_acquisition import resolvable_frequency
-from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
-from core.physics.quadrature import gauss_legendre
-from core.physics.scalar_checks import (
+from core.physics.checks import (
     all_above_zero,
     all_finite,
     all_from_zero,
@@ -31,6 +29,8 @@ from core.physics.scalar_checks import (
     positive,
     rising,
 )
+from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
+from core.physics.numerics import gauss_legendre
 
 Vector = NDArray[np.float64]
 Direction = Literal["horizontal", "vertical"]

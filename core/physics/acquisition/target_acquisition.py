@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.special import expit
 
 from core.errors import ParameterError
-from core.physics.quadrature import range_for_probability
-from core.physics.scalar_checks import (
+from core.physics.checks import (
     Values,
     all_above_zero,
     all_finite,
@@ -22,6 +21,7 @@ from core.physics.scalar_checks import (
     broadcast,
     rising,
 )
+from core.physics.numerics import range_for_probability
 
 
 def johnson_probability(*, cycles: ArrayLike, n50: ArrayLike) -> Any:

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
 from core.physics.acquisition.target_acquisition import target_cycles, ttp_probability
-from core.physics.quadrature import gauss_legendre, range_for_probability
-from core.physics.scalar_checks import (
+from core.physics.checks import (
     Values,
     all_above_zero,
     all_from_zero,
@@ -23,6 +22,7 @@ from core.physics.scalar_checks import (
     non_negative,
     rising,
 )
+from core.physics.numerics import gauss_legendre, range_for_probability
 
 _NODES = 12  # of a panel
 _PARTS, _ROUNDS = 16, 15  # of a panel in which contrast and threshold cross: 2^−60 of it
@@ -162,7 +162,7 @@ def ttp_range(
 
     The contrast, given as it is at the target, falls by exp(−extinction·range) on the way; the
     other parameters are those of the two functions, returns and errors as
-    `core.physics.quadrature.range_for_probability`.
+    `core.physics.numerics.range_for_probability`.
     """
     extinction = non_negative("extinction_per_km", extinction_per_km, unit="1/km")
     at_target = non_negative("contrast", contrast)

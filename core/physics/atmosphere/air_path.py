@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
+from core.physics.checks import finite, non_negative, positive, within
 from core.physics.radiometry.constants import SECOND_RADIATION_CONSTANT_UM_K
 from core.physics.radiometry.planck import band_nodes, band_radiance, spectral_radiance
-from core.physics.scalar_checks import finite, non_negative, positive, within
 
 FloatArray = NDArray[np.float64]
 Points = tuple[tuple[float, float], ...]

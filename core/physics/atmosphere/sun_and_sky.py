@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
 from core.physics.atmosphere.air_path import Points
-from core.physics.radiometry.materials import SUN_SHARE, SUNLIGHT_K
+from core.physics.checks import non_negative, within
 from core.physics.radiometry.planck import band_nodes, spectral_radiance
-from core.physics.scalar_checks import non_negative, within
+from core.physics.radiometry.spectra import SUN_SHARE, SUNLIGHT_K
 
 FloatArray = NDArray[np.float64]
 

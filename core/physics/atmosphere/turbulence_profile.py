@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.quadrature import gauss_legendre
-from core.physics.scalar_checks import non_negative, positive
+from core.physics.checks import non_negative, positive
+from core.physics.numerics import gauss_legendre
 
 # Heights (m) between which the Hufnagel-Valley profile is smooth enough for one Gauss rule.
 _PANEL_HEIGHTS_M = (

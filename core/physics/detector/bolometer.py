@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from core.errors import ParameterError
+from core.physics.checks import non_negative, positive
 from core.physics.radiometry.planck import band_radiance_derivative
-from core.physics.scalar_checks import non_negative, positive
 
 SETTLED = 1e-6
 """Share of a step that is left where earlier frames are no longer counted."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
+from core.physics.checks import positive, within
 from core.physics.radiometry.constants import (
     BOLTZMANN_J_K,
     ELEMENTARY_CHARGE_C,
@@ -21,7 +22,6 @@ from core.physics.radiometry.constants import (
     SECOND_RADIATION_CONSTANT_UM_K,
     SPEED_OF_LIGHT_M_S,
 )
-from core.physics.radiometry.materials import Material
 from core.physics.radiometry.planck import (
     WIDEST_X,
     band_nodes,
@@ -30,7 +30,7 @@ from core.physics.radiometry.planck import (
     spectral_radiance,
     unit_rule,
 )
-from core.physics.scalar_checks import positive, within
+from core.physics.radiometry.spectra import Material
 
 FloatArray = NDArray[np.float64]
 SpectralFunction = Callable[[FloatArray], FloatArray]
@@ -52,7 +52,7 @@ def quantum_efficiency(wavelength_um: ArrayLike, *, material: Material) -> Float
     wavelength_um
         µm, above 0, any shape.
     material
-        One of `core.physics.radiometry.materials`.
+        One of `core.physics.radiometry.spectra`.
 
     Returns
     -------
@@ -98,7 +98,7 @@ def d_star(
     wavelength_um
         µm, above 0, any shape.
     material
-        One of `core.physics.radiometry.materials`.
+        One of `core.physics.radiometry.spectra`.
     background_K
         Temperature of the background, K, 1 or above.
     half_angle_deg

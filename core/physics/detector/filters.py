@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.scalar_checks import finite, non_negative, positive, within
+from core.physics.checks import finite, non_negative, positive, within
 
 
 def lowpass_mtf(

@@ -21,7 +21,7 @@ from core.errors import DataError
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.filtered_body import FilteredBody
 from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
-from core.physics.quadrature import brent_root, chebyshev_sum
+from core.physics.numerics import brent_root, chebyshev_sum
 from core.physics.radiometry.planck import (
     band_radiance,
     band_radiance_derivative,

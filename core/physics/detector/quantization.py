@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
-from core.physics.scalar_checks import finite, positive, within
-from core.threads import ForEach, in_turn
+from core.machine import ForEach, in_turn
+from core.physics.checks import finite, positive, within
 
 # Samples worked on at once. A picture of 512² is done sooner in one block than by two threads:
 # 0.45 ms against 0.7, most of it waiting for each other.

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.quadrature import gauss_legendre
+from core.physics.checks import positive, within
+from core.physics.numerics import gauss_legendre
 from core.physics.radiometry.constants import (
     PLANCK_J_S,
     SECOND_RADIATION_CONSTANT_M_K,
@@ -20,7 +21,6 @@ from core.physics.radiometry.planck import (
     band_photon_radiance_derivative,
     spectral_radiance,
 )
-from core.physics.scalar_checks import positive, within
 
 FloatArray = NDArray[np.float64]
 PHOTON_ENERGY_J_UM = PLANCK_J_S * SPEED_OF_LIGHT_M_S * 1e6

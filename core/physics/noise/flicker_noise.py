@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.scalar_checks import finite, non_negative, positive, within
+from core.physics.checks import finite, non_negative, positive, within
 
 Array = NDArray[Any]
 

@@ -21,15 +21,15 @@ import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
+from core.physics.checks import positive
 from core.physics.detector.detectivity import ResponseCurve
+from core.physics.numerics import chebyshev_sum, gauss_legendre
 from core.physics.optics.annular_otf import annular_otf
-from core.physics.optics.band_weights import (
+from core.physics.optics.polychromatic import (
     SpectralWeighting,
     Spectrum,
     panel_wavelengths,
 )
-from core.physics.quadrature import chebyshev_sum, gauss_legendre
-from core.physics.scalar_checks import positive
 
 Vector = NDArray[np.float64]
 COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)

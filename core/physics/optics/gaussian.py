@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.physics.scalar_checks import non_negative
+from core.physics.checks import non_negative
 
 
 def gaussian_mtf(*, frequency: ArrayLike, sigma_mrad: float) -> NDArray[np.float64]:

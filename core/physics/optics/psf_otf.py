@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError
-from core.physics.scalar_checks import positive
+from core.physics.checks import positive
 
 Array = NDArray[Any]
 _SLACK = 1e-12  # of the samples' Nyquist frequency, which counts as within

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
+from core.physics.checks import positive
+from core.physics.numerics import gauss_legendre
 from core.physics.optics.annular_otf import annular_otf
 from core.physics.optics.overlap_area import half_disc_overlap_area
 from core.physics.optics.pupil_shapes import PupilShape, by_tiles, vane_direction
@@ -22,8 +24,6 @@ from core.physics.optics.strip_overlap import (
     strip_pupil_area,
 )
 from core.physics.optics.strip_sum import strip_sum_area, strips_add_up
-from core.physics.quadrature import gauss_legendre
-from core.physics.scalar_checks import positive
 
 Array = NDArray[Any]
 

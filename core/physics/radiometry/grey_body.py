@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError
 from core.physics.radiometry.constants import STEFAN_BOLTZMANN_W_M2_K4
-from core.physics.radiometry.materials import SUN_SHARE
 from core.physics.radiometry.planck import (
     band_radiance,
     band_radiance_derivative,
     brightness_temperature_of_samples,
 )
+from core.physics.radiometry.spectra import SUN_SHARE
 
 FloatArray = NDArray[np.float64]
 _OFFSETS_K = {"K": 0.0, "kelvin": 0.0, "°C": 273.15, "C": 273.15, "degC": 273.15}

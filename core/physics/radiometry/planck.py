@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
-from core.physics.quadrature import chebyshev_fit, chebyshev_sum, gauss_legendre
+from core.physics.checks import positive
+from core.physics.numerics import chebyshev_fit, chebyshev_sum, gauss_legendre
 from core.physics.radiometry.constants import (
     FIRST_RADIATION_CONSTANT_W_M2_SR,
     SECOND_RADIATION_CONSTANT_M_K,
     SECOND_RADIATION_CONSTANT_UM_K,
     SPEED_OF_LIGHT_M_S,
 )
-from core.physics.scalar_checks import positive
 
 FloatArray = NDArray[np.float64]
 FloatOrArray = TypeVar("FloatOrArray", float, NDArray[np.float64])

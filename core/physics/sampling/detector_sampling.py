@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
+from core.physics.checks import positive, within
 from core.physics.optics.sampled_otf import Complexes, autocorrelation
-from core.physics.scalar_checks import positive, within
 
 # Far below any optics, and so far above the least number that frequencies have squares.
 LEAST_FIELD_DEG = 1e-30

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.machine import ForEach, in_turn
 from core.physics.measurement.levels.photon_transfer import (
     PAD,
     Between,
@@ -29,8 +30,7 @@ from core.physics.measurement.levels.photon_transfer import (
     taps,
     weighted,
 )
-from core.scratch_disk import Empty
-from core.threads import ForEach, in_turn
+from core.scratch import Empty
 
 Array = NDArray[Any]
 Vector = NDArray[np.float64]

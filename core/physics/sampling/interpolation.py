@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
-from core.physics.scalar_checks import positive
+from core.physics.checks import positive
 
 Vector = NDArray[np.float64]
 

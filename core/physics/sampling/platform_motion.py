@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.quadrature import sinc
-from core.physics.scalar_checks import finite, non_negative, positive
+from core.physics.checks import finite, non_negative, positive
+from core.physics.numerics import sinc
 
 
 def blur_mrad(*, velocity_m_per_s: float, time_s: float, range_m: float) -> float:

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import j0
 
 from core.errors import ParameterError
-from core.physics.quadrature import gauss_legendre
-from core.physics.scalar_checks import finite, non_negative, positive
+from core.physics.checks import finite, non_negative, positive
+from core.physics.numerics import gauss_legendre
 
 # Up to this much phase swept along the remainder one Gauss rule is exact to rounding; beyond,
 # the paths of steepest descent are.

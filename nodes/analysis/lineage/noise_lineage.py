@@ -18,8 +18,8 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
+from core.machine import amount_text
 from core.physics.noise.noise_components import NoiseVariances, components_of_moments
-from core.threads import amount_text
 
 
 @dataclass(frozen=True)

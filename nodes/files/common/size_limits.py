@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from core.errors import FileError
-from core.threads import usable_bytes
+from core.machine import usable_bytes
 from nodes.files.common.picture_info import PictureInfo, delivered_dtype
 
 # A picture and one copy of it, which every step needs, fit the machine.

@@ -14,7 +14,7 @@ import os
 import numpy as np
 
 from core.errors import FileError
-from core.scratch_disk import Empty
+from core.scratch import Empty
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.common.size_limits import refuse_oversized

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.errors import DataError, FileError, ParameterError
 from core.physics.radiometry.radiance_units import radiance_unit
-from core.scratch_disk import Empty
+from core.scratch import Empty
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.common.size_limits import refuse_oversized
 from nodes.files.headers.envi import info_of

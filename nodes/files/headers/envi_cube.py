@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.scratch_disk import Empty
-from core.threads import ForEach, in_turn
+from core.machine import ForEach, in_turn
+from core.scratch import Empty
 from nodes.files.common.stored_bytes import stored_bytes
 from nodes.files.headers.envi_header import EnviLayout
 

@@ -10,7 +10,7 @@ import pytest
 
 from app.command.cli import main
 from child_process import ROOT, finished
-from core.threads import usable_bytes
+from core.machine import usable_bytes
 
 USAGE = {
     "unknown command": (["evaluate", "net.json"], "evaluate"),

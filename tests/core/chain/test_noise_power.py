@@ -9,11 +9,11 @@ from core.chain.noise_power import NoisePower
 from core.chain.wires import Image, Magnitude, Phase
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
-from core.physics.detector.charge_transfer import charge_transfer_mtf, charge_transfer_ptf
+from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
 from core.physics.optics.gaussian import gaussian_mtf
 from core.transfer.factors import Grid, Law, Planar
 from nodes.library import standard_library
-from nodes.shared.factor_helpers import radial, separable
+from nodes.shared.factors import radial, separable
 from nodes.transform.interpolate import interpolator, resampled
 
 ROWS, COLUMNS = 8, 12

@@ -10,7 +10,7 @@ from core.evaluation.policy import Policy
 from core.physics.optics.gaussian import gaussian_mtf
 from core.transfer.factors import Grid
 from nodes.library import standard_library
-from nodes.shared.factor_helpers import separable
+from nodes.shared.factors import separable
 
 BLUR = separable(gaussian_mtf, x={"sigma_mrad": 0.6}, y={"sigma_mrad": 0.4}, label="blur")
 

@@ -13,7 +13,7 @@ from core.chain.photon_events import (
     events_are_few,
 )
 from core.chain.random_fields import Stream
-from core.threads import Workers
+from core.machine import Workers
 
 
 def stream(seed=1996):

@@ -7,7 +7,7 @@ from scipy import special
 from core.chain import random_fields as streams
 from core.chain.random_fields import BLOCK, Stream, normal_field, poisson_field, uniform_field
 from core.errors import Cancelled, DataError, ParameterError
-from core.threads import Workers
+from core.machine import Workers
 
 SEEDS = range(20)
 DTYPES = [np.float32, np.float64]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from child_process import PATIENCE_S
-from core import threads as memory
+from core import machine as memory
 from core.errors import DataError
 from core.evaluation.recipes import content_key
 from core.evaluation.store import Store, size_in_bytes

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from core.physics.atmosphere import scattering_and_turbulence as atmosphere
-from core.physics.detector import charge_transfer
-from core.physics.detector import charge_transfer as detector
+from core.physics.detector import detector_mtf as charge_transfer
+from core.physics.detector import detector_mtf as detector
 from core.physics.detector import filters as electronics
 from core.physics.optics import gaussian
 from core.physics.sampling import detector_sampling as sampling

@@ -7,7 +7,7 @@ import pytest
 
 from core.errors import FileError
 from core.evaluation.store import Store, size_in_bytes
-from core.scratch_disk import ScratchDisk, is_on_disk
+from core.scratch import ScratchDisk, is_on_disk
 from core.transfer.mirrored import MeanFree
 
 

@@ -12,7 +12,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step, in_blocks
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.scratch_disk import BlockRun, ScratchDisk, is_on_disk
+from core.scratch import BlockRun, ScratchDisk, is_on_disk
 from core.transfer.factors import Law, Planar, Separable
 
 SHAPES = ((32, 24), (31, 37), (1, 48), (48, 1), (30, 45))

@@ -9,7 +9,7 @@ from core.chain.frame_sequence import at_frame
 from core.physics.radiometry.planck import band_radiance_derivative
 from node_bench import NodeBench
 from nodes.library import standard_library
-from nodes.shared import flicker_deviates
+from nodes.shared import deviates as flicker_deviates
 
 LIBRARY = standard_library()
 SCENE = {"kind": "uniform", "width": 64, "height": 48, "fov_x_deg": 2.0, "fov_y_deg": 1.5,

@@ -5,7 +5,7 @@ import pytest
 
 from child_process import run_program
 from core.errors import DataError, FileError, ParameterError
-from core.threads import usable_bytes
+from core.machine import usable_bytes
 from nodes.files import arrays
 from nodes.files.frames.frame_reading import open_frames
 from nodes.files.read import check_finite, read_info, read_pixels

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from core.errors import FileError
-from core.threads import usable_bytes
+from core.machine import usable_bytes
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
 from nodes.files.read import read_info, read_pixels
@@ -295,6 +295,6 @@ def test_the_budget_is_of_the_memory_that_a_container_leaves(monkeypatch):
     )
     info = PictureInfo(path=Path("a.tif"), **shape, **empty)
     refuse_oversized(info)
-    monkeypatch.setattr("core.threads._limits", lambda: [3_999_999])
+    monkeypatch.setattr("core.machine._limits", lambda: [3_999_999])
     with pytest.raises(FileError, match="allowed on this machine: "):
         refuse_oversized(info)

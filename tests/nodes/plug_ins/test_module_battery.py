@@ -17,7 +17,7 @@ from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from nodes.library import MODULES
 from nodes.module_battery import check_module, faults_of
-from nodes.shared.factor_helpers import radial
+from nodes.shared.factors import radial
 from nodes.shared.module_ports import ImageOutput, MtfModule, MtfOutputs
 
 COUNTER = itertools.count()

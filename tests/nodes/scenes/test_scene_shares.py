@@ -8,8 +8,8 @@ import pytest
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.evaluation.store import size_in_bytes
+from core.machine import Workers
 from core.network.network import Network, Node
-from core.threads import Workers
 from nodes.library import standard_library
 from nodes.scenes import draw_scene, draw_shares, two_steps, with_radiance
 from nodes.scenes import scene_layers as layers

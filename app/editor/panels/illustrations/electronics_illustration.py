@@ -29,7 +29,7 @@ from core.physics.detector.detectivity import (
     cold_shield_half_angle_deg,
     d_star,
 )
-from core.physics.radiometry.materials import MANUAL, Material, find_material
+from core.physics.radiometry.spectra import MANUAL, Material, find_material
 from nodes.shared.context_defaults import given_band
 
 _DECADES = 2.3  # below the highest D* that are shown

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Pupil
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
-from core.physics.optics.zernike import wavefront_waves
+from core.physics.optics.wavefront import wavefront_waves
 
 # Samples across by the number of terms, so that each picture takes a few milliseconds.
 _SIDES = ((8, 96), (20, 64), (60, 48))

@@ -13,7 +13,7 @@ import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
 
-from core.threads import ForEach, in_turn
+from core.machine import ForEach, in_turn
 
 Array = NDArray[Any]
 Levels = NDArray[np.uint8]

@@ -18,8 +18,8 @@ from core.physics.measurement.edges.edge_spread import (
     noise_of_ramp,
     quantum_of,
 )
-from core.physics.measurement.edges.picture_suspicions import FoundEdge
-from core.physics.measurement.edges.straight_pieces import Piece
+from core.physics.measurement.edges.picture_checks import FoundEdge
+from core.physics.measurement.edges.ridges import Piece
 
 Vector = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.edges.picture_suspicions import FoundEdge
+from core.physics.measurement.edges.picture_checks import FoundEdge
 
 Target = Literal["edge", "line"]
 Matrix = NDArray[np.float64]

@@ -28,14 +28,13 @@ from core.physics.measurement.edges.edge_line import (
     edge_samples,
     rectangle_samples,
 )
-from core.physics.measurement.edges.picture_suspicions import (
+from core.physics.measurement.edges.picture_checks import (
     FoundEdge,
     clear_of,
     missing_samples,
     why_no_picture,
 )
-from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
-from core.physics.measurement.edges.straight_pieces import (
+from core.physics.measurement.edges.ridges import (
     SMOOTHING,
     Piece,
     ridge_points,
@@ -43,6 +42,7 @@ from core.physics.measurement.edges.straight_pieces import (
     spread_out,
     straight_pieces,
 )
+from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
 
 _ENDS = 1.0  # samples left off at both ends, where corners are rounded
 _LARGEST_GAP = 0.7  # samples between distances; beyond 0.75 nothing can be measured

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.errors import DataError
 from core.physics.measurement.edges.edge_line import EdgeLine
-from core.physics.quadrature import sinc
+from core.physics.numerics import sinc
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.edges.edge_line import EdgeSamples, rectangle_samples
-from core.physics.measurement.edges.picture_suspicions import FoundEdge
+from core.physics.measurement.edges.picture_checks import FoundEdge
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -22,7 +22,7 @@ from core.physics.measurement.edges.edge_spread import (
     refuse_piled_up,
     refuse_quiet_side,
 )
-from core.physics.quadrature import sinc
+from core.physics.numerics import sinc
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from core.errors import DataError
-from core.physics.measurement.noise.clipped_ends import clipped_ends, rounding_step
+from core.physics.measurement.noise.digitisation import clipped_ends, rounding_step
 from core.physics.measurement.noise.flat_blocks import SIDE
 from core.physics.measurement.noise.variance_levels import (
     LevelVariance,

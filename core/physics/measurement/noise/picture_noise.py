@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.noise.clipped_ends import (
+from core.physics.measurement.noise.digitisation import (
     clipped_ends,
     compressed_in_blocks,
     rounding_step,

@@ -12,7 +12,7 @@ from app.editor.viewers.pixels.grey_levels import (
     quantiles,
     spread_of,
 )
-from core.threads import Workers
+from core.machine import Workers
 
 DRAW = np.random.default_rng(7)
 PICTURES = {

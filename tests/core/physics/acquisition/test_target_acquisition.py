@@ -20,7 +20,7 @@ from core.physics.acquisition.target_acquisition import (
     resolvable_frequency,
     ttp_probability,
 )
-from core.physics.quadrature import range_for_probability
+from core.physics.numerics import range_for_probability
 
 mp.dps = 40
 FUNCTIONS = [

@@ -12,8 +12,8 @@ from core.physics.detector.detectivity import (
     d_star,
     quantum_efficiency,
 )
-from core.physics.radiometry import materials
-from core.physics.radiometry.materials import Material, find_material
+from core.physics.radiometry import spectra as materials
+from core.physics.radiometry.spectra import Material, find_material
 
 ALL = [m for choices in materials.MATERIALS_BY_REGION.values() for m in choices]
 IDEAL = Material("ideal", 12.0, 77.0, 2, "test", quantum_efficiency=1.0)

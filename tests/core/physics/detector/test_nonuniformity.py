@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.errors import DataError
-from core.physics.detector.collection import (
+from core.physics.detector.focal_plane_array import (
     one_point_offset,
     two_point_gain,
     two_point_offset,

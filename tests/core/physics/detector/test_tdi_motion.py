@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.detector.charge_transfer import smear_mrad, tdi_mtf
+from core.physics.detector.detector_mtf import smear_mrad, tdi_mtf
 
 
 def followed(frequency, pitch, stages, phases, mismatch, instants=2000):

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.errors import ParameterError
-from core.physics.detector.charge_transfer import MODELS, charge_transfer_mtf, charge_transfer_ptf
+from core.physics.detector.detector_mtf import MODELS, charge_transfer_mtf, charge_transfer_ptf
 from core.physics.detector.filters import (
     KINDS,
     corner_frequency_hz,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from core.physics.detector.collection import DEAD, HOT, bad_pixel_places
+from core.physics.detector.focal_plane_array import DEAD, HOT, bad_pixel_places
 
 
 def made(rows, columns, percent, seed=1):

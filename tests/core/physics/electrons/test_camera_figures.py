@@ -8,9 +8,9 @@ import pytest
 from mpmath import mpf
 
 from core.errors import ParameterError
-from core.physics.detector import collection
-from core.physics.detector import collection as electron_noise
-from core.physics.detector.collection import (
+from core.physics.detector import focal_plane_array as collection
+from core.physics.detector import focal_plane_array as electron_noise
+from core.physics.detector.focal_plane_array import (
     bent_response,
     bent_slope,
     rule_07_A_per_cm2,

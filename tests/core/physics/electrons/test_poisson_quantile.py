@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import special, stats
 
-from core.physics.noise.poisson_deviates import LARGE_MEAN, SMALL_MEAN, poisson_of_normal
+from core.physics.noise.poisson import LARGE_MEAN, SMALL_MEAN, poisson_of_normal
 
 
 def chances(mean):

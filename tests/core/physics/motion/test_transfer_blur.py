@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.errors import ParameterError
-from core.physics.detector.charge_transfer import aperture_mtf
+from core.physics.detector.detector_mtf import aperture_mtf
+from core.physics.numerics import sinc
 from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
-from core.physics.quadrature import sinc
 from core.physics.sampling.detector_sampling import (
     ifov_mrad,
     interval_mrad,

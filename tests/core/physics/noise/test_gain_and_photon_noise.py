@@ -5,7 +5,7 @@ import pytest
 
 from core.errors import DataError, ParameterError
 from core.physics.detector.quantization import apply_gain_bias
-from core.physics.noise.poisson_deviates import photon_means, published_means, radiance_of_photons
+from core.physics.noise.poisson import photon_means, published_means, radiance_of_photons
 
 GIVEN = {"gain_percent": 1.0, "bias_percent": 2.0, "mean_radiance": 1.4}
 

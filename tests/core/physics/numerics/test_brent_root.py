@@ -6,7 +6,7 @@ import pytest
 import scipy.optimize
 
 from core.errors import ParameterError
-from core.physics.quadrature import brent_root
+from core.physics.numerics import brent_root
 
 CASES = [
     (lambda x: x**3 - 2, 0.0, 3.0, 2 ** (1 / 3)),

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.errors import ParameterError
-from core.physics.quadrature import range_for_probability
+from core.physics.numerics import range_for_probability
 
 
 def by_bisection(probability_at, wanted):

@@ -11,7 +11,6 @@ import pytest
 from core.errors import DataError, ParameterError
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.optics.annular_otf import annular_otf
-from core.physics.optics.band_weights import Spectrum
 from core.physics.optics.diffraction_otf import (
     Aperture,
     annular_defocus_otf,
@@ -19,6 +18,7 @@ from core.physics.optics.diffraction_otf import (
     wavefront_factor,
     wavelengths_needed,
 )
+from core.physics.optics.polychromatic import Spectrum
 from core.physics.optics.pupil_otf import defocus_otf
 from reference_cases import CAMERA, reference_cases
 

@@ -8,9 +8,9 @@ import pytest
 
 from core.errors import DataError, ParameterError
 from core.physics.optics.annular_otf import annular_otf
-from core.physics.optics.band_weights import band_wavelengths
+from core.physics.optics.polychromatic import band_wavelengths
 from core.physics.optics.pupil_otf import defocus_otf
-from core.physics.optics.zernike import noll_order, wavefront_waves, zernike
+from core.physics.optics.wavefront import noll_order, wavefront_waves, zernike
 from reference_cases import reference_cases
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.errors import DataError, ParameterError
-from core.physics.optics.zernike import known_wavefront, map_scale, wrapped_waves
+from core.physics.optics.wavefront import known_wavefront, map_scale, wrapped_waves
 
 Y, X = np.mgrid[-1:1:41j, -1:1:41j]
 INSIDE = X**2 + Y**2 <= 0.81

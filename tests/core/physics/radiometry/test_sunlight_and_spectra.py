@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.radiometry.materials import CoarseSpectrum, mean_by_planck, white_surface_radiance
+from core.physics.radiometry.spectra import CoarseSpectrum, mean_by_planck, white_surface_radiance
 
 EDGE = CoarseSpectrum(((0.5, 0.1), (0.67, 0.04), (0.75, 0.45), (0.9, 0.5), (3.0, 0.02)))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.physics.measurement.edges.straight_pieces import RidgePoints, straight_pieces
+from core.physics.measurement.edges.ridges import RidgePoints, straight_pieces
 
 SIDE = 40
 

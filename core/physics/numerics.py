@@ -1,4 +1,4 @@
-"""Nodes of Gauss–Legendre quadrature, computed once."""
+"""Small numerics: quadrature, Chebyshev series, roots, sinc, probability ranges."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.scalar_checks import Values, positive
+from core.physics.checks import Values, positive
 
 
 @lru_cache(maxsize=128)

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from core.errors import FileError
-from core.threads import amount_text
+from core.machine import amount_text
 
 Array = NDArray[Any]
 _TRIM_EVERY_S = 0.01

@@ -1,4 +1,4 @@
-"""Where a converter ends, from the samples that pile up there."""
+"""What digitising leaves in a picture: clipping, rounding steps, blocks of compression."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Detector materials: cut-off, quantum efficiency and own noise, with the source of each number.
+"""Spectra: detector materials, each number with its source; sunlight; coarse tables.
 
 The values are typical published ones, not those of one device; a measured D* is typed in as
 `manual` instead.

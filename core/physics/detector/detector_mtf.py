@@ -1,4 +1,4 @@
-"""Charge left behind at each transfer of a CCD."""
+"""MTF of a detector: its aperture, charge transfer, and motion during time delay integration."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
-from core.physics.quadrature import sinc
-from core.physics.scalar_checks import finite, non_negative, positive, within
+from core.physics.checks import finite, non_negative, positive, within
+from core.physics.numerics import sinc
 
 MODELS = ("exact", "published", "leading")
 

@@ -1,4 +1,4 @@
-"""Threads that are kept for many short pieces of work; the calling thread works along."""
+"""The threads and the memory of this machine, as the engine uses them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cheap checks of scalar parameters: each gives the value as a float or raises `ParameterError`."""
+"""Checks of parameters and arrays: the value as a float or an array, or a `ParameterError`."""
 
 from __future__ import annotations
 

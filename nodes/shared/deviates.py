@@ -1,4 +1,4 @@
-"""1/f noise of the samples of a frame, made of the frame's number alone."""
+"""Deviates of the noise modules: white ones, 1/f noise, and their seeds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Short ways to write factors of physics functions."""
+"""Factors of transfer functions for modules: made, passed on, and put out."""
 
 from __future__ import annotations
 

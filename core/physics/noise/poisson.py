@@ -1,4 +1,4 @@
-"""Photon noise: the means of its Poisson deviates, and pictures from the deviates."""
+"""Photon noise: means, deviates and quantiles of Poisson's law."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a pixel collects: solid angles, and electrons per photon radiance."""
+"""What a pixel collects and adds: solid angle, electrons per photon, dark current, bad pixels."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from core.errors import DataError, ParameterError
+from core.physics.checks import non_negative, positive, within
 from core.physics.radiometry.constants import BOLTZMANN_J_K, ELEMENTARY_CHARGE_C
-from core.physics.scalar_checks import non_negative, positive, within
 
 
 def cone_sr(*, f_number: float) -> float:

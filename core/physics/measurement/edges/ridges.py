@@ -1,4 +1,4 @@
-"""Straight, or slightly bent, pieces of a picture's ridges."""
+"""Ridges of a picture's gradient: their points, and the straight pieces they make."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Zernike polynomials in Noll's order, and wavefront errors made of them."""
+"""Wavefront errors: Zernike polynomials in Noll's order, and maps from a file."""
 
 from __future__ import annotations
 
