@@ -201,6 +201,7 @@ def _error(lines: ScanLines, intervals_mrad: Vector, count: int) -> float:
     along_scan = np.abs(chain.along_scan(work, scan))
     largest = 0.0
     for place, interval in enumerate(tried):
+        work.check()
         exact = chain.plane(work, scan, flight / float(interval))
         gap = np.abs(exact - np.tensordot(weights[:, place], at_nodes, 1))
         own = np.abs(chain.in_flight(work, flight / float(interval)))
