@@ -1,1 +1,1 @@
-"""One evaluation of a network, and its output files."""
+"""One evaluation of a network, its output files, and where these may be written."""

@@ -1,1 +1,1 @@
-"""Trade-offs: figures of merit as a parameter moves."""
+"""Trade-offs: figures of merit as a parameter moves, and the value that gives a wanted figure."""

@@ -1,1 +1,1 @@
-"""What is on a wire, and how it becomes a picture, a curve or a spectrum."""
+"""What is on a wire, with its bands, noise and lineage, and how it becomes a picture or a curve."""

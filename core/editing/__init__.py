@@ -1,1 +1,1 @@
-"""Editing a network: operations with inverses, their history, and help with wiring."""
+"""Editing a network: operations, the history of networks, and help with wiring."""

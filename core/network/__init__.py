@@ -1,1 +1,1 @@
-"""Networks and their files: reading, checking, migrating, saving."""
+"""Networks and their files: reading, checking, migrating, saving, and their expressions."""

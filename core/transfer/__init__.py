@@ -1,1 +1,1 @@
-"""Factors of transfer functions, their products, and what an error budget leaves out."""
+"""Factors of transfer functions, their products and error budget, and filters that apply them."""

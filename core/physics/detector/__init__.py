@@ -1,1 +1,1 @@
-"""Detector aperture, charge transfer and detectivity."""
+"""Detectors and their electronics: aperture, photons to electrons, filters, quantization."""

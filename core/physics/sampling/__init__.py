@@ -1,1 +1,1 @@
-"""Sampling, interpolation and the footprints of a camera on the ground."""
+"""Sampling, interpolation, the motion of platform and line of sight, footprints on the ground."""
