@@ -24,7 +24,7 @@ from core.network.network import Link, Network, Node
 from core.network.validation import NetworkProblems
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from nodes.files.common.picture_info import PictureInfo
-from nodes.files.headers.envi_bands import band_ends_um
+from nodes.files.headers.envi_bands import band_ends_um, coverage
 from nodes.files.read import read_info, read_pixels
 from nodes.input_output.sample_unit import is_spectral
 from nodes.input_output.source_file import LUMINANCE, HeldSamples, luminance
@@ -258,7 +258,8 @@ class _Replacing:
             )
         kept = before is not None and before.bands is not None
         how = "each of its own" if kept else "summed"
-        part = "" if (low, high) == wanted else f" of {_um(wanted)}"
+        share = coverage(info, wanted)
+        part = "" if (low, high) == wanted else f", {100 * share:.0f} % of {_um(wanted)}"
         outside = self._outside((low, high))
         self._lines.append(f"{info.bands} bands, {how}, {_um((low, high))}{part}{outside}")
         self._converter = self._conversion(unit or info.unit or "")

@@ -1,7 +1,9 @@
 """The main figures of a run: on the terminal, in the report, and in the window's strip alike."""
 
+import html
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -47,6 +49,23 @@ def test_the_output_is_that_of_the_picture(mwir):
     lines, _, picture = mwir
     told = ", ".join(f"{each:.4g}" for each in (picture.min(), picture.mean(), picture.max()))
     assert f"  {told} DN  " in line(lines, "Output: minimum, mean, maximum")
+
+
+def test_the_report_opens_with_the_same_figures_as_a_card(imagechain, tmp_path):
+    done = imagechain("run", "mwir_camera", "--report", "r.html")
+    assert (done.returncode, done.stderr) == (0, "")
+    lines = done.stdout.splitlines()
+    printed = lines[: lines.index("all 90 read-outs: --all, or readouts.json")]
+    told = [tuple(re.split(" {2,}", row)[:2]) for row in printed]
+    page = (tmp_path / "r.html").read_text(encoding="utf-8")
+    card = page.index('<table class="card">')
+    assert "<h2" not in page[:card]
+    body = page[card : page.index("</table>", card)]
+    cells = [html.unescape(cell) for cell in re.findall("<td[^>]*>(.*?)</td>", body)]
+    assert told == [
+        (name, value.strip()) for name, value in zip(cells[::2], cells[1::2], strict=True)
+    ]
+    assert len(told) == 11
 
 
 def test_all_prints_every_read_out(imagechain, write, small, tmp_path):

@@ -208,7 +208,7 @@ def test_a_cube(scene_of, write, small, tmp_path, bands, said):
     small["nodes"]["scene"]["params"] |= {"cut_on_um": 9.0, "cut_off_um": 13.0}
     now, text = scene_of(write(small), "--scene", cube(tmp_path))
     np.testing.assert_allclose(now, (2 + 3 + 4) * (1 + GREY / 255.0), rtol=1e-5)
-    assert f"4 bands, {said}, 9 to 12 µm of 9 to 13 µm" in text
+    assert f"4 bands, {said}, 9 to 12 µm, 75 % of 9 to 13 µm" in text
 
 
 def test_a_cube_of_another_band_than_the_scene_before(scene_of, write, small, tmp_path):
