@@ -258,7 +258,9 @@ class TradeOffView(Viewer):
         colours = self.theme.curves
         pens = {name: thick(colours[n % len(colours)], 2) for n, name in enumerate(names)}
         other = thick(self.theme.base, 2)
-        self.list.fill(entries, names, lambda name: pens.get(name, other))
+        self.list.fill(
+            entries, names, {entry.name: pens.get(entry.name, other) for entry in entries}
+        )
         most = int(_LIST_SHARE * max(self.width(), self.sizeHint().width()))
         self.list.setFixedWidth(min(self.list.sizeHint().width(), most))
 

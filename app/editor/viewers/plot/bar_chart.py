@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from PySide6.QtCore import QRectF, QSize, Qt
@@ -40,11 +40,11 @@ class BarChart(QScrollArea):
         self._bars.update()
 
     def show_drawing(
-        self, drawing: Drawing, shown: Collection[str], pen: Callable[[str], QPen]
+        self, drawing: Drawing, shown: Collection[str], pens: Mapping[str, QPen]
     ) -> None:
         """Draw this, of its entries only these."""
         self._bars.drawing = drawing
-        self._bars.pen = pen
+        self._bars.pens = pens
         self.show_entries(shown)
 
     def show_entries(self, shown: Collection[str]) -> None:
@@ -63,7 +63,7 @@ class _Bars(QWidget):
         self.theme = theme
         self.drawing = Drawing("")
         self.shown: frozenset[str] = frozenset()
-        self.pen: Callable[[str], QPen] = lambda _: QPen()
+        self.pens: Mapping[str, QPen] = {}
 
     def descriptions(self) -> list[str]:
         """Each bar's name and values."""
@@ -120,7 +120,7 @@ class _Bars(QWidget):
                 end = at(min(max(value, low), high)) if math.isfinite(value) else at(zero)
                 bar = QRectF(at(zero), box.top(), end - at(zero), thick).normalized()
                 if math.isfinite(value):
-                    painter.fillRect(bar.adjusted(0, 1, 0, -1), self.pen(line.name).color())
+                    painter.fillRect(bar.adjusted(0, 1, 0, -1), self.pens[line.name].color())
                 label = _text(line.y, place)
                 if end < at(zero):
                     box.setRight(bar.left() - _GAP)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Mapping
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QIcon, QPainter, QPen, QPixmap
@@ -50,7 +50,7 @@ class CurveList(QListWidget):
         self,
         entries: Iterable[Entry],
         shown: Iterable[str],
-        pen: Callable[[str], QPen],
+        pens: Mapping[str, QPen],
         note: str = "",
     ) -> None:
         """Show these entries, products first, ticked where they are among `shown`.
@@ -68,7 +68,7 @@ class CurveList(QListWidget):
             heading.setFlags(Qt.ItemFlag.ItemIsEnabled)
             self.addItem(heading)
         for entry in sorted(entries, key=lambda entry: not entry.total):
-            drawn = pen(entry.name)
+            drawn = pens[entry.name]
             look = drawn.color().rgba(), drawn.widthF(), drawn.style(), *drawn.dashPattern()
             icon = icons.get(look) or icons.setdefault(look, self._icon(drawn))
             item = QListWidgetItem(icon, entry.title)

@@ -15,12 +15,12 @@ from app.editor.theme import Theme
 from app.editor.viewers.plot.plot_looks import (
     PlotAxis,
     bare,
-    entry_pen,
+    entry_pens,
     mark_pen,
     paint_axes,
     see_through,
 )
-from app.editor.viewers.plot.plotted_lines import Drawing, Line, Panel, value_at, y_range
+from app.editor.viewers.plot.plotted_lines import Drawing, Line, same_points, value_at, y_range
 
 _Range = tuple[float, float]
 _Ranges = tuple[_Range | None, tuple[_Range, ...]]
@@ -46,13 +46,15 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.theme = theme
         self.drawing = Drawing("")
         self.shown: frozenset[str] = frozenset()
+        self.pens: dict[str, QPen] = {}
         self.framed = True
         self._small = self.font()
         self._small.setPointSizeF(0.85 * self._small.pointSizeF())
         self._plots: list[pg.PlotItem] = []
-        self._curves: list[dict[str, pg.PlotDataItem]] = []
+        self._axes: list[tuple[str, str, bool, bool]] = []
+        self._curves: list[dict[str, pg.PlotCurveItem]] = []
+        self._spare: list[list[pg.PlotCurveItem]] = []
         self._cursors: list[pg.InfiniteLine] = []
-        self._drawn: dict[tuple[int, str], Line] = {}
         self._marks: list[PlotMark] = []
         self._ranges: _Ranges | None = None
         self._at: tuple[int, float, str] | None = None
@@ -63,30 +65,30 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         """Draw in other colours."""
         self.theme = theme
         self.setBackground(theme.base)
-        self._build()
+        self._make_plots(len(self.drawing.panels))
+        self.show_drawing(self.drawing, self.shown)
 
     def show_drawing(self, drawing: Drawing, shown: Collection[str]) -> None:
         """Draw this, of its entries only these."""
-        before, self.drawing = self.drawing, drawing
-        self.shown = frozenset(shown)
-        alike = (
-            (before.x_label, before.log_x) == (drawing.x_label, drawing.log_x)
-            and before.entries == drawing.entries
-            and [_look(panel) for panel in before.panels] == [_look(p) for p in drawing.panels]
-        )
-        if alike:
-            self._update()
-        else:
-            self._build()
+        self.drawing = drawing
+        self.pens = entry_pens(drawing.entries, self.theme)
+        if len(drawing.panels) != len(self._plots):
+            self._make_plots(len(drawing.panels))
+        self._write_axes()
+        self._take_curves()
+        self.show_entries(shown)
 
     def show_entries(self, shown: Collection[str]) -> None:
         """Of the entries draw only these."""
         self.shown = frozenset(shown)
-        self._update()
-
-    def pen(self, name: str) -> QPen:
-        """The pen of an entry."""
-        return entry_pen(self.drawing.entries, name, self.theme)
+        for row, panel in enumerate(self.drawing.panels):
+            for line in panel.lines:
+                self._show_line(row, line)
+        self._follow_marks()
+        if self.framed and (whole := self._whole()) != self._ranges:
+            self._frame(whole)
+        if self._at is not None:
+            self._read(*self._at)
 
     def frame(self) -> None:
         """Show all of the curves."""
@@ -115,40 +117,71 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             return
         event.accept()
 
-    def _build(self) -> None:
-        """Make the panels anew."""
+    def _make_plots(self, count: int) -> None:
         self._read_nothing()
         self.ci.clear()
-        self._plots, self._curves, self._cursors = [], [], []
-        self._drawn, self._ranges, self._marks = {}, None, []
-        last = len(self.drawing.panels) - 1
-        for row, panel in enumerate(self.drawing.panels):
+        self._plots, self._axes, self._cursors, self._marks = [], [], [], []
+        self._ranges = None
+        self._curves, self._spare = [{} for _ in range(count)], [[] for _ in range(count)]
+        for row in range(count):
             axes = {side: PlotAxis(side) for side in ("left", "bottom")}
             plot = self.addPlot(row=row, col=0, axisItems=axes, enableMenu=False)
             bare(plot)
             paint_axes(plot, self.theme)
-            plot.setLabel("left", panel.y_label)
-            plot.setLabel("bottom", self.drawing.x_label if row == last else "")
             plot.showGrid(x=True, y=True, alpha=0.12)
-            for axis in axes.values():
-                axis.setLogMode(self.drawing.log_x, panel.log)
             plot.getAxis("left").setWidth(self.fontMetrics().averageCharWidth() * 9)
             plot.disableAutoRange()
             plot.getViewBox().sigRangeChangedManually.connect(self._seen_otherwise)
             plot.getViewBox().sigXRangeChanged.connect(self._follow_x)
             self._plots.append(plot)
-            self._curves.append({line.name: self._curve(plot, line) for line in panel.lines})
             cursor = pg.InfiniteLine(angle=90, pen=pg.mkPen(self.theme.accent))
             cursor.setVisible(False)
             plot.addItem(cursor)
             self._cursors.append(cursor)
-        self._update()
 
-    def _curve(self, plot: pg.PlotItem, line: Line) -> pg.PlotDataItem:
-        curve = plot.plot(pen=self.pen(line.name))
-        entry = next(entry for entry in self.drawing.entries if entry.name == line.name)
-        curve.setZValue(1 if entry.bound or entry.of else 2 if entry.total else 3)
-        return curve
+    def _write_axes(self) -> None:
+        """Name the axes; of other ones than before, all is shown."""
+        drawing = self.drawing
+        last = len(drawing.panels) - 1
+        axes = [
+            (drawing.x_label if row == last else "", panel.y_label, drawing.log_x, panel.log)
+            for row, panel in enumerate(drawing.panels)
+        ]
+        if axes == self._axes:
+            return
+        self._axes, self.framed, self._ranges = axes, True, None
+        self._read_nothing()
+        for plot, (across, along, log_x, log_y) in zip(self._plots, axes, strict=True):
+            plot.setLabel("left", along)
+            plot.setLabel("bottom", across)
+            for side in ("left", "bottom"):
+                plot.getAxis(side).setLogMode(log_x, log_y)
+
+    def _take_curves(self) -> None:
+        """Have an item for each line, in its pen; what others leave is used again.
+
+        To make one takes longer than to draw it.
+        """
+        behind = {
+            entry.name: 1 if entry.bound or entry.of else 2 if entry.total else 3
+            for entry in self.drawing.entries
+        }
+        rows = zip(self.drawing.panels, self._plots, self._curves, self._spare, strict=True)
+        for panel, plot, curves, spare in rows:
+            for name in curves.keys() - {line.name for line in panel.lines}:
+                spare.append(curves.pop(name))
+                spare[-1].setVisible(False)
+            for line in panel.lines:
+                curve = curves.get(line.name)
+                if curve is None and spare:
+                    curve = spare.pop()
+                elif curve is None:
+                    curve = pg.PlotCurveItem()
+                    plot.getViewBox().addItem(curve)
+                curves[line.name] = curve
+                if curve.opts["pen"] != (pen := self.pens[line.name]):
+                    curve.setPen(pen)
+                curve.setZValue(behind[line.name])
 
     def _follow_marks(self) -> None:
         """Put the marks at their present places; surplus ones are hidden for later use."""
@@ -166,27 +199,13 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             else:
                 item.show_at(mark.frequency, f"{mark.text} {mark.frequency:.4g}")
 
-    def _update(self) -> None:
-        for row, panel in enumerate(self.drawing.panels):
-            for line in panel.lines:
-                self._show_line(row, line)
-        self._follow_marks()
-        if self.framed and (whole := self._whole()) != self._ranges:
-            self._frame(whole)
-        if self._at is not None:
-            self._read(*self._at)
-
     def _show_line(self, row: int, line: Line) -> None:
         """Draw a line, unless it is there: of a chain's curves an edit changes one or two."""
         curve = self._curves[row][line.name]
         curve.setVisible(line.name in self.shown)
-        drawn = self._drawn.get((row, line.name))
-        if drawn is None or not (
-            np.array_equal(drawn.x, line.x) and np.array_equal(drawn.y, line.y, equal_nan=True)
-        ):
-            x, y = self.drawing.drawn_x(line.x), self.drawing.panels[row].drawn(line.y)
+        x, y = self.drawing.drawn_x(line.x), self.drawing.panels[row].drawn(line.y)
+        if not same_points((curve.xData, curve.yData), (x, y)):
             curve.setData(x, y, connect="finite")
-            self._drawn[row, line.name] = line
 
     def _whole(self) -> _Ranges:
         """Abscissae of all panels, and ordinates of each, that show all of the curves."""
@@ -279,10 +298,6 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             for cursor in self._cursors:
                 cursor.setVisible(False)
         self.read.emit("")
-
-
-def _look(panel: Panel) -> tuple[str, bool, list[str]]:
-    return panel.y_label, panel.log, [line.name for line in panel.lines]
 
 
 # A line that marks an abscissa in all panels of a plot, with its name in the first.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import pyqtgraph as pg
 from PySide6.QtCore import Qt
@@ -69,30 +69,33 @@ def thick(colour: str | QColor, width: int, style: Qt.PenStyle = Qt.PenStyle.Sol
     return pen
 
 
-def entry_pen(entries: Sequence[Entry], name: str, theme: Theme) -> QPen:
-    """The pen of an entry of the legend.
+def entry_pens(entries: Iterable[Entry], theme: Theme) -> dict[str, QPen]:
+    """The pens of the legend's entries, by their names.
 
     Products have the text's colour, a limit that of the curve it is around; what lies on other
     curves is dashed, and so is a kept curve, in the colour of the present one.
     """
-    place = next(place for place, entry in enumerate(entries) if entry.name == name)
-    entry, colours = entries[place], theme.curves
-    if entry.of:
-        kept = entry_pen(entries, entry.of, theme)
-        kept.setDashPattern([length / kept.widthF() for length in _KEPT])
-        return kept
-    if entry.total:
-        before = sum(earlier.total for earlier in entries[:place])
-        return thick(theme.text, 2, _DASHES[min(before, 1)])
-    others = sum(not (earlier.total or earlier.bound) for earlier in entries[:place])
-    if entry.bound:
-        colour = colours[max(others - 1, 0) % len(colours)]
-        return thick(see_through(colour, _FAINT), 1, Qt.PenStyle.DotLine)
-    pen = thick(colours[others % len(colours)], 1, _DASHES[others // len(colours) % len(_DASHES)])
-    if entry.over:  # three curves on one another are seen in turn
-        pen.setDashPattern([_PIECE, 2 * _PIECE])
-        pen.setDashOffset(_PIECE * entry.over)
-    return pen
+    pens: dict[str, QPen] = {}
+    colours, curves, totals = theme.curves, 0, 0
+    for entry in entries:
+        if entry.of:
+            pen = QPen(pens[entry.of])
+            pen.setDashPattern([length / pen.widthF() for length in _KEPT])
+        elif entry.total:
+            pen = thick(theme.text, 2, _DASHES[min(totals, 1)])
+            totals += 1
+        elif entry.bound:
+            colour = colours[max(curves - 1, 0) % len(colours)]
+            pen = thick(see_through(colour, _FAINT), 1, Qt.PenStyle.DotLine)
+        else:
+            style = _DASHES[curves // len(colours) % len(_DASHES)]
+            pen = thick(colours[curves % len(colours)], 1, style)
+            if entry.over:  # three curves on one another are seen in turn
+                pen.setDashPattern([_PIECE, 2 * _PIECE])
+                pen.setDashOffset(_PIECE * entry.over)
+            curves += 1
+        pens[entry.name] = pen
+    return pens
 
 
 def mark_pen(theme: Theme) -> QPen:

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-import numpy as np
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QAction, QResizeEvent
 from PySide6.QtWidgets import (
@@ -39,6 +38,7 @@ from app.editor.viewers.plot.plotted_lines import (
     Panel,
     Parts,
     curve_drawing,
+    same_points,
     transfer_drawing,
 )
 from app.editor.viewers.viewer import StatusLine, Viewer
@@ -304,7 +304,7 @@ class PlotViewer(Viewer):
         before = self.canvas.drawing
         shown = self._shown(drawing)
         self.canvas.show_drawing(drawing, shown)
-        self.bars.show_drawing(drawing, shown, self.canvas.pen)
+        self.bars.show_drawing(drawing, shown, self.canvas.pens)
         self.canvas.setVisible(not drawing.bars)
         self.bars.setVisible(bool(drawing.bars))
         if (drawing.entries, drawing.note) != (before.entries, before.note):
@@ -326,7 +326,7 @@ class PlotViewer(Viewer):
 
     def _fill_list(self) -> None:
         drawing = self.canvas.drawing
-        self.list.fill(drawing.entries, self._shown(drawing), self.canvas.pen, drawing.note)
+        self.list.fill(drawing.entries, self._shown(drawing), self.canvas.pens, drawing.note)
         self._fit_list()
 
     def _shown(self, drawing: Drawing) -> set[str]:
@@ -414,13 +414,9 @@ def _differing(
     for title, name in titles.items():
         old = before.get(kept_titles.get(title, ""))
         new = now.get(name)
-        if old is not None and (new is None or not _same(old, new)):
+        if old is not None and (new is None or not same_points((old.x, old.y), (new.x, new.y))):
             lines.append(Line(MARK + name, old.x, old.y))
     return tuple(lines)
-
-
-def _same(one: Line, other: Line) -> bool:
-    return np.array_equal(one.x, other.x) and np.array_equal(one.y, other.y, equal_nan=True)
 
 
 def _noted(drawing: Drawing, note: str) -> Drawing:

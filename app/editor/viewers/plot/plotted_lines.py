@@ -229,6 +229,12 @@ def y_range(panel: Panel, shown: Iterable[str]) -> tuple[float, float]:
     return low - room, high + room
 
 
+def same_points(one: tuple[Vector | None, Vector | None], other: tuple[Vector, Vector]) -> bool:
+    """Whether abscissae and ordinates are the same; a gap equals a gap."""
+    pairs = zip(one, other, strict=True)
+    return all(a is not None and np.array_equal(a, b, equal_nan=True) for a, b in pairs)
+
+
 def value_at(line: Line, x: float) -> float | None:
     """Ordinate at an abscissa, linear between points; None outside and in gaps."""
     if not len(line.x) or not line.x[0] <= x <= line.x[-1]:

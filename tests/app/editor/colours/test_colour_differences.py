@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.plot_looks import entry_pen
+from app.editor.viewers.plot.plot_looks import entry_pens
 from app.editor.viewers.plot.plotted_lines import Entry
 from canvas_networks import chain_and_free_blur
 from colour_sight import SIGHTS, ciede2000, contrast, difference, lab
@@ -65,7 +65,7 @@ def test_types_of_ports_differ(theme, sight):
 @pytest.mark.parametrize("sight", SIGHTS)
 def test_the_first_eight_curves_differ(theme, sight):
     entries = [Entry(str(number), f"curve {number}") for number in range(8)]
-    colours = [entry_pen(entries, entry.name, theme).color().name() for entry in entries]
+    colours = [pen.color().name() for pen in entry_pens(entries, theme).values()]
     assert len(set(colours)) == 8
     for one, other in combinations(colours, 2):
         seen = difference(one, other, sight)

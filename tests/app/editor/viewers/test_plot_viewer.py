@@ -57,14 +57,12 @@ def test_an_empty_network_has_nothing_to_plot(session, qtbot):
 
 def test_an_edit_draws_only_what_it_changes(bench, viewer):
     plot, drawn = viewer.canvas._plots[0], viewer.canvas._curves[0]
-    items = [item.curve for item in drawn.values()]
-    before = [id(item.xData) for item in items]
+    before = {name: id(item.xData) for name, item in drawn.items()}
     axes = [id(plot.getAxis(name).picture) for name in ("left", "bottom")]
     bench.do(set_parameter("jitter", "sigma_mrad", 2 * SIGMA))
     assert viewer.canvas._plots[0] is plot
     totals = {each.name for each in curves(bench).curves if each.kind == "total"}
-    now = [id(item.xData) for item in items]
-    changed = {name for name, one, other in zip(drawn, before, now, strict=True) if one != other}
+    changed = {name for name, item in drawn.items() if id(item.xData) != before[name]}
     assert changed == {"jitter", *totals}
     assert axes == [id(plot.getAxis(name).picture) for name in ("left", "bottom")]
 
@@ -287,8 +285,8 @@ def test_asks_only_while_visible(bench, viewer):
 
 def test_themes(viewer):
     viewer.set_theme(LIGHT)
-    assert viewer.canvas.pen("jitter").color().name() in LIGHT.curves
-    assert viewer.canvas.pen("total").color().name() == LIGHT.text
+    assert viewer.canvas.pens["jitter"].color().name() in LIGHT.curves
+    assert viewer.canvas.pens["total"].color().name() == LIGHT.text
     assert viewer.grab().toImage().pixelColor(3, 60).lightness() > 200
 
 

@@ -5,7 +5,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.plot_looks import entry_pen
+from app.editor.viewers.plot.plot_looks import entry_pens
 from app.editor.viewers.plot.plot_viewer import with_kept
 from app.editor.viewers.plot.plotted_lines import curve_drawing
 from core.chain.results import CurveData, Series
@@ -42,7 +42,7 @@ def test_only_curves_that_differ_are_drawn_again():
 def test_a_is_dashed_in_the_colour_of_b(theme):
     kept = curve_drawing(data(optics=1 - X**2))
     entries = with_kept(curve_drawing(NOW), kept, "Snapshot 1").entries
-    now, before = (entry_pen(entries, entry.name, theme) for entry in (entries[0], entries[-1]))
+    now, *_, before = entry_pens(entries, theme).values()
     assert before.color() == now.color()
     assert now.style() is Qt.PenStyle.SolidLine
     assert before.style() is Qt.PenStyle.CustomDashLine

@@ -83,8 +83,8 @@ def test_curves_that_lie_on_one_another_are_all_seen(shown, theme):
     hues = np.array([dot.hue() for dot in dots if dot.saturation() > 90])
     counts = [np.sum(abs(hues - QColor(colour).hue()) <= 4) for colour in theme.curves[:3]]
     assert min(counts) > max(counts) / 3  # of three pieces, one each
-    assert viewer.canvas.pen("3").style() == Qt.PenStyle.SolidLine
-    assert viewer.canvas.pen("0").style() == Qt.PenStyle.SolidLine
+    assert viewer.canvas.pens["3"].style() == Qt.PenStyle.SolidLine
+    assert viewer.canvas.pens["0"].style() == Qt.PenStyle.SolidLine
 
 
 def test_limits_around_a_curve_have_its_colour_and_take_none(shown):
@@ -96,7 +96,7 @@ def test_limits_around_a_curve_have_its_colour_and_take_none(shown):
         )
     ))  # fmt: skip
     viewer = shown(data)
-    pens = [viewer.canvas.pen(str(number)) for number in range(4)]
+    pens = [viewer.canvas.pens[str(number)] for number in range(4)]
     names = [pen.color().name() for pen in pens]
     assert names == [DARK.curves[0]] * 3 + [DARK.curves[1]]
     styles = [pen.style() for pen in pens]
