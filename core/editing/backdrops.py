@@ -10,7 +10,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from core.editing.layout import Box, Point, Sizes, boxes_of, is_in_reach, placed, size_of
+from core.editing.layout import (
+    Box,
+    Point,
+    Sizes,
+    boxes_of,
+    hull,
+    is_in_reach,
+    placed,
+    size_of,
+    way_back,
+)
 from core.editing.operations import ABSENT, Move, Operation, Together, set_network_field
 from core.errors import NetworkError
 from core.names import thaw
@@ -85,17 +95,6 @@ def around(
 ) -> Operation:
     """Put a backdrop behind nodes.
 
-    Parameters
-    ----------
-    network : Network
-        Where they stand.
-    names : iterable of str
-        The nodes; at least one must have a point on the canvas.
-    sizes : mapping
-        Width and height of the nodes.
-    title : str
-        What stands on it.
-
     Raises
     ------
     NetworkError
@@ -104,18 +103,9 @@ def around(
     boxes = _boxes(network, names, sizes).values()
     if not boxes:
         raise NetworkError("there are no nodes to put a backdrop behind")
-    left, top = min(box[0] for box in boxes), min(box[1] for box in boxes)
-    right, bottom = max(box[2] for box in boxes), max(box[3] for box in boxes)
-    return add(
-        network,
-        Backdrop(
-            title,
-            left - MARGIN,
-            top - MARGIN - HEAD,
-            right - left + 2 * MARGIN,
-            bottom - top + 2 * MARGIN + HEAD,
-        ),
-    )
+    left, top, right, bottom = hull(boxes)
+    width, height = right - left + 2 * MARGIN, bottom - top + 2 * MARGIN + HEAD
+    return add(network, Backdrop(title, left - MARGIN, top - MARGIN - HEAD, width, height))
 
 
 def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
@@ -141,22 +131,8 @@ def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
 def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Operation | None:
     """Let backdrops keep the nodes that lie on them where some are pushed to the right.
 
-    One whose nodes all go the same way goes with them. Any other grows: it reaches
-    from its first node to its last.
-
-    Parameters
-    ----------
-    network : Network
-        Before the nodes are moved.
-    places : mapping
-        Where nodes are pushed to.
-    sizes : mapping
-        Width and height of the nodes.
-
-    Returns
-    -------
-    Operation or None
-        None where no backdrop has to change.
+    `places` are where. A backdrop whose nodes all go the same way goes with them. Any other grows:
+    it reaches from its first node to its last. None where none has to change.
     """
     entries, changed = _entries(network), False
     for index, (place, ground) in enumerate(_indexed(network)):
@@ -186,7 +162,6 @@ def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Op
 
 
 def _boxes(network: Network, names: Iterable[str], sizes: Sizes) -> dict[str, Box]:
-    """What those of the nodes take up that have a point."""
     points = {name: network.layout[name] for name in names if name in network.layout}
     return boxes_of(points, sizes)
 
@@ -220,15 +195,8 @@ def _backdrop(entry: Any) -> Backdrop | None:
     if not (width > 0 and height > 0 and is_in_reach(x, y, width, height)):
         return None
     colour = entry.get("colour")
-    return Backdrop(
-        title,
-        x,
-        y,
-        width,
-        height,
-        entry.get("kind") == NOTE,
-        colour if isinstance(colour, str) else "",
-    )
+    tint = colour if isinstance(colour, str) else ""
+    return Backdrop(title, x, y, width, height, entry.get("kind") == NOTE, tint)
 
 
 def _is_number(value: Any) -> bool:
@@ -272,7 +240,7 @@ def laid_out(
     sizes = sizes if drawn is None else drawn
     order = sorted(members, key=lambda index: -grounds[index].width * grounds[index].height)
     places = _places(network, sizes, tuple(network.nodes), order, members, room)
-    x, y = _way_back(network, places)
+    x, y = way_back(network, places)
     places = {name: (at[0] + x, at[1] + y) for name, at in places.items()}
     steps: list[Operation] = [Move(dict(places))]
     # The innermost first: an outer one goes round it, too.
@@ -280,9 +248,7 @@ def laid_out(
     for index in reversed(order):
         points = {name: places[name] for name in members[index]}
         boxes = list(boxes_of(points, sizes).values())
-        boxes += [
-            frame for inner, frame in frames.items() if set(members[inner]) <= set(members[index])
-        ]
+        boxes += [frames[inner] for inner in _on(index, list(frames), members)]
         frames[index] = _round(boxes)
     for index, (left, top, right, bottom) in frames.items():
         ground = replace(grounds[index], x=left, y=top, width=right - left, height=bottom - top)
@@ -320,8 +286,7 @@ def _places(
     unit_sizes = {name: size_of(name, sizes) for name in names}
     for index in outer:
         # Of two that hold the same nodes the larger one holds the other.
-        smaller = order[order.index(index) + 1 :]
-        within = [inner for inner in smaller if set(members[inner]) <= set(members[index])]
+        within = _on(index, order[order.index(index) + 1 :], members)
         # A stage is broken up only where it is far too long for a row of its own.
         wide = None if room is None else (_ROWS_IN_STAGE * room[0], room[1])
         points = _places(network, sizes, members[index], within, members, wide)
@@ -340,13 +305,18 @@ def _places(
     return places
 
 
+def _on(index: int, others: Sequence[int], members: _Members) -> list[int]:
+    """Those of the other backdrops whose nodes stand on this one."""
+    return [other for other in others if set(members[other]) <= set(members[index])]
+
+
 def _depth(within: Sequence[int], members: _Members) -> int:
     """How many backdrops stand on each other, at most."""
-    deepest = 0
-    for place, index in enumerate(within):
-        inner = [o for o in within[place + 1 :] if set(members[o]) <= set(members[index])]
-        deepest = max(deepest, 1 + _depth(inner, members))
-    return deepest
+    depths = (
+        1 + _depth(_on(index, within[place + 1 :], members), members)
+        for place, index in enumerate(within)
+    )
+    return max(depths, default=0)
 
 
 def _set_in(points: Mapping[str, Point], depth: int) -> dict[str, Point]:
@@ -369,19 +339,9 @@ def _onward(
     }
 
 
-def _round(boxes: list[Box]) -> Box:
-    left, top, right, bottom = zip(*boxes, strict=True)
-    return min(left) - MARGIN, min(top) - MARGIN - HEAD, max(right) + MARGIN, max(bottom) + MARGIN
-
-
-def _way_back(network: Network, places: Mapping[str, Point]) -> Point:
-    """From the new upper left corner to where it was."""
-    old = [network.layout[name] for name in places if name in network.layout]
-    if not places:
-        return 0.0, 0.0
-    was = [min((point[axis] for point in old), default=0.0) for axis in (0, 1)]
-    now = [min(point[axis] for point in places.values()) for axis in (0, 1)]
-    return was[0] - now[0], was[1] - now[1]
+def _round(boxes: Iterable[Box]) -> Box:
+    left, top, right, bottom = hull(boxes)
+    return left - MARGIN, top - MARGIN - HEAD, right + MARGIN, bottom + MARGIN
 
 
 def _key(index: int) -> str:

@@ -27,7 +27,6 @@ from core.errors import ImagechainError, NetworkError
 from core.modules.declaration import Declaration, Library
 from core.modules.parameters import Parameter, plain
 from core.names import shown, thaw
-from core.network.expression_grammar import ExpressionError
 from core.network.file import format_network
 from core.network.linked_values import LinkError, named_nodes, naming, resolved, with_names
 from core.network.network import EXPRESSION, Link, Network, Node
@@ -238,22 +237,17 @@ def _adding(
         taken.add(fresh[name])
     try:
         renamed = {name: with_names(node, fresh) for name, node in part.nodes.items()}
-    except ExpressionError as error:
+    except NetworkError as error:
         raise NetworkError(f"{verb.lower()}: {error.message}") from None
     placed = tuple(
         Placed(replace(as_new(node), id=fresh[name]), points.get(name))
         for name, node in renamed.items()
     )
-    links = [
-        replace(link, source=fresh[link.source], target=fresh[link.target]) for link in part.links
-    ]
+    links = [link.renamed(fresh) for link in part.links]
     links += [replace(link, target=fresh[link.target]) for link in feeding]
     names = tuple(fresh.values())
     label = f"{verb} {named([shown(name) for name in part.nodes])}"
-    dots = {
-        replace(link, source=fresh[link.source], target=fresh[link.target]): at
-        for link, at in dots_along(part, points).items()
-    }
+    dots = {link.renamed(fresh): at for link, at in dots_along(part, points).items()}
     return names, Add(placed, tuple(links), label, joined_fields(network.extra, dots))
 
 

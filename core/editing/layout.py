@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -32,6 +32,12 @@ def boxes_of(points: Mapping[str, Point], sizes: Sizes) -> dict[str, Box]:
     return {name: box_of(at, size_of(name, sizes)) for name, at in points.items()}
 
 
+def hull(boxes: Iterable[Box]) -> Box:
+    """The smallest box that holds all of these, of which there is one."""
+    left, top, right, bottom = zip(*boxes, strict=True)
+    return min(left), min(top), max(right), max(bottom)
+
+
 FARTHEST = 1e7
 """In units of the canvas; drawn at the largest zoom, it still counts in Qt's 32-bit pixels."""
 
@@ -43,7 +49,7 @@ def is_in_reach(*numbers: float) -> bool:
 
 Followers = Mapping[str, Sequence[str]]
 
-SWEEPS = 6  # more hardly uncross anything
+_SWEEPS = 6  # more hardly uncross anything
 
 
 def components(followers: Followers) -> list[list[str]]:
@@ -101,7 +107,7 @@ def rows_of(followers: Followers, column: Mapping[str, int]) -> list[list[str]]:
     joined = neighbours(followers, column)
     height = {name: float(row) for layer in layers for row, name in enumerate(layer)}
     best, fewest = layers, crossings(followers, column, height)
-    for sweep in range(SWEEPS):
+    for sweep in range(_SWEEPS):
         if not fewest:
             break
         layers = [list(layer) for layer in layers]
@@ -168,11 +174,12 @@ def _mean(
 
 
 _MOST_ROWS = 64
+COLUMN_GAP, ROW_GAP = 60.0, 40.0
 _GAIN = 1.1  # how much larger all must become for another row
 
 
 @dataclass(frozen=True)
-class Column:
+class _Column:
     """Nodes above each other: their upper edges by name, the width, the lowest edge of all."""
 
     tops: Mapping[str, float]
@@ -185,78 +192,49 @@ class Column:
         return min(self.tops.values(), default=0.0)
 
 
-def wrapped(
-    columns: Sequence[Column],
-    room: tuple[float, float] | None,
-    column_gap: float,
-    row_gap: float,
-) -> dict[str, Point]:
+def _wrapped(columns: Sequence[_Column], room: tuple[float, float] | None) -> dict[str, Point]:
     """Points of the nodes, the columns in as many rows as show them largest.
 
-    Parameters
-    ----------
-    columns : sequence of Column
-        From left to right.
-    room : (width, height) or None
-        What the canvas shows at its natural zoom: what fits stays in one row. None: it always does.
-    column_gap, row_gap : float
-        Kept free between columns and between rows, for wires.
-
-    Returns
-    -------
-    dict of str to point
-        In several rows all columns are equally wide, so that the gaps between them stand below each
-        other: a wire to another row goes down in one.
+    What fits the room stays in one row. In several rows all columns are equally wide, so that the
+    gaps between them stand below each other: a wire to another row goes down in one.
     """
     rows = [list(columns)]
-    best = _extent(rows, column_gap, row_gap, pitch=None)
+    best = _extent(rows, None)
     pitch: float | None = None
     if room is not None and not (best[0] <= room[0] and best[1] <= room[1]):
-        even = max((column.width for column in columns), default=0.0) + column_gap
+        even = max(column.width for column in columns) + COLUMN_GAP
         for number in range(2, min(len(columns), _MOST_ROWS) + 1):
-            tried = _broken(columns, number)
-            extent = _extent(tried, column_gap, row_gap, pitch=even)
+            # In rows of as equal numbers of columns as can be, the first ones the longest.
+            length = -(-len(columns) // number)
+            tried = [list(columns[at : at + length]) for at in range(0, len(columns), length)]
+            extent = _extent(tried, even)
             if _zoom(extent, room) > _GAIN * _zoom(best, room):
                 rows, best, pitch = tried, extent, even
     points: dict[str, Point] = {}
     top = 0.0
     for row in rows:
-        highest = min((column.top for column in row), default=0.0) if pitch is not None else 0.0
+        highest = min(column.top for column in row) if pitch is not None else 0.0
         left = 0.0
         for column in row:
             points |= {name: (left, y - highest + top) for name, y in column.tops.items()}
-            left += column.width + column_gap if pitch is None else pitch
-        top += _height(row) + row_gap
+            left += column.width + COLUMN_GAP if pitch is None else pitch
+        top += _height(row) + 2 * ROW_GAP
     return points
 
 
-def _broken(columns: Sequence[Column], rows: int) -> list[list[Column]]:
-    """In rows of as equal numbers of columns as can be, the first ones the longest."""
-    length = -(-len(columns) // rows)
-    return [list(columns[at : at + length]) for at in range(0, len(columns), length)]
+def _extent(rows: Sequence[Sequence[_Column]], pitch: float | None) -> tuple[float, float]:
+    """Width and height; `pitch` is that of the columns where they are equally wide."""
+    widths = [sum(pitch or column.width + COLUMN_GAP for column in row) for row in rows]
+    return max(widths), sum(_height(row) + 2 * ROW_GAP for row in rows) - 2 * ROW_GAP
 
 
-def _extent(
-    rows: Sequence[Sequence[Column]], column_gap: float, row_gap: float, *, pitch: float | None
-) -> tuple[float, float]:
-    widths = [
-        len(row) * pitch if pitch is not None else sum(column.width + column_gap for column in row)
-        for row in rows
-    ]
-    return max(widths, default=0.0), sum(_height(row) + row_gap for row in rows) - row_gap
-
-
-def _height(row: Sequence[Column]) -> float:
-    top = min((column.top for column in row), default=0.0)
-    return max((column.bottom for column in row), default=0.0) - top
+def _height(row: Sequence[_Column]) -> float:
+    return max(column.bottom for column in row) - min(column.top for column in row)
 
 
 def _zoom(extent: tuple[float, float], room: tuple[float, float]) -> float:
     """How large all can be drawn."""
     return min(room[0] / max(extent[0], 1.0), room[1] / max(extent[1], 1.0))
-
-
-COLUMN_GAP, ROW_GAP = 60.0, 40.0
 
 
 def arranged(
@@ -280,18 +258,25 @@ def arranged(
         Nodes to lay out among themselves; the others stay. All for None.
     room : (width, height), optional
         What the canvas shows. A chain that is longer goes on in the next row, from the left.
-
-    Returns
-    -------
-    dict of str to point or None
-        Where each of them is to stand, for `Move`.
     """
     chosen = {name: None for name in network.nodes if only is None or name in only}
     followers = {
         name: tuple(target for target in network.followers[name] if target in chosen)
         for name in chosen
     }
-    return _anchored(network, placed(followers, sizes, room))
+    places = placed(followers, sizes, room)
+    x, y = way_back(network, places)
+    return {name: (at[0] + x, at[1] + y) for name, at in places.items()}
+
+
+def way_back(network: Network, places: Mapping[str, Point]) -> Point:
+    """From the upper left corner of these places to where it was."""
+    if not places:
+        return 0.0, 0.0
+    old = [network.layout[name] for name in places if name in network.layout]
+    was = [min((point[axis] for point in old), default=0.0) for axis in (0, 1)]
+    now = [min(point[axis] for point in places.values()) for axis in (0, 1)]
+    return was[0] - now[0], was[1] - now[1]
 
 
 def placed(
@@ -324,14 +309,14 @@ def _part(followers: Followers, sizes: Sizes, room: tuple[float, float] | None) 
     layers = rows_of(followers, column)
     heights = _heights(followers, column, layers, sizes)
     columns = [
-        Column(
+        _Column(
             {name: heights[name] for name in layer},
             max((size_of(name, sizes)[0] for name in layer), default=0.0),
             max((heights[name] + size_of(name, sizes)[1] for name in layer), default=0.0),
         )
         for layer in layers
     ]
-    return wrapped(columns, room, COLUMN_GAP, 2 * ROW_GAP)
+    return _wrapped(columns, room)
 
 
 def _heights(
@@ -381,15 +366,6 @@ def _grid(names: list[str], sizes: Sizes) -> dict[str, Point]:
     }
 
 
-def _anchored(network: Network, places: Mapping[str, Point]) -> dict[str, Point | None]:
-    old = [network.layout[name] for name in places if name in network.layout]
-    if not places:
-        return {}
-    left, top = (min((point[axis] for point in old), default=0.0) for axis in (0, 1))
-    x, y = (min(point[axis] for point in places.values()) for axis in (0, 1))
-    return {name: (at[0] - x + left, at[1] - y + top) for name, at in places.items()}
-
-
 Edge = Literal["left", "right", "top", "bottom"]
 Way = Literal["across", "down"]
 EDGES: tuple[Edge, ...] = get_args(Edge)
@@ -397,18 +373,9 @@ WAYS: tuple[Way, ...] = get_args(Way)
 
 
 def aligned(network: Network, names: Collection[str], sizes: Sizes, edge: Edge) -> dict[str, Point]:
-    """Points with which an edge of all nodes is in line with that of the outermost one.
+    """Points with which an edge of the nodes is in line with that of the outermost one.
 
-    Parameters
-    ----------
-    network : Network
-        Where they stand; those without a point stay so.
-    names : collection of str
-        The nodes; with fewer than two nothing is moved.
-    sizes : mapping
-        Width and height of the nodes.
-    edge : "left", "right", "top" or "bottom"
-        The edge.
+    Nodes without a point stay so; with fewer than two nothing is moved.
     """
     points = {name: network.layout[name] for name in names if name in network.layout}
     if len(points) < 2:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
@@ -24,7 +24,7 @@ from core.editing.operations import (
 from core.editing.references import dropped, renamed
 from core.errors import NetworkError
 from core.names import close, shown, thaw
-from core.network.expression_grammar import ExpressionError, Reference, readable
+from core.network.expression_grammar import Reference, readable
 from core.network.linked_values import (
     naming,
     references_in,
@@ -35,7 +35,6 @@ from core.network.macro import (
     PARAMETERS,
     SEPARATOR,
     End,
-    Interface,
     checked_depth,
     depth,
     face_of_macro,
@@ -45,7 +44,7 @@ from core.network.macro import (
     unfolded,
     with_face,
 )
-from core.network.network import Link, Network, Node
+from core.network.network import Network, Node
 
 
 @dataclass(frozen=True)
@@ -66,9 +65,7 @@ class Inside(Operation):
     macro: str
     operation: Operation
 
-    @property
-    def text(self) -> str:
-        """What it does."""
+    def _usual_text(self) -> str:
         return self.operation.text
 
     def apply(self, network: Network) -> Network:
@@ -98,51 +95,36 @@ def with_body(
     `moved` has what nodes inside are called now that had another name.
     """
     assert node.macro is not None
-    face = face_of_macro(body)
+    face, outer, head = face_of_macro(body), face_of_macro(network), f"{node.id}{SEPARATOR}"
     params = {name: value for name, value in node.params.items() if name in face.parameters}
-    links = tuple(link for link in network.links if not _to_missing(link, node.id, face))
-    extra = _mentions(network, node, body, moved)
     changed = network.with_node(replace(node, params=params, macro=body))
-    changed = replace(_following_names(changed, node.id, moved), extra=extra)
+    names = {head + old: head + new for old, new in moved.items()}
+    if names and naming(changed, names):
+        nodes = {name: with_names(other, names) for name, other in changed.nodes.items()}
+        changed = changed.with_nodes(nodes)
+    extra: Mapping[str, Any] = network.extra
+    for old, new in names.items():
+        extra = renamed(extra, old, new)
+    gone = set(unfolded(node.macro).nodes) - set(unfolded(body).nodes) - moved.keys()
+    if gone:
+        extra = dropped(extra, {head + name for name in gone})
+    changed = replace(changed, extra=extra)
+    links = tuple(
+        link
+        for link in network.links
+        if (link.source != node.id or link.output in face.outputs)
+        and (link.target != node.id or link.input in face.inputs)
+    )
     if len(links) < len(network.links):
         changed = replace(changed, links=links)
-    outer = face_of_macro(network)
     shown_still = {
         name: end
         for name, end in outer.parameters.items()
         if end[0] != node.id or end[1] in face.parameters
     }
     if len(shown_still) < len(outer.parameters):
-        changed = with_face(changed, outer.with_parameters(shown_still))
+        changed = with_face(changed, replace(outer, parameters=shown_still))
     return changed
-
-
-def _following_names(network: Network, macro: str, moved: Mapping[str, str]) -> Network:
-    """The network with the new names of nodes inside where its expressions name them."""
-    head = f"{macro}{SEPARATOR}"
-    names = {head + old: head + new for old, new in moved.items()}
-    if not names or not naming(network, names):
-        return network
-    return network.with_nodes(with_moved_names(network.nodes.values(), names))
-
-
-def _to_missing(link: Link, macro: str, face: Interface) -> bool:
-    gone_output = link.source == macro and link.output not in face.outputs
-    return gone_output or (link.target == macro and link.input not in face.inputs)
-
-
-def _mentions(
-    network: Network, node: Node, body: Network, moved: Mapping[str, str]
-) -> Mapping[str, Any]:
-    """The network's fields that name nodes inside, after these have changed."""
-    assert node.macro is not None
-    before, after = set(unfolded(node.macro).nodes), set(unfolded(body).nodes)
-    extra: Mapping[str, Any] = network.extra
-    head = f"{node.id}{SEPARATOR}"
-    for old, new in moved.items():
-        extra = renamed(extra, head + old, head + new)
-    gone = before - after - moved.keys()
-    return dropped(extra, {head + name for name in gone}) if gone else extra
 
 
 def at_level(path: tuple[str, ...], operation: Operation) -> Operation:
@@ -187,8 +169,8 @@ def addressed(network: Network, operation: Operation) -> Operation:
             path, local = _common(network, tuple(positions))
             places = dict(zip(local, positions.values(), strict=True))
             return at_level(path, replace(operation, positions=places)) if path else operation
-        case Rewire(add, remove):
-            return _rewired(network, operation, (*add, *remove))
+        case Rewire():
+            return _rewired(network, operation)
     return operation
 
 
@@ -206,15 +188,15 @@ def _common(network: Network, names: tuple[str, ...]) -> tuple[tuple[str, ...], 
     return next(iter(levels), ()), tuple(path[-1] for path in paths)
 
 
-def _rewired(network: Network, operation: Rewire, links: tuple[Link, ...]) -> Operation:
+def _rewired(network: Network, operation: Rewire) -> Operation:
+    links = (*operation.add, *operation.remove)
     ends = dict.fromkeys(end for link in links for end in (link.source, link.target))
     path, local = _common(network, tuple(ends))
     if not path:
         return operation
     names = dict(zip(ends, local, strict=True))
     add, remove = (
-        tuple(replace(link, source=names[link.source], target=names[link.target]) for link in group)
-        for group in (operation.add, operation.remove)
+        tuple(link.renamed(names) for link in group) for group in (operation.add, operation.remove)
     )
     return at_level(path, replace(operation, add=add, remove=remove, label=operation.text))
 
@@ -251,38 +233,10 @@ def parameters_of(body: Network) -> dict[str, Any]:
     return dict(thaw(body.extra.get(PARAMETERS, {})))
 
 
-def with_moved_names(nodes: Iterable[Node], names: Mapping[str, str]) -> dict[str, Node]:
-    """The nodes with other names in their expressions.
-
-    Raises
-    ------
-    NetworkError
-        If an expression would become too long.
-    """
-    return {node.id: with_names_or_refused(node, names) for node in nodes}
-
-
-def with_names_or_refused(node: Node, names: Mapping[str, str]) -> Node:
-    """The node with other names in its expressions; else a `NetworkError`."""
-    try:
-        return with_names(node, names)
-    except ExpressionError as error:
-        raise NetworkError(error.message) from None
-
-
 def expose(network: Network, node: str, parameter: str, name: str = "") -> Operation:
-    """Show a parameter of an inner node on the panel of the macro it lies in.
+    """Show a parameter of an inner node, ``camera/init``, on the panel of the macro around it.
 
-    Parameters
-    ----------
-    network : Network
-        The whole network.
-    node : str
-        The inner node, ``camera/init``.
-    parameter : str
-        Its parameter.
-    name : str, optional
-        What it is called there; its own name, or the next that is free.
+    `name` is what it is called there; its own name, or the next that is free, if not given.
 
     Raises
     ------
@@ -311,15 +265,8 @@ def expose(network: Network, node: str, parameter: str, name: str = "") -> Opera
 def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str], Any]) -> Operation:
     """Take a parameter off a macro's panel; the value it was given there stays, inside.
 
-    Parameters
-    ----------
-    network : Network
-        The whole network.
-    macro, name : str
-        The macro, ``camera`` or ``camera/lens``, and its parameter.
-    value_of : callable
-        The value of a node's parameter: it takes the place of an expression, which could name
-        nothing from inside.
+    `value_of` gives the value of a node's parameter: it takes the place of an expression, which
+    could name nothing from inside.
 
     Raises
     ------
@@ -354,23 +301,13 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
 
 @dataclass(frozen=True)
 class RenameExposed(Operation):
-    """Give a parameter that a macro shows another name, wherever it is mentioned.
-
-    Parameters
-    ----------
-    macro : str
-        Id of the macro, in the network the operation is applied to.
-    old, new : str
-        The names.
-    """
+    """Give a parameter that a macro of the network shows another name, wherever it is mentioned."""
 
     macro: str
     old: str
     new: str
 
-    @property
-    def text(self) -> str:
-        """What it does."""
+    def _usual_text(self) -> str:
         return f"Rename {self.macro}.{self.old} to {self.new}"
 
     def apply(self, network: Network) -> Network:
@@ -398,7 +335,7 @@ class RenameExposed(Operation):
             name: (end[0], name_of(end[1])) if end[0] == self.macro else end
             for name, end in face.parameters.items()
         }
-        return with_face(changed, face.with_parameters(ends))
+        return with_face(changed, replace(face, parameters=ends))
 
     def _named_anew(self, network: Network) -> Network:
         """With the new name in the expressions that follow it."""
@@ -412,12 +349,9 @@ class RenameExposed(Operation):
             ours = (node, parameter) == (self.macro, self.old)
             return (node, self.new) if ours else (node, parameter)
 
-        try:
-            return network.with_nodes(
-                {name: with_references(node, moved) for name, node in network.nodes.items()}
-            )
-        except ExpressionError as error:
-            raise NetworkError(error.message) from None
+        return network.with_nodes(
+            {name: with_references(node, moved) for name, node in network.nodes.items()}
+        )
 
 
 def rename_exposed(network: Network, macro: str, old: str, new: str) -> Operation:

@@ -12,14 +12,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Any
+from typing import Any, TypeVar
 
 from core.editing.layout import Point
 from core.editing.references import dropped, of_nodes, renamed, without_dots
 from core.errors import NetworkError
 from core.modules.declaration import Declaration, Library
 from core.names import freeze, shown, thaw
-from core.network.expression_grammar import ExpressionError
 from core.network.linked_values import naming, with_names
 from core.network.macro import SEPARATOR, declared_node, face_of_macro
 from core.network.network import EXPRESSION, Link, Network, Node, with_marks
@@ -35,12 +34,17 @@ ABSENT = Absent.ABSENT
 
 
 class Operation(ABC):
-    """A change of a network."""
+    """A change of a network; `label` is its text in the undo menu where it is not the usual one."""
+
+    label: str = ""
 
     @property
-    @abstractmethod
     def text(self) -> str:
         """What it does, for the undo menu."""
+        return self.label or self._usual_text()
+
+    def _usual_text(self) -> str:
+        return ""
 
     @abstractmethod
     def apply(self, network: Network) -> Network:
@@ -64,11 +68,9 @@ class Together(Operation):
     operations: Sequence[Operation]
     label: str = ""
 
-    @property
-    def text(self) -> str:
-        """What it does."""
-        if self.label or not self.operations:
-            return self.label
+    def _usual_text(self) -> str:
+        if not self.operations:
+            return ""
         more = len(self.operations) - 1
         return self.operations[0].text + (f" and {more} more" if more else "")
 
@@ -91,25 +93,21 @@ class Together(Operation):
 
 @dataclass(frozen=True)
 class Restored(Operation):
-    """Put a whole network in the place of the present one."""
+    """Put a whole network in the place of the present one, whatever that has become."""
 
     network: Network
     label: str
 
-    @property
-    def text(self) -> str:
-        """What it does."""
-        return self.label
-
-    def apply(self, network: Network) -> Network:  # noqa: ARG002 - whatever it has become
+    def apply(self, network: Network) -> Network:  # noqa: ARG002
         """That network."""
         return self.network
 
 
 def with_field(fields: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
     """The fields with one set, or taken away by ABSENT."""
-    others = {key: item for key, item in fields.items() if key != name}
-    return others if value is ABSENT else {**others, name: value}
+    if value is ABSENT:
+        return {key: item for key, item in fields.items() if key != name}
+    return {**fields, name: value}
 
 
 def named(names: Sequence[str]) -> str:
@@ -153,6 +151,7 @@ _OF_NETWORK = ("name", "description", "seed")
 # Fields that other operations change, as more than one value depends on them.
 _NOT_OF_NODE = {"module", "params", "final"}
 _NOT_OF_NETWORK = {"nodes", "links", "layout", "format", "version"}
+_Fielded = TypeVar("_Fielded", Node, Network)
 
 
 @dataclass(frozen=True)
@@ -173,11 +172,7 @@ class SetField(Operation):
     value: Any
     label: str = ""
 
-    @property
-    def text(self) -> str:
-        """What it does."""
-        if self.label:
-            return self.label
+    def _usual_text(self) -> str:
         match self.path:
             case ("nodes", node, "params", name):
                 verb = "Reset" if self.value is ABSENT else "Set"
@@ -195,17 +190,33 @@ class SetField(Operation):
 
     def apply(self, network: Network) -> Network:
         """The network with the field."""
+        value = self.value
         match self.path:
             case ("nodes", node, "params", name):
-                check_value(self.value, f"{node}.{name}")
-                return _with_parameter(network, node, name, self.value)
+                _check_value(value, f"{node}.{name}")
+                old = network.node(node)
+                return network.with_node(replace(old, params=with_field(old.params, name, value)))
             case ("nodes", node, name) if name not in _NOT_OF_NODE:
-                check_value(self.value, f"{node}.{name}")
-                return network.with_node(_with_node_field(network.node(node), name, self.value))
+                _check_value(value, f"{node}.{name}")
+                return network.with_node(_with(network.node(node), name, value, _OF_NODE))
             case (name,) if name not in _NOT_OF_NETWORK:
-                check_value(self.value, name)
-                return _with_network_field(network, name, self.value)
+                _check_value(value, name)
+                if name in ("name", "description") and not isinstance(value, str):
+                    raise NetworkError(f"the network's {name} must be a text, not {value!r:.80}")
+                return _with(network, name, value, _OF_NETWORK)
         raise NetworkError(f"{'.'.join(self.path)} is no field that can be set by itself")
+
+
+def _with(target: _Fielded, name: str, value: Any, own: tuple[str, ...]) -> _Fielded:
+    """With one of its own fields, or else one of the others of its file."""
+    others = {"extra": with_field(target.extra, name, value)}
+    changes: dict[str, Any] = {name: value} if name in own else others
+    return replace(target, **changes)
+
+
+def _check_value(value: Any, what: str) -> None:
+    if value is not ABSENT:
+        check_plain(freeze(value), what)
 
 
 def set_parameter(node: str, name: str, value: Any, label: str = "") -> SetField:
@@ -223,41 +234,6 @@ def set_network_field(name: str, value: Any, label: str = "") -> SetField:
     return SetField((name,), value, label)
 
 
-def check_value(value: Any, what: str) -> None:
-    """Refuse a value that no network file can hold; ABSENT is none.
-
-    Raises
-    ------
-    NetworkError
-        Naming `what` it was meant for.
-    """
-    if value is not ABSENT:
-        check_plain(freeze(value), what)
-
-
-def _with_parameter(network: Network, node: str, name: str, value: Any) -> Network:
-    old = network.node(node)
-    if value is not ABSENT:
-        return network.with_parameter(node, name, value)
-    return network.with_node(replace(old, params=with_field(old.params, name, ABSENT)))
-
-
-def _with_node_field(node: Node, name: str, value: Any) -> Node:
-    if name in _OF_NODE:
-        changes: dict[str, Any] = {name: value}
-        return replace(node, **changes)
-    return replace(node, extra=with_field(node.extra, name, value))
-
-
-def _with_network_field(network: Network, name: str, value: Any) -> Network:
-    if name not in _OF_NETWORK:
-        return replace(network, extra=with_field(network.extra, name, value))
-    if name != "seed" and not isinstance(value, str):
-        raise NetworkError(f"the network's {name} must be a text, not {value!r:.80}")
-    changes: dict[str, Any] = {name: value}
-    return replace(network, **changes)
-
-
 @dataclass(frozen=True)
 class Rewire(Operation):
     """Take links away and put links in; one into an input that has one takes its place."""
@@ -266,11 +242,7 @@ class Rewire(Operation):
     remove: tuple[Link, ...] = ()
     label: str = ""
 
-    @property
-    def text(self) -> str:
-        """What it does."""
-        if self.label:
-            return self.label
+    def _usual_text(self) -> str:
         first = next(iter((*self.add, *self.remove)), None)
         return f"{'Connect' if self.add else 'Disconnect'} {first or ''}".strip()
 
@@ -311,10 +283,8 @@ class Add(Operation):
     label: str = ""
     extra: Mapping[str, Any] = field(default_factory=dict)
 
-    @property
-    def text(self) -> str:
-        """What it does."""
-        return self.label or f"Add {named([placed.node.id for placed in self.placed])}"
+    def _usual_text(self) -> str:
+        return f"Add {named([placed.node.id for placed in self.placed])}"
 
     def apply(self, network: Network) -> Network:
         """The network with them."""
@@ -344,10 +314,8 @@ class Remove(Operation):
     names: tuple[str, ...]
     label: str = ""
 
-    @property
-    def text(self) -> str:
-        """What it does."""
-        return self.label or f"Delete {named(self.names)}"
+    def _usual_text(self) -> str:
+        return f"Delete {named(self.names)}"
 
     def apply(self, network: Network) -> Network:
         """The network without them."""
@@ -370,10 +338,8 @@ class Move(Operation):
     positions: Mapping[str, Point | None]
     label: str = ""
 
-    @property
-    def text(self) -> str:
-        """What it does."""
-        return self.label or f"Move {named(list(self.positions))}"
+    def _usual_text(self) -> str:
+        return f"Move {named(list(self.positions))}"
 
     def apply(self, network: Network) -> Network:
         """The network with them there."""
@@ -394,9 +360,7 @@ class Rename(Operation):
     old: str
     new: str
 
-    @property
-    def text(self) -> str:
-        """What it does."""
+    def _usual_text(self) -> str:
         return f"Rename {self.old} to {self.new}"
 
     def apply(self, network: Network) -> Network:
@@ -408,23 +372,21 @@ class Rename(Operation):
         def name_of(name: str) -> str:
             return self.new if name == self.old else name
 
-        def renamed_node(node: Node) -> Node:
-            return replace(with_names(node, {self.old: self.new}), id=name_of(node.id))
-
         try:
-            nodes = {name_of(name): renamed_node(node) for name, node in network.nodes.items()}
-        except ExpressionError as error:
+            nodes = {name: with_names(n, {self.old: self.new}) for name, n in network.nodes.items()}
+        except NetworkError as error:
             raise NetworkError(f"{shown(self.old)} cannot be renamed: {error.message}") from None
+        renamed_node = replace(nodes[self.old], id=self.new)
         extra: Mapping[str, Any] = network.extra
         for old, new in self.moved(network).items():
             extra = renamed(extra, old, new)
         return replace(
             network,
-            nodes=nodes,
-            links=tuple(
-                replace(link, source=name_of(link.source), target=name_of(link.target))
-                for link in network.links
-            ),
+            nodes={
+                name_of(name): renamed_node if name == self.old else node
+                for name, node in nodes.items()
+            },
+            links=tuple(link.renamed({self.old: self.new}) for link in network.links),
             layout={name_of(name): at for name, at in network.layout.items()},
             extra=extra,
         )
@@ -457,10 +419,8 @@ def keeping_values(
 
     Returns
     -------
-    operation : Operation
-        One step.
-    kept : tuple of str
-        ``NODE.PARAMETER = value`` of those that follow nothing any more.
+    (Operation, tuple of str)
+        One step, and ``NODE.PARAMETER = value`` of those that follow nothing any more.
     """
     places = [place for place in naming(network, names) if place[0] not in names]
     if not places:
@@ -502,9 +462,7 @@ class SetOutput(Operation):
     nodes: tuple[str, ...]
     port: Any = ABSENT
 
-    @property
-    def text(self) -> str:
-        """What it does."""
+    def _usual_text(self) -> str:
         return f"Mark {self.nodes[0]} as the output" if self.nodes else "Unmark the output"
 
     def apply(self, network: Network) -> Network:
@@ -512,7 +470,7 @@ class SetOutput(Operation):
         for name in self.nodes:
             if not network.has(name):
                 network.node(name)
-        check_value(self.port, "final")
+        _check_value(self.port, "final")
         extra = with_field(network.extra, "final", self.port)
         return with_marks(network, self.nodes, extra)
 

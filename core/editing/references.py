@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import replace
 from typing import Any
 
 from core.errors import NetworkError
@@ -33,7 +32,7 @@ def renamed(extra: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:
     links = _links_of_dots(fields)
     if any(old in (link.source, link.target) for link in links if link is not None):
         fields[WIRE_DOTS] = [
-            entry if link is None else {**entry, "link": _with_name(link, old, new).text()}
+            entry if link is None else {**entry, "link": link.renamed({old: new}).text()}
             for entry, link in zip(thaw(fields[WIRE_DOTS]), links, strict=True)
         ]
     return _with_face_of(extra, fields, lambda face: face.renamed(old, new))
@@ -96,14 +95,6 @@ def _links_of_dots(fields: Mapping[str, Any]) -> list[Link | None]:
     if not isinstance(entries, tuple | list):
         return []  # of another form: left as it is
     return [dots_entry_link(entry) for entry in entries]
-
-
-def _with_name(link: Link, old: str, new: str) -> Link:
-    return replace(
-        link,
-        source=new if link.source == old else link.source,
-        target=new if link.target == old else link.target,
-    )
 
 
 def _rows(fields: Mapping[str, Any]) -> list[Mapping[str, Any]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping
 
-from core.editing.layout import Box, Point, Sizes, box_of, boxes_of, size_of
+from core.editing.layout import Box, Point, Sizes, box_of, boxes_of, hull, size_of
 from core.network.network import Network
 
 GAP_X, GAP_Y = 40.0, 24.0  # left free between a new node and the others
@@ -18,21 +18,12 @@ def free_places(
 ) -> dict[str, Point]:
     """The points, moved together by as little as is needed to stand on no node of the network.
 
-    Parameters
-    ----------
-    points : mapping
-        Where new nodes are wanted.
-    sizes : mapping
-        Width and height of the new nodes.
-    network : Network
-        What is there already; its nodes without a point take up no room.
-    network_sizes : mapping
-        Width and height of its nodes.
+    `sizes` are those of the new nodes. Nodes of the network without a point take up no room.
     """
     there = boxes_of(network.layout, network_sizes)
     new = list(boxes_of(points, sizes).values())
     if len(new) > _MOST_APART:
-        new = [_around(new)]
+        new = [hull(new)]
     x, y = _least_way([_shift_range(a, b) for a in new for b in there.values()])
     return {name: (at[0] + x, at[1] + y) for name, at in points.items()}
 
@@ -40,29 +31,12 @@ def free_places(
 def made_way(
     network: Network, sizes: Sizes, node: str, at: Point, behind: Collection[str]
 ) -> dict[str, Point]:
-    """The points of a node and of the neighbours that make way for it.
+    """The points of a node put in, and of the neighbours that make way for it.
 
-    Nodes that it leads to, and those to the right of its middle, go to the right; it goes to the
-    right itself of what stands to its left. What goes pushes on what it comes upon: afterwards it
-    stands on nothing, and nothing that was pushed does.
-
-    Parameters
-    ----------
-    network : Network
-        With the node in it.
-    sizes : mapping
-        Width and height of the nodes.
-    node : str
-        The node that was put in.
-    at : point
-        Where.
-    behind : collection of str
-        The nodes that it leads to.
-
-    Returns
-    -------
-    dict of str to point
-        The nodes that do not stand there yet.
+    Nodes that it leads to, `behind`, and those to the right of its middle, go to the right; it goes
+    to the right itself of what stands to its left. What goes pushes on what it comes upon:
+    afterwards it stands on nothing, and nothing that was pushed does. Those that stand there
+    already are left out.
     """
     others = boxes_of({name: p for name, p in network.layout.items() if name != node}, sizes)
     box = box_of(at, size_of(node, sizes))
@@ -92,11 +66,6 @@ def made_way(
                     pushed[name] = _moved(now, aside)
                     rest.append(name)
     return {name: (b[0], b[1]) for name, b in pushed.items() if network.layout.get(name) != b[:2]}
-
-
-def _around(boxes: list[Box]) -> Box:
-    left, top, right, bottom = zip(*boxes, strict=True)
-    return min(left), min(top), max(right), max(bottom)
 
 
 def _moved(box: Box, left: float) -> Box:

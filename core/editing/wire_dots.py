@@ -21,12 +21,15 @@ Dots = Mapping[Link, tuple[Point, ...]]
 
 
 def dots_of(network: Network) -> dict[Link, tuple[Point, ...]]:
-    """The dots of the wires there are. What a file has in their place are no dots.
-
-    Neither are those out of the canvas's reach.
-    """
+    """The dots of the wires there are, within the canvas's reach; what else a file has is none."""
     there = set(network.links)
-    return {link: points for link, points in _read(network.extra).items() if link in there}
+    read = {}
+    for entry in _entries(network):
+        link = dots_entry_link(entry)
+        points = entry.get("points") if link in there else None
+        if link is not None and isinstance(points, list) and points and all(map(_is_point, points)):
+            read[link] = tuple((float(x), float(y)) for x, y in points)
+    return read
 
 
 def add_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
@@ -78,7 +81,7 @@ def straighten(network: Network, links: Iterable[Link], label: str = "") -> Oper
 def with_dots(network: Network, dots: Dots, label: str) -> Operation:
     """Give wires these dots in the place of theirs."""
     entries = [entry for entry in _entries(network) if dots_entry_link(entry) not in dots]
-    entries += [_entry(link, points) for link, points in dots.items() if points]
+    entries += _as_field(dots)
     return set_network_field(WIRE_DOTS, entries or ABSENT, label)
 
 
@@ -132,12 +135,18 @@ def joined_fields(extra: Mapping[str, Any], dots: Dots) -> dict[str, Any]:
     if not dots:
         return {}
     there = thaw(extra.get(WIRE_DOTS, []))
-    return {WIRE_DOTS: [*(there if isinstance(there, list) else []), *as_field(dots)]}
+    return {WIRE_DOTS: [*(there if isinstance(there, list) else []), *_as_field(dots)]}
 
 
-def as_field(dots: Dots) -> list[dict[str, Any]]:
-    """The dots as a network file has them."""
-    return [_entry(link, points) for link, points in dots.items() if points]
+def _as_field(dots: Dots) -> list[dict[str, Any]]:
+    return [
+        {
+            "link": link.text(),
+            "points": [[int(n) if n == int(n) else n for n in at] for at in points],
+        }
+        for link, points in dots.items()
+        if points
+    ]
 
 
 def _with_points(network: Network, link: Link, points: list[Point], label: str) -> Operation:
@@ -164,17 +173,6 @@ def _entries(network: Network) -> list[Any]:
     return entries if isinstance(entries, list) else []
 
 
-def _read(extra: Mapping[str, Any]) -> dict[Link, tuple[Point, ...]]:
-    entries = thaw(extra.get(WIRE_DOTS, []))
-    read = {}
-    for entry in entries if isinstance(entries, list) else []:
-        link = dots_entry_link(entry)
-        points = entry["points"] if link is not None and "points" in entry else None
-        if link is not None and isinstance(points, list) and points and all(map(_is_point, points)):
-            read[link] = tuple((float(x), float(y)) for x, y in points)
-    return read
-
-
 def _is_point(value: Any) -> bool:
     return (
         isinstance(value, list)
@@ -182,8 +180,3 @@ def _is_point(value: Any) -> bool:
         and all(type(number) in (int, float) for number in value)
         and is_in_reach(*value)
     )
-
-
-def _entry(link: Link, points: Iterable[Point]) -> dict[str, Any]:
-    whole = [[int(n) if n == int(n) else n for n in at] for at in points]
-    return {"link": link.text(), "points": whole}

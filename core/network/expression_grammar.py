@@ -141,23 +141,8 @@ def parse_expression(text: str) -> Expression:
     return Expression(text, tuple(reader.steps), tuple(references))
 
 
-def rewritten(text: str, moved: Moved, *, refuse_long: bool = True) -> str:
-    """The expression with other nodes and parameters named; one that cannot be read stays.
-
-    Parameters
-    ----------
-    text : str
-        The expression.
-    moved : callable
-        Takes node and parameter, returns those to name instead.
-    refuse_long : bool
-        Whether one that becomes too long to be read is refused here, not where it is read.
-
-    Raises
-    ------
-    ExpressionError
-        If it would become too long to be read.
-    """
+def rewritten(text: str, moved: Moved) -> str:
+    """The expression with other nodes and parameters named; one that cannot be read stays."""
     try:
         references = parse_expression(text).references
     except ExpressionError:
@@ -167,11 +152,6 @@ def rewritten(text: str, moved: Moved, *, refuse_long: bool = True) -> str:
         if new != (reference.node, reference.parameter):
             end = reference.end + 1 + len(reference.parameter)
             text = f"{text[: reference.start]}{quoted(new[0])}.{new[1]}{text[end:]}"
-    if refuse_long and len(text) > LONGEST:
-        raise ExpressionError(
-            f"an expression that names it would have {len(text)} characters; at most {LONGEST} "
-            "are allowed"
-        )
     return text
 
 

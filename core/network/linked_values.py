@@ -10,12 +10,13 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from core.errors import ParameterError
+from core.errors import NetworkError, ParameterError
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown, thaw
 from core.network.expression_arithmetic import value_of
 from core.network.expression_grammar import (
+    LONGEST,
     Expression,
     ExpressionError,
     Moved,
@@ -160,7 +161,7 @@ def with_names(node: Node, names: Mapping[str, str]) -> Node:
 
     Raises
     ------
-    ExpressionError
+    NetworkError
         If one would become too long.
     """
     return with_references(node, lambda one, parameter: (new_name(one, names), parameter))
@@ -173,6 +174,11 @@ def with_references(node: Node, moved: Moved) -> Node:
         raw = node.params[name]
         text = raw[EXPRESSION]
         if isinstance(text, str) and (new := rewritten(text, moved)) != text:
+            if len(new) > LONGEST:
+                raise NetworkError(
+                    f"an expression that names it would have {len(new)} characters; at most "
+                    f"{LONGEST} are allowed"
+                )
             changed[name] = {**raw, EXPRESSION: new}
     return replace(node, params={**node.params, **changed}) if changed else node
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -230,6 +230,7 @@ FIELDS = (INPUTS, OUTPUTS, PARAMETERS)
 
 End = tuple[str, str]
 """An inner node, and its port or parameter."""
+NewEnds = Callable[[End], Iterable[End]]
 
 
 @dataclass(frozen=True)
@@ -259,34 +260,34 @@ class Interface:
         both = zip(FIELDS, (inputs, outputs, parameters), strict=True)
         return {name: entries for name, entries in both if entries}
 
+    def mapped(self, entry: NewEnds, output: NewEnds, parameter: NewEnds) -> Interface:
+        """With what the functions give in the place of each inner end; without it for nothing."""
+        inputs = {name: _each(ends, entry) for name, ends in self.inputs.items()}
+        outputs, parameters = (
+            {name: new[0] for name, end in ends.items() if (new := tuple(function(end)))}
+            for ends, function in ((self.outputs, output), (self.parameters, parameter))
+        )
+        return Interface({name: ends for name, ends in inputs.items() if ends}, outputs, parameters)
+
     def renamed(self, old: str, new: str) -> Interface:
         """With an inner node's new name."""
 
-        def moved(end: End) -> End:
-            return (new, end[1]) if end[0] == old else end
+        def moved(end: End) -> tuple[End]:
+            return ((new, end[1]) if end[0] == old else end,)
 
-        return Interface(
-            {name: tuple(map(moved, ends)) for name, ends in self.inputs.items()},
-            {name: moved(end) for name, end in self.outputs.items()},
-            {name: moved(end) for name, end in self.parameters.items()},
-        )
+        return self.mapped(moved, moved, moved)
 
-    def without(self, gone: Iterable[str]) -> Interface:
+    def without(self, gone: Collection[str]) -> Interface:
         """Without what stands for these inner nodes."""
-        names = set(gone)
-        inputs = {
-            name: tuple(end for end in ends if end[0] not in names)
-            for name, ends in self.inputs.items()
-        }
-        return Interface(
-            {name: ends for name, ends in inputs.items() if ends},
-            {name: end for name, end in self.outputs.items() if end[0] not in names},
-            {name: end for name, end in self.parameters.items() if end[0] not in names},
-        )
 
-    def with_parameters(self, parameters: Mapping[str, End]) -> Interface:
-        """With these parameters in place of its own."""
-        return replace(self, parameters=dict(parameters))
+        def left(end: End) -> tuple[End, ...]:
+            return () if end[0] in gone else (end,)
+
+        return self.mapped(left, left, left)
+
+
+def _each(ends: Iterable[End], function: NewEnds) -> tuple[End, ...]:
+    return tuple(new for end in ends for new in function(end))
 
 
 def text(end: End) -> str:
@@ -541,7 +542,7 @@ def _within(macro: Node, inner: Node) -> Node:
         for name in plain.linked:
             raw = plain.params[name]
             if isinstance(raw[EXPRESSION], str):
-                text = rewritten(raw[EXPRESSION], moved, refuse_long=False)
+                text = rewritten(raw[EXPRESSION], moved)
                 expressions[name] = {**raw, EXPRESSION: text}
         made[macro.id] = replace(plain, params={**plain.params, **expressions})
     return made[macro.id]

@@ -8,7 +8,7 @@ from typing import Any
 
 from core.errors import NetworkError
 from core.modules.declaration import Library, Module, declaration
-from core.network.macro import End, Interface, interface_of
+from core.network.macro import End, interface_of
 from core.network.network import Link, Network, Node
 
 Document = dict[str, Any]
@@ -67,15 +67,11 @@ def _inside(node: Node, library: Library) -> Node:
         face = interface_of(body.extra)
     except NetworkError:  # reported where the network is checked
         return replace(node, macro=body)
-    inputs = {
-        name: tuple(_input_end(end, modules.get(end[0])) for end in ends)
-        for name, ends in face.inputs.items()
-    }
-    outputs = {name: _output_end(end, modules.get(end[0])) for name, end in face.outputs.items()}
-    parameters = {
-        name: _parameter_end(end, modules.get(end[0])) for name, end in face.parameters.items()
-    }
-    new = Interface(inputs, outputs, parameters)
+    new = face.mapped(
+        lambda end: (_input_end(end, modules.get(end[0])),),
+        lambda end: (_output_end(end, modules.get(end[0])),),
+        lambda end: (_parameter_end(end, modules.get(end[0])),),
+    )
     extra = body.extra if new == face else {**body.extra, **new.fields()}
     return replace(node, macro=replace(body, extra=extra))
 

@@ -116,6 +116,11 @@ class Link:
             ends += [node, port]
         return cls(*ends)
 
+    def renamed(self, names: Mapping[str, str]) -> Link:
+        """The wire between nodes that have other names now, by the old ones."""
+        source, target = (names.get(node, node) for node in (self.source, self.target))
+        return Link(source, self.output, target, self.input)
+
     def text(self) -> list[str]:
         """Both ends as a network file has them."""
         return [f"{self.source}.{self.output}", f"{self.target}.{self.input}"]
