@@ -16,7 +16,8 @@ from hypothesis import HealthCheck, settings
 # take several times the time of what they share.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-SUPPORT = Path(__file__).parent / "support"
+ROOT = Path(__file__).parents[1]
+SUPPORT = ROOT / "tests" / "support"
 # No test takes a hundredth of it. Those of the helpers are shorter and say what was waited for.
 LONGEST_S = 1200
 # Between two collections of what refers to itself, such as windows with the pictures they show:
@@ -55,6 +56,20 @@ def pytest_configure(config):
     if config.option.thorough:
         settings.load_profile("thorough")
     let_children_be_stopped()
+    if not hasattr(config, "workerinput"):
+        bring_stub_up_to_date()
+
+
+def bring_stub_up_to_date():
+    """`imagechain/modules.pyi` says what the modules declare; nobody need think of it."""
+    stub = ROOT / "imagechain" / "modules.pyi"
+    declared = max(path.stat().st_mtime for path in (ROOT / "nodes").rglob("*.py"))
+    if not stub.exists() or stub.stat().st_mtime < declared:
+        from core.modules.declaration import library_of
+        from imagechain.parts.module_stub import stub_text
+        from nodes.library import MODULES
+
+        stub.write_text(stub_text(library_of(MODULES)), encoding="utf-8")
 
 
 @pytest.hookimpl(wrapper=True)

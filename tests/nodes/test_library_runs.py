@@ -7,7 +7,7 @@ import pickle
 import numpy as np
 import pytest
 
-from battery_settings import EXAMPLES, NEUTRAL, NEVER_NEUTRAL
+from battery_settings import EXAMPLES, NEUTRAL
 from core.chain.engine import Engine
 from core.chain.realize import transfer_plane
 from core.errors import ImagechainError
@@ -97,24 +97,17 @@ class TestRuns:
             assert path.stat().st_size > 0
 
 
-def passing() -> list[str]:
-    """Modules that give on what they take, among them every filter."""
-    return [key for key, declared in DECLARED.items() if passed_through(declared)]
-
-
-@pytest.mark.parametrize("key", passing())
+@pytest.mark.parametrize("key", NEUTRAL)
 class TestNeutral:
-    def test_has_a_neutral_setting(self, key):
-        assert (key in NEUTRAL) != (key in NEVER_NEUTRAL)
-
     def test_passes_its_input_key_through(self, key, folder):
-        for params in NEUTRAL.get(key, []):
+        assert passed_through(DECLARED[key])
+        for params in NEUTRAL[key]:
             node = planned(key, params, folder).nodes["it"]
             for output, source in passed_through(DECLARED[key]).items():
                 assert node.outputs[output].key == node.inputs[source].key, params
 
     def test_neutral_transfer_functions_are_the_identity(self, key, folder):
-        for params in NEUTRAL.get(key, []):
+        for params in NEUTRAL[key]:
             outputs = planned(key, params, folder).nodes["it"].outputs
             for name in FREQUENCY_OUTPUTS:
                 if name in outputs and outputs[name].own is None:

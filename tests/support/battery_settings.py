@@ -4,8 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
-# Parameters of each module's small example; what they are linked to follows from their port types.
-EXAMPLES: dict[str, dict[str, Any]] = {
+from core.modules.declaration import declaration
+from nodes.library import standard_library
+
+
+class Examples(dict[str, dict[str, Any]]):
+    """Of a module that is not listed, what is 0 or empty in the middle of its slider."""
+
+    def __missing__(self, key: str) -> dict[str, Any]:
+        return {
+            p.name: (p.param.slider[0] + p.param.slider[1]) / 2
+            for p in declaration(standard_library()[key]).parameters
+            if p.kind == "number" and p.param.slider and not p.default
+        }
+
+
+# Parameters of a module's small example; what they are linked to follows from their port types.
+EXAMPLES = Examples({
     "read_image": {"path": "noise.npy", "fov_x_deg": 1.5, "fov_y_deg": 1.1},
     "test_scene": {"width": 15, "height": 11, "fov_x_deg": 1.5, "fov_y_deg": 1.1},
     "write_image": {"path": "written.tif"},
@@ -85,7 +100,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "noise_3d": {"frames": 3},
     "noise_budget": {"frequency": 0.7},
     "camera_geometry": {"fov_x_deg": 1.1, "columns": 9, "rows": 7},
-}  # fmt: skip
+})  # fmt: skip
 
 # Settings at which a module passes its input on; several where there are several ways to say so.
 NEUTRAL: dict[str, list[dict[str, Any]]] = {
@@ -125,18 +140,6 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "noise_file": [{"path": "noise.npy", "scale": 0}],
     "noise_3d_source": [{}, {"sigma_v": 0, "longest_period_s": 1e-9}],
 }  # fmt: skip
-NEVER_NEUTRAL = {
-    "detector_mtf": "a detector always has an area",
-    "electronics_noise": "a detector always has noise",
-    "diffraction_mtf": "an aperture always diffracts",
-    "microbolometer": "a bolometer always has noise",
-    "focal_plane": "photons come one by one",
-    "compare_images": "what it gives is a difference",
-    "to_radiance": "radiance is no temperature",
-    "to_temperature": "a temperature is no radiance",
-    "reflected_light": "a reflectance is no radiance",
-    "camera_geometry": "a camera's samples lie where it looks",
-}
 
 PUPILS: dict[str, dict[str, Any]] = {
     "clear": {},
