@@ -39,7 +39,7 @@ from nodes.files.frames.frame_writing import (
     header_beside_frames,
     write_frames,
 )
-from nodes.files.frames.tiled_tiff import write_tiled_tiff
+from nodes.files.frames.tiff_writing import write_tiled_tiff
 from nodes.files.read import check_finite
 from nodes.files.write import write_picture
 from nodes.files.zarr_array import check_zarr, write_store

@@ -359,12 +359,6 @@ def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -
         rows=shape[0],
         columns=shape[1],
         bands=shape[2] if len(shape) == 3 else 1,
-        unit=None,
-        wavelengths_um=None,
-        fwhm_um=None,
-        focal_length_mm=None,
-        fov_x_deg=None,
-        fov_y_deg=None,
         dtype=dtype.newbyteorder("=").name,
         kind=kind,
     )

@@ -30,9 +30,12 @@ from nodes.files.damage import png_bit_depth, refuse_damaged
 from nodes.files.headers.fits_header import read_fits_header, refuse_unsupported
 from nodes.files.headers.header_fields import FieldValue, header_fields
 from nodes.files.headers.lossy_compression import leaves_out
-from nodes.files.plain_tiff import read_plain_tiff
-from nodes.files.tiff_deflate import check_deflate, is_deflated
-from nodes.files.tiff_layout import refuse_predictor
+from nodes.files.tiff_reading import (
+    check_deflate,
+    is_deflated,
+    read_plain_tiff,
+    refuse_predictor,
+)
 
 # Rows that a format packs together: 256 of DWAB, fewer of all others.
 _STRIP_ROWS, _STRIP_BYTES = 256, 1 << 25
@@ -103,7 +106,8 @@ def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.
             refuse_oversized(info)
         misread = info.kind == "tiff" and _is_misread(picture, file)
         if misread or (info.kind == "tiff" and is_deflated(file)):
-            plain = read_plain_tiff(info, band, empty=empty)
+            size = info.rows, info.columns, info.bands
+            plain = read_plain_tiff(file, size, band, empty=empty)
             if plain is not None:
                 return plain
             if misread:
@@ -229,16 +233,11 @@ def _info(path: Path, picture: Any) -> PictureInfo:
         rows=spec.height,
         columns=spec.width,
         bands=spec.nchannels,
-        unit=common.unit,
-        wavelengths_um=None,
-        fwhm_um=None,
-        focal_length_mm=common.focal_length_mm,
-        fov_x_deg=common.fov_x_deg,
-        fov_y_deg=common.fov_y_deg,
         dtype=max(stored, key=_precision),
         kind=kind,
         channels=() if kind == "fits" else _channel_names(spec),  # planes of a cube are no colours
         lossy=leaves_out(path, kind=kind, compression=compression),
+        **vars(common),
     )
     if kind == "tiff":
         refuse_predictor(path)

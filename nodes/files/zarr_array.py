@@ -312,25 +312,19 @@ def _info(folder: Path, opened: _Opened) -> PictureInfo:
         for key, value in attributes.items()
         if isinstance(value, str | int | float) and not isinstance(value, bool)
     }
-    common = header_fields(fields, where=str(folder))
     rows, columns, *bands = opened.shape
     return PictureInfo(
         path=folder,
         rows=rows,
         columns=columns,
         bands=bands[0] if bands else 1,
-        unit=common.unit,
-        wavelengths_um=None,
-        fwhm_um=None,
-        focal_length_mm=common.focal_length_mm,
-        fov_x_deg=common.fov_x_deg,
-        fov_y_deg=common.fov_y_deg,
         dtype=dtype.newbyteorder("=").name,
         kind="zarr",
         not_applied=tuple(
             key for key, neutral in _SCALING if attributes.get(key, neutral) != neutral
         ),
         absent_chunks=opened.absent,
+        **vars(header_fields(fields, where=str(folder))),
     )
 
 

@@ -27,9 +27,13 @@ from nodes.files.common.digital_numbers import DIGITAL_NUMBER, integer_type
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR, suffixes
 from nodes.files.common.picture_info import MetadataValue
 from nodes.files.formats import WRITTEN, written_format
-from nodes.files.frames.envi_frames import envi_header_text
 from nodes.files.frames.frame_series import FrameSeries
-from nodes.files.frames.frame_writing import frame_format, header_beside_frames, refuse_without_room
+from nodes.files.frames.frame_writing import (
+    envi_header_text,
+    frame_format,
+    header_beside_frames,
+    refuse_without_room,
+)
 from nodes.files.read import check_finite
 from nodes.files.write import write_picture
 from nodes.files.zarr_array import check_zarr, write_store

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -58,14 +59,14 @@ class PictureInfo:
     rows: int
     columns: int
     bands: int
-    unit: str | None
-    wavelengths_um: tuple[float, ...] | None
-    fwhm_um: tuple[float, ...] | None
-    focal_length_mm: float | None
-    fov_x_deg: float | None
-    fov_y_deg: float | None
     dtype: str
     kind: str
+    unit: str | None = None
+    wavelengths_um: tuple[float, ...] | None = None
+    fwhm_um: tuple[float, ...] | None = None
+    focal_length_mm: float | None = None
+    fov_x_deg: float | None = None
+    fov_y_deg: float | None = None
     channels: tuple[str, ...] = ()
     not_applied: tuple[str, ...] = ()
     shares_um: tuple[float, ...] | None = None
@@ -85,3 +86,8 @@ def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:
     if stored.kind == "f":
         return np.dtype(np.float64 if stored.itemsize > 4 else np.float32)
     return np.dtype(np.float64 if stored.itemsize >= 4 else np.float32)
+
+
+def metadata_text(metadata: Mapping[str, object]) -> str:
+    """``key = value``, one on a line, as `nodes.files.headers.header_fields` reads it."""
+    return "\n".join(f"{key} = {' '.join(str(value).split())}" for key, value in metadata.items())

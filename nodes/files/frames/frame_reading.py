@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,10 +21,8 @@ from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
 from nodes.files.formats import NPY, TIFF
 from nodes.files.headers.envi import band_of, info_of
 from nodes.files.headers.envi_header import is_envi, read_layout
-from nodes.files.plain_tiff import channel_of, is_plain
 from nodes.files.read import check_finite, read_info
-from nodes.files.tiff_directory import directories
-from nodes.files.tiff_layout import TiffLayout, read_tiff_layout
+from nodes.files.tiff_reading import TiffLayout, channel_of, directories, tiff_layouts
 
 _READ = ".npy (frames, rows, columns), TIFF of a page each, ENVI of a band each"
 
@@ -120,11 +117,8 @@ def tiff_pages(path: Path) -> int:
         The file is damaged.
     """
     file = readable_file(path)
-    try:
-        with stored_bytes(file) as content:
-            return sum(1 for _ in directories(content))
-    except (KeyError, ValueError, struct.error) as error:
-        raise FileError(f"{path}: this TIFF file is damaged: its directories: {error}") from error
+    with stored_bytes(file) as content:
+        return sum(1 for _ in directories(content, file))
 
 
 def _npy(path: Path) -> FrameFile:
@@ -169,18 +163,13 @@ def _tiff(path: Path) -> FrameFile:
 
 def _pages(content: StoredBytes, path: Path) -> Iterator[TiffLayout]:
     """How each page is cut into strips, once it is known to be a plain picture of one channel."""
-    try:
-        for number, place in enumerate(directories(content), start=1):
-            layout = read_tiff_layout(content, path, place)
-            if layout.channels != 1 or not is_plain(layout):
-                raise FileError(
-                    f"{path}: page {number} has {layout.channels} channels in compression "
-                    f"{layout.compression}; allowed: one of plain numbers, not compressed or by "
-                    "deflate"
-                )
-            yield layout
-    except (KeyError, ValueError, struct.error) as error:
-        raise FileError(f"{path}: this TIFF file is damaged: its directories: {error}") from error
+    for number, layout in enumerate(tiff_layouts(content, path), start=1):
+        if layout.channels != 1 or not layout.is_plain:
+            raise FileError(
+                f"{path}: page {number} has {layout.channels} channels in compression "
+                f"{layout.compression}; allowed: one of plain numbers, not compressed or by deflate"
+            )
+        yield layout
 
 
 def _shape(layout: TiffLayout) -> tuple[object, ...]:

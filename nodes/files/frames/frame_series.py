@@ -50,8 +50,3 @@ class FrameSeries:
         """Number and size, in words."""
         size = f"{self.rows} × {self.columns} samples"
         return size if self.frames == 1 else f"{self.frames} {self.what} of {size}"
-
-
-def metadata_lines(series: FrameSeries) -> list[str]:
-    """``key = value``, one on a line, as `nodes.files.headers.header_fields` reads it."""
-    return [f"{key} = {' '.join(str(value).split())}" for key, value in series.metadata.items()]

@@ -20,13 +20,16 @@ from core.errors import FileError
 from nodes.files.arrays import write_npy_header
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.formats import NPY, TIFF
-from nodes.files.frames.envi_frames import envi_header_text
 from nodes.files.frames.frame_series import FrameSeries
-from nodes.files.frames.tiff_frames import tiff_head, tiff_page
-from nodes.files.headers.envi_header import HEADER_SUFFIX
+from nodes.files.frames.tiff_writing import tiff_head, tiff_page
+from nodes.files.headers.envi_header import HEADER_SUFFIX, REAL_TYPES
 
 Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 24  # written at a time
+
+
+def _nothing(_series: FrameSeries, _number: int = 0) -> bytes:
+    return b""
 
 
 @dataclass(frozen=True)
@@ -45,8 +48,8 @@ class FrameFormat(Format):
         Text of the file beside it, of that name and `HEADER_SUFFIX`; None where there is none.
     """
 
-    head: Callable[[FrameSeries], bytes]
-    page: Callable[[FrameSeries, int], bytes]
+    head: Callable[[FrameSeries], bytes] = _nothing
+    page: Callable[[FrameSeries, int], bytes] = _nothing
     whole_numbers: bool = True
     beside: Callable[[FrameSeries], str] | None = None
 
@@ -76,28 +79,38 @@ def _npy_head(series: FrameSeries) -> bytes:
     return head.getvalue()
 
 
-def _nothing(_series: FrameSeries, _number: int = 0) -> bytes:
-    return b""
+def envi_header_text(series: FrameSeries) -> str:
+    """The header of an ENVI file of frames or bands, one after the other (BSQ)."""
+    code = next(code for code, name in REAL_TYPES.items() if name == series.dtype.str[1:])
+    beside = ", a band each" if series.what == "frames" else ""
+    lines = [
+        "ENVI",
+        f"description = {{{series.what} of Imagechain{beside}}}",
+        f"samples = {series.columns}",
+        f"lines = {series.rows}",
+        f"bands = {series.frames}",
+        "header offset = 0",
+        "file type = ENVI Standard",
+        f"data type = {code}",
+        "interleave = bsq",
+        "byte order = 0",
+    ]
+    for key, value in series.metadata.items():
+        name = "data units" if key == "unit" else key.replace("_", " ")
+        text = f"{{{', '.join(map(repr, value))}}}" if isinstance(value, tuple) else str(value)
+        lines.append(f"{name} = {' '.join(text.split())}")
+    return "\n".join(lines) + "\n"
 
 
 FRAME_FORMATS = (
     # Floats, as .npy files of pictures are: whole numbers of 16 bits would wrap round where two
     # frames are subtracted.
-    FrameFormat(NPY.name, NPY.suffixes, NPY.description, _npy_head, _nothing, whole_numbers=False),
+    FrameFormat(NPY.name, NPY.suffixes, NPY.description, _npy_head, whole_numbers=False),
     FrameFormat(TIFF.name, TIFF.suffixes, "multi-page TIFF", tiff_head, tiff_page),
-    FrameFormat(
-        ENVI_FRAMES.name,
-        ENVI_FRAMES.suffixes,
-        ENVI_FRAMES.description,
-        _nothing,
-        _nothing,
-        beside=envi_header_text,
-    ),
+    FrameFormat(**vars(ENVI_FRAMES), beside=envi_header_text),
 )
 
-STORE = FrameFormat(
-    ZARR.name, ZARR.suffixes, ZARR.description, _nothing, _nothing, whole_numbers=False
-)
+STORE = FrameFormat(**vars(ZARR), whole_numbers=False)
 """A picture in a store, which is written by itself: here for its size."""
 
 

@@ -80,18 +80,15 @@ def info_of(layout: EnviLayout) -> PictureInfo:
         rows=layout.rows,
         columns=layout.columns,
         bands=layout.bands,
-        unit=common.unit,
         wavelengths_um=wavelengths_um,
         fwhm_um=fwhm_um,
         shares_um=None if fwhm_um is None else _numbers(layout, "band shares"),
-        focal_length_mm=common.focal_length_mm,
-        fov_x_deg=common.fov_x_deg,
-        fov_y_deg=common.fov_y_deg,
         dtype=layout.value_dtype.name,
         kind="envi",
         not_applied=_not_applied(layout),
         wavelengths_assumed=wavelengths_um is not None and not _wavelength_unit(layout),
         bad_bands=bad_bands if layout.bands > 1 else (),
+        **vars(common),
     )
 
 

@@ -79,7 +79,6 @@ def test_a_band_without_weight_may_hold_what_is_no_number(tmp_path, interleave, 
 
 
 def info(centres, widths):
-    of_samples = {"unit": None, "focal_length_mm": None, "fov_x_deg": None, "fov_y_deg": None}
     return PictureInfo(
         path=Path("x.img"),
         rows=1,
@@ -89,7 +88,6 @@ def info(centres, widths):
         fwhm_um=tuple(widths),
         dtype="float32",
         kind="envi",
-        **of_samples,
     )
 
 

@@ -233,10 +233,7 @@ def test_a_header_that_claims_more_than_the_file_can_hold_is_damaged(tmp_path):
 
 def test_the_budget_counts_delivered_samples():
     shape = {"rows": 1000, "columns": 500, "bands": 9, "dtype": "uint8", "kind": "png"}
-    empty = dict.fromkeys(
-        ("unit", "wavelengths_um", "fwhm_um", "focal_length_mm", "fov_x_deg", "fov_y_deg")
-    )
-    info = PictureInfo(path=Path("a.png"), **shape, **empty)
+    info = PictureInfo(path=Path("a.png"), **shape)
     refuse_oversized(info, available_bytes=4_000_000)
     message = "1000 × 500 samples need 0.002 GB; allowed on this machine: 0.002 GB"
     with pytest.raises(FileError, match=message):
@@ -258,12 +255,9 @@ def test_all_that_a_file_can_unpack_to_is_let_through(tmp_path, kind, compressio
     path = tmp_path / "a.bin"
     path.write_bytes(bytes(600))
     rows, columns, bands = shape
-    empty = dict.fromkeys(
-        ("unit", "wavelengths_um", "fwhm_um", "focal_length_mm", "fov_x_deg", "fov_y_deg")
-    )
     known = {"path": path, "columns": columns, "bands": bands, "dtype": "uint8", "kind": kind}
-    refuse_impossible(PictureInfo(rows=rows, **known, **empty), compression=compression, bits=bits)
-    more = PictureInfo(rows=rows + 1, **known, **empty)
+    refuse_impossible(PictureInfo(rows=rows, **known), compression=compression, bits=bits)
+    more = PictureInfo(rows=rows + 1, **known)
     with pytest.raises(FileError, match="cannot come from a file of 600 bytes"):
         refuse_impossible(more, compression=compression, bits=bits)
 
@@ -290,10 +284,7 @@ def test_files_cut_short_while_they_are_read_do_not_end_the_process():
 
 def test_the_budget_is_of_the_memory_that_a_container_leaves(monkeypatch):
     shape = {"rows": 1000, "columns": 500, "bands": 1, "dtype": "float32", "kind": "tiff"}
-    empty = dict.fromkeys(
-        ("unit", "wavelengths_um", "fwhm_um", "focal_length_mm", "fov_x_deg", "fov_y_deg")
-    )
-    info = PictureInfo(path=Path("a.tif"), **shape, **empty)
+    info = PictureInfo(path=Path("a.tif"), **shape)
     refuse_oversized(info)
     monkeypatch.setattr("core.machine._limits", lambda: [3_999_999])
     with pytest.raises(FileError, match="allowed on this machine: "):

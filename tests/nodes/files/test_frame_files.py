@@ -18,7 +18,7 @@ from nodes.files.frames.frame_writing import (
     refuse_without_room,
     write_frames,
 )
-from nodes.files.frames.tiff_frames import needs_bigtiff, tiff_head, tiff_page
+from nodes.files.frames.tiff_writing import tiff_head, tiff_page
 from nodes.files.read import read_info, read_pixels
 
 KNOWN = {"unit": "W/m²/sr", "fov_x_deg": 3.5, "fov_y_deg": 2.5, "focal_length_mm": 100.0}
@@ -99,8 +99,8 @@ def test_classic_and_big_tiff_by_pillow(tmp_path, known, big):
 def test_beyond_four_gigabytes_a_tiff_is_big(tmp_path):
     """A file with holes, of forty pages of 128 MiB: the last one lies beyond 4 GiB."""
     series = FrameSeries(40, 1 << 13, 1 << 13, np.dtype("<u2"), {"unit": "DN"})
-    assert needs_bigtiff(series)
-    assert not needs_bigtiff(FrameSeries(31, 1 << 13, 1 << 13, np.dtype("<u2")))
+    assert tiff_head(series)[2] == 43
+    assert tiff_head(FrameSeries(31, 1 << 13, 1 << 13, np.dtype("<u2")))[2] == 42
     page = len(tiff_page(series, 0)) + series.frame_bytes
     path = tmp_path / "f.tif"
     with path.open("wb") as file:

@@ -7,7 +7,7 @@ import OpenImageIO
 import pytest
 
 from nodes.files.frames.frame_series import FrameSeries
-from nodes.files.frames.tiled_tiff import tiled_head, write_tiled_tiff
+from nodes.files.frames.tiff_writing import tiled_head, write_tiled_tiff
 from nodes.files.read import read_info, read_pixels
 
 
@@ -31,8 +31,9 @@ def test_read_by_others_and_by_us(tmp_path, shape, kind):
     np.testing.assert_array_equal(read_pixels(path), samples)
 
 
-def test_beyond_what_classic_tiff_addresses():
-    series = FrameSeries(1, 32768, 32768, np.dtype("<f4"))
+@pytest.mark.parametrize(("side", "tiles"), [(32768, 4096), (65536, 16384)])
+def test_beyond_what_classic_tiff_addresses(side, tiles):
+    series = FrameSeries(1, side, side, np.dtype("<f4"))
     head = tiled_head(series, 512)
     order, version, word, _, first = struct.unpack_from("<2sHHHQ", head)
     assert (order, version, word) == (b"II", 43, 8)
@@ -46,7 +47,7 @@ def test_beyond_what_classic_tiff_addresses():
     assert list(tags) == sorted(tags)
     assert tags[322] == tags[323] == (4, 1, 512)
     kind, count, place = tags[324]
-    assert (kind, count) == (16, 4096)
+    assert (kind, count) == (16, tiles)
     places = struct.unpack_from(f"<{count}Q", head, place)
     assert places[0] == len(head)
     assert set(np.diff(places)) == {512 * 512 * 4}
