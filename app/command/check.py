@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 from app.command.run import input_files, open_network, own_files, rules_of, sink_targets
 from app.command.run_summary import FINAL
 from app.options.command_options import Options
+from app.options.terminal_streams import show
 from app.run.evaluation import planned
 from app.run.output import find_output, how_to_choose
 from app.run.readout_tables import warning_lines
@@ -20,34 +21,44 @@ from core.network.validation import NetworkProblems
 from nodes.library import standard_library
 
 
-def check(options: Options) -> None:
+def carry_out(options: Options, _stop: object) -> None:
     """Print each error, or that there is none, what the nodes warn of, and what a run would write.
 
-    Raises
-    ------
-    InputError
-        If there is no such network; else how many errors it has, once all are printed.
+    Where there are errors, how many are raised once all are printed.
     """
     library = standard_library()
     place = find_network(options.network)
+    written: list[str] = []
     try:
         network = open_network(place, options, library)
         plan = planned(Engine(library), network, place.folder)
         written, refused = planned_writes(options, place, plan)
         if refused:
-            print("\n".join(map(in_line, written)))
             raise NetworkProblems(refused)
-    except NetworkProblems as faults:
-        raise _printed(place, faults.problems) from None
     except InputError as error:
-        raise _printed(place, [error]) from None
-    warnings = warning_lines(plan.warnings())
+        problems = error.problems if isinstance(error, NetworkProblems) else (error,)
+        lines = [*map(in_line, written), *(in_line(str(problem)) for problem in problems)]
+        show(options, lambda: {"errors": [_fact(problem) for problem in problems]}, *lines)
+        first = f"{place.name}: {_count(len(problems), 'error')}, the first: {problems[0]}"
+        raised = InputError(first)
+        raised.exit_code = error.exit_code  # 1 for the fault of a plug-in
+        raise raised from None
+    cautions = plan.warnings()
+    warnings = warning_lines(cautions)
     if choose := how_to_choose(find_output(plan)):
         warnings.append(f"warning: no {FINAL}: {choose}")
     count = _count(len(warnings), "warning") if warnings else ""
     size = f"{_count(len(network.nodes), 'node')}, {_count(len(network.links), 'link')}"
     summary = f"{place.name}: no errors{', ' if count else ''}{count} ({size})"
-    print("\n".join(map(in_line, [*warnings, summary, *written])))
+    show(
+        options,
+        lambda: {"errors": [], "warnings": [asdict(caution) for caution in cautions]},
+        *map(in_line, [*warnings, summary, *written]),
+    )
+
+
+def _fact(problem: ImagechainError) -> dict[str, str | None]:
+    return {"node": problem.node, "message": problem.message}
 
 
 def planned_writes(
@@ -68,12 +79,6 @@ def planned_writes(
     lines = [f"run writes {', '.join(map(str, own))}"]
     lines += [f"{node}: run writes {target}" for node, target in sinks.items()]
     return lines, rules.refused(sinks, own, staging)
-
-
-def _printed(place: Place, problems: Sequence[ImagechainError]) -> InputError:
-    for problem in problems:
-        print(in_line(str(problem)))
-    return InputError(f"{place.name}: {_count(len(problems), 'error')}, the first: {problems[0]}")
 
 
 def _count(number: int, what: str) -> str:

@@ -8,15 +8,12 @@ import sys
 import traceback
 import warnings
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from app.options.stopping import Stop, Stopped, stoppable
 from app.options.terminal_streams import discard, print_error, usable_streams
 from core.errors import Cancelled, ImagechainError, InputError, Suspended
-
-if TYPE_CHECKING:
-    from app.options.command_options import Options
 
 DEBUG = "--debug"
 
@@ -103,89 +100,17 @@ def _failed(error: Exception, *, written: bool) -> int:
 
 
 def _carry_out(words: list[str], stop: Stop) -> None:
-    from app.options import command_options as arguments
+    from app.options.command_options import parse
 
     try:
-        options = arguments.parse(words or ["edit"])
+        options = parse(words or ["edit"])
     except SystemExit:  # help and version have been printed
         return
-    if options.command == "run":
-        from app.command.run import run
-
-        _stop_if(stop)
-        run(options, stop)
-    elif options.command == "edit":
-        from app.command.edit import edit
-
-        edit(options, stop)
-    elif options.command == "check":
-        from app.command.check import check
-
-        check(options)
-    elif options.command == "tradeoff":
-        from app.command.tradeoff import trade_off
-
-        _stop_if(stop)
-        trade_off(options, stop)
-    elif options.command == "study":
-        from app.command.study_command import study
-
-        _stop_if(stop)
-        study(options, stop)
-    elif options.command == "solve":
-        from app.command.solve import solve_readout
-
-        _stop_if(stop)
-        solve_readout(options, stop)
-    else:
-        _measure_or_look_up(options, stop)
-
-
-def _measure_or_look_up(options: Options, stop: Stop) -> None:
-    if options.command == "measure":
-        from app.command.measure_command import measure
-
-        _stop_if(stop)
-        measure(options, stop)
-    elif options.command == "fit":
-        from app.command.fit_command import fit_network
-
-        _stop_if(stop)
-        fit_network(options, stop)
-    elif options.command == "photon-transfer":
-        from app.command.photon_transfer_command import measure_photon_transfer
-
-        _stop_if(stop)
-        measure_photon_transfer(options, stop)
-    elif options.command == "netd":
-        from app.command.netd_command import measure_netd
-
-        _stop_if(stop)
-        measure_netd(options, stop)
-    elif options.command == "bench":
-        from app.bench import bench
-
-        _stop_if(stop)
-        bench(options)
-    elif options.command == "handbook":
-        from app.command.handbook_command import handbook
-
-        _stop_if(stop)
-        handbook(options, stop)
-    elif options.command == "networks":
-        from app.command.networks import network_list
-
-        network_list()
-    else:
-        from app.command.module_list import modules
-
-        modules(as_json=options.as_json, key=options.module)
-
-
-def _stop_if(stop: Stop) -> None:
-    """Stop after imports, which may have swallowed the exception."""
-    if stop.is_set():
+    # Only now, as it may take long: a command is a module of its name.
+    command = import_module(f"app.command.{options.command.replace('-', '_')}")
+    if stop.is_set():  # an import may have swallowed the exception
         raise Stopped
+    command.carry_out(options, stop)
 
 
 def _has_folder() -> bool:

@@ -18,23 +18,8 @@ OFFSCREEN = "offscreen"
 _X_SOCKETS = Path("/tmp/.X11-unix")
 
 
-def edit(options: Options, stop_requested: threading.Event) -> None:
-    """Open the editor and stay until its window is closed.
-
-    Parameters
-    ----------
-    options : Options
-        What the command line gives.
-    stop_requested : threading.Event
-        Set on a signal to end the process.
-
-    Raises
-    ------
-    UsageError
-        If there is no display, or Qt or what it needs of the system cannot be loaded.
-    ImagechainError
-        If there is no such network, or it cannot be opened for a screenshot.
-    """
+def carry_out(options: Options, stop: threading.Event) -> None:
+    """Open the editor and stay until its window is closed."""
     if options.network:
         find_network(options.network)  # a misspelt name is reported before what the machine lacks
     if options.screenshot is not None:
@@ -51,7 +36,7 @@ def edit(options: Options, stop_requested: threading.Event) -> None:
     with nothing_collected():
         from app.editor.window.start import start
 
-    start(options, stop_requested)
+    start(options, stop)
 
 
 def check_display(environment: os._Environ[str] | dict[str, str]) -> None:

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import json
 import textwrap
-from pathlib import Path
 
+from app.options.command_options import Options
+from app.options.terminal_streams import show
 from app.run.shipped import shipped_networks
 
-_WIDTH = 96
 
-
-def network_list() -> None:
+def carry_out(options: Options, _stop: object) -> None:
     """Print the name by which each can be run, its title and what it shows."""
-    print("\n".join(_entry(name, path) for name, path in shipped_networks().items()))
+    facts = [
+        {"network": name, "name": document["name"], "description": document["description"]}
+        for name, path in shipped_networks().items()
+        for document in [json.loads(path.read_text(encoding="utf-8"))]
+    ]
+    show(options, lambda: facts, *map(_entry, facts))
 
 
-def _entry(name: str, path: Path) -> str:
-    document = json.loads(path.read_text(encoding="utf-8"))
-    shows = textwrap.fill(
-        document["description"], _WIDTH, initial_indent="  ", subsequent_indent="  "
-    )
-    return f"{name} · {document['name']}\n{shows}"
+def _entry(fact: dict[str, str]) -> str:
+    shows = textwrap.fill(fact["description"], 96, initial_indent="  ", subsequent_indent="  ")
+    return f"{fact['network']} · {fact['name']}\n{shows}"

@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-import json
 import os
 import threading
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from app.command.run_summary import FINAL, MTF, READOUTS, print_summary
+from app.command.run_summary import FINAL, MTF, READOUTS, summary
 from app.options.command_options import Options
 from app.options.option_values import Save
 from app.options.overrides import with_final, with_settings
 from app.options.progress import Progress
 from app.options.stopping import too_late
+from app.options.terminal_streams import say, show
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
 from app.run.figures import Figure, main_figures
 from app.run.output import find_output
-from app.run.readout_tables import jsonable
+from app.run.readout_tables import json_text
 from app.run.responses import mtf_csv
 from app.run.saving import (
     MOST_FRAMES,
@@ -58,7 +58,7 @@ from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.modules.declaration import Library, NodeContext
 from core.modules.panel_sections import Caution
-from core.names import close, in_line, printable, shown
+from core.names import close, in_line, shown
 from core.network.file import read_network
 from core.network.network import Network
 from core.network.validation import NetworkProblems, check_network, plain_network
@@ -74,37 +74,23 @@ from nodes.files.read import check_finite
 from nodes.library import standard_library
 
 KEPT_BYTES = 1 << 29
+_OF_SCENE = ("scene_unit", "scene_fov_deg", "scene_band_um", "scene_range_m", "scene_sample_m")
 WARNINGS = "imagechain.warnings"  # in the read-outs; no node's name has a dot
 
 
-def run(options: Options, cancel: threading.Event | None = None) -> None:
-    """Carry out the command; prints the read-outs when all is written.
-
-    Parameters
-    ----------
-    options : Options
-        What the command line gives.
-    cancel : threading.Event, optional
-        Set to stop before the next node.
-
-    Raises
-    ------
-    ImagechainError
-        The first fault; nothing has been written then.
-    """
+def carry_out(options: Options, stop: threading.Event) -> None:
+    """Evaluate the network and write its files; prints the figures when all is written."""
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)
     while True:
         try:
-            _carry_out(network, place, options, cancel)
+            return _run(network, place, options, stop)
         except ImagechainError as error:
             smaller = _without_judges(network, error, options, library)
             if smaller is None:
                 raise
             network = smaller
-        else:
-            return
 
 
 def _without_judges(
@@ -118,13 +104,11 @@ def _without_judges(
     left = without_judges(network, error, library, [save.node for save in options.saves])
     if left is None:
         return None
-    print("\n".join(map(in_line, left[1])))
+    say(options, *map(in_line, left[1]))
     return left[0]
 
 
-def _carry_out(
-    network: Network, place: Place, options: Options, cancel: threading.Event | None
-) -> None:
+def _run(network: Network, place: Place, options: Options, stop: threading.Event) -> None:
     start = time.perf_counter()
     library = standard_library()
     policy = policy_of(options)
@@ -137,18 +121,31 @@ def _carry_out(
     rules = rules_of(options, place, folder)
     with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
         with Progress(len(plan.nodes)) as progress:
-            work = TimedWork(policy, engine.store, progress, cancel)
+            work = TimedWork(policy, engine.store, progress, stop)
             figures: list[Figure] = []
             look: Any = lambda evaluation: figures.extend(main_figures(evaluation))  # noqa: E731
             stage = Stage(folder, staging, rules, look=look, way=way)
             evaluation, skipped = stage.prepare(engine, plan, work, options, start=start)
         work.check()
-        too_late(cancel)
+        too_late(stop)
         forgotten = rules.commit(staging)
-    sinks = sink_targets(plan, place.folder)
-    print_summary(evaluation, skipped, figures, folder, options, sinks)
+    written = sink_targets(plan, place.folder).values()
+    others = [*(save.text for save in options.saves), *map(str, (*options.reports, *written))]
+    lines = summary(evaluation, skipped, figures, folder, options, others)
     if forgotten:
-        print(in_line(f"not remembered for the next run, which needs {OPTION}: {forgotten}"))
+        lines.append(f"not remembered for the next run, which needs {OPTION}: {forgotten}")
+
+    def facts() -> dict[str, Any]:
+        return {
+            "figures": [asdict(figure) for figure in figures],
+            "readouts": evaluation.readouts,
+            "warnings": [asdict(caution) for caution in evaluation.cautions],
+            "skipped": [asdict(skip) for skip in skipped],
+            "way": evaluation.way,
+            "files": [*map(str, own_files(plan, folder)), *others],
+        }
+
+    show(options, facts, *lines)
 
 
 @dataclass(frozen=True)
@@ -235,6 +232,9 @@ def with_options(network: Network, place: Place, options: Options, library: Libr
     if not network.nodes:
         raise NetworkError(f"{shown(str(place.path))}: the network has no nodes")
     network = plain_network(network, library=library)
+    given = [name for name in _OF_SCENE if getattr(options, name) is not None]
+    if given and not options.scenes:
+        raise UsageError(f"--{given[0].replace('_', '-')} goes with --scene FILE")
     for text in options.scenes:
         network = _with_scene(network, text, place, options, library)
     network = with_settings(network, options.settings, library=library)
@@ -256,13 +256,20 @@ def _with_scene(
     named = file and node in scene_nodes(network, library)
     replaced = with_own_scene(
         network,
-        OwnScene(Path(file if named else text), option="--scene-", **options.scene),
+        OwnScene(
+            Path(file if named else text),
+            options.scene_fov_deg,
+            options.scene_range_m,
+            options.scene_sample_m,
+            options.scene_band_um,
+            options.scene_unit or "",
+            "--scene-",
+        ),
         library=library,
         plan=Engine(library, Store(0)).plan(network, folder=place.folder),
         node=node if named else None,
     )
-    for line in replaced.lines:
-        print(in_line(f"{replaced.node}: {line}"))
+    say(options, *(in_line(f"{replaced.node}: {line}") for line in replaced.lines))
     return replaced.network
 
 
@@ -428,8 +435,7 @@ def _write(
         staging.write(folder / FINAL, partial(_final_png, evaluation, evaluation.chain.final))
     staging.write(folder / MTF, partial(write_text, content=mtf_csv(evaluation.responses)))
     readouts = {**evaluation.readouts, **_warnings(evaluation.cautions)}
-    text = json.dumps(jsonable(readouts), indent=2, ensure_ascii=False, allow_nan=False)
-    staging.write(folder / READOUTS, partial(write_text, content=printable(text) + "\n"))
+    staging.write(folder / READOUTS, partial(write_text, content=json_text(readouts)))
 
 
 def _write_beside(

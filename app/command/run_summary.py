@@ -17,47 +17,45 @@ from core.names import in_line
 FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
 
 
-def print_summary(
+def summary(
     evaluation: Evaluation,
     skipped: tuple[Skip, ...],
     figures: Sequence[Figure],
     folder: Path,
     options: Options,
-    sinks: dict[str, Path],
-) -> None:
-    """Print the figures, warnings, what was left out, and the files that were written."""
+    others: Sequence[str],
+) -> list[str]:
+    """The figures, warnings, what was left out, and the files that were written."""
+    shown = []
     readouts = readout_rows(evaluation)
-    if figures and not options.all_readouts:
+    if figures and not options.all:
         rows = [(name, f"{value} {unit}", node) for name, value, unit, node in figure_rows(figures)]
-        print(columns(rows))
-        print(f"all {len(readouts)} read-outs: --all, or {READOUTS}", end="\n\n")
+        shown += [columns(rows), f"all {len(readouts)} read-outs: --all, or {READOUTS}\n"]
     elif readouts:
-        print(columns(readouts, right=(2,)), end="\n\n")
-    lines = warning_lines(evaluation.cautions)
-    if lines:
-        print("\n".join(lines), end="\n\n")
+        shown.append(columns(readouts, right=(2,)) + "\n")
+    if warnings := warning_lines(evaluation.cautions):
+        shown.append("\n".join(warnings) + "\n")
+    lines = []
     left_out = [
         f"{skip.node} (at most {skip.bound:.2g})" for skip in skipped if skip.kind == "below_budget"
     ]
     if left_out:
         budget = evaluation.work.policy.budget
-        print(in_line(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}"))
-    for skip in skipped:
-        if skip.kind == "wavelengths":
-            print(in_line(f"{skip.node}: {skip.text} (at most {skip.bound:.2g} of their contrast)"))
+        lines.append(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}")
+    lines += [
+        f"{skip.node}: {skip.text} (at most {skip.bound:.2g} of their contrast)"
+        for skip in skipped
+        if skip.kind == "wavelengths"
+    ]
     names = [FINAL, MTF, READOUTS] if evaluation.chain.final is not None else [MTF, READOUTS]
-    print(in_line(f"{folder}: {', '.join(names)}"))
+    lines.append(f"{folder}: {', '.join(names)}")
     if evaluation.chain.final is None:
         output = find_output(evaluation.plan)
-        print(in_line(f"no {FINAL}: {how_to_choose(output) or output.missing}"))
+        lines.append(f"no {FINAL}: {how_to_choose(output) or output.missing}")
     if evaluation.chain.missing and evaluation.chain.grid is not None:
-        print(in_line(f"no total in {MTF}: {evaluation.chain.missing}"))
+        lines.append(f"no total in {MTF}: {evaluation.chain.missing}")
     if evaluation.way.get("way") == "in blocks" or options.memory_bytes is not None:
-        print(in_line(way_in_words(evaluation.way)))
-    others = [
-        *(save.text for save in options.saves),
-        *map(str, options.reports),
-        *map(str, sinks.values()),
-    ]
+        lines.append(way_in_words(evaluation.way))
     if others:
-        print(in_line(f"also {', '.join(others)}"))
+        lines.append(f"also {', '.join(others)}")
+    return [*shown, *map(in_line, lines)]

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from typing import Any
 
-from app.command.run import open_network
+from app.command.run import open_network, policy_of
 from app.options.command_options import Options
 from app.options.option_values import Assignment, assignment
 from app.options.overrides import listed, named_parameter
 from app.options.progress import Progress
+from app.options.terminal_streams import show
 from app.run.readout_tables import warning_lines
 from app.run.shipped import find_network
 from app.tradeoff.solve_readout import Sample, Solution, search_range, solve
@@ -18,8 +20,6 @@ from app.tradeoff.tradeoff_figures import Figure, computed, figures_of
 from app.tradeoff.tradeoff_results import shown_value, with_value
 from core.chain.engine import Engine, Plan
 from core.errors import DataError, ParameterError, UsageError
-from core.evaluation.policy import Policy
-from core.evaluation.work import Work
 from core.modules.declaration import Library
 from core.modules.parameters import Parameter
 from core.names import close, in_line, shown
@@ -31,21 +31,8 @@ _FOR_FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"
 _UNTIL_FORM = "NODE.READOUT=VALUE"
 
 
-def solve_readout(options: Options, cancel: threading.Event | None = None) -> None:
-    """Carry out the command.
-
-    Parameters
-    ----------
-    options : Options
-        What the command line gives.
-    cancel : threading.Event, optional
-        Set to stop before the next value.
-
-    Raises
-    ------
-    ImagechainError
-        The first fault; a `DataError` where no value does it, with what the ends give.
-    """
+def carry_out(options: Options, stop: threading.Event) -> None:
+    """Print the value that does it; a `DataError` where none does, with what the ends give."""
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)
@@ -55,7 +42,7 @@ def solve_readout(options: Options, cancel: threading.Event | None = None) -> No
     plan = engine.plan(network, folder=place.folder)
     present = plan.node(sought.node).node.params.get(sought.name, parameter.default)
     range_ = search_range(parameter, present, sought.text, option=f"{FOR} {sought.port}")
-    work = engine.work(Policy(options.precision, options.tolerance, options.threads), cancel=cancel)
+    work = engine.work(policy_of(options), cancel=stop)
     reasons: dict[float, str] = {}
 
     def planned(value: float) -> Plan:
@@ -83,11 +70,33 @@ def solve_readout(options: Options, cancel: threading.Event | None = None) -> No
         raise DataError(_none(solution, sought.port, unit, figure, wanted, reasons))
     at = solution.at
     whole = parameter.kind == "integer"
-    print(in_line(_found(solution, sought.port, unit, figure, wanted, whole=whole)))
     final = planned(at.value)
-    print("\n" + "\n".join(_lines(engine, final, work, (figure.node, sought.node))))
-    for line in warning_lines(engine.warnings(final, work, known_only=True)):
-        print(line)
+    readouts = {
+        node: engine.readouts(final, node, work)
+        for node in dict.fromkeys((figure.node, sought.node))
+        if node in final.nodes and final.nodes[node].error is None
+    }
+    cautions = engine.warnings(final, work, known_only=True)
+
+    def facts() -> dict[str, Any]:
+        return {
+            "parameter": sought.port,
+            "unit": unit,
+            "value": int(at.value) if whole else at.value,
+            "figure": {"name": figure.text, "unit": figure.unit, "value": at.figure},
+            "wanted": wanted,
+            "others": solution.others,
+            "readouts": readouts,
+            "warnings": [asdict(caution) for caution in cautions],
+        }
+
+    show(
+        options,
+        facts,
+        in_line(_found(solution, sought.port, unit, figure, wanted, whole=whole)) + "\n",
+        *_lines(final, readouts),
+        *warning_lines(cautions),
+    )
 
 
 def _sought(text: str, network: Network, library: Library) -> tuple[Assignment, Parameter]:
@@ -173,15 +182,11 @@ def _at(sample: Sample, unit: str, figure: Figure) -> str:
     return f"{shown_value(sample.figure, figure.unit)} at {shown_value(sample.value, unit)}"
 
 
-def _lines(engine: Engine, plan: Plan, work: Work, nodes: tuple[str, ...]) -> list[str]:
-    """All read-outs of these nodes at the solution."""
-    lines = []
-    for node in dict.fromkeys(nodes):
-        if node not in plan.nodes or plan.nodes[node].error is not None:
-            continue
+def _lines(plan: Plan, readouts: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+    """All read-outs of nodes."""
+    for node, values in readouts.items():
         planned = plan.node(node)
         units = {r.name: planned.unit(r) for r in planned.declaration.readouts}
-        for name, value in engine.readouts(plan, node, work).items():
+        for name, value in values.items():
             text = "none" if value is None else shown_value(value, units[name])
-            lines.append(in_line(f"  {node}.{name}  {text}"))
-    return lines
+            yield in_line(f"  {node}.{name}  {text}")

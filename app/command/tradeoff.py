@@ -10,14 +10,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from app.command.run import input_files, open_network
+from app.command.run import input_files, open_network, policy_of
 from app.options.command_options import Options
 from app.options.progress import Progress
 from app.options.stopping import too_late
-from app.run.readout_tables import warned_points
+from app.options.terminal_streams import show
+from app.run.readout_tables import json_text, warned_points
 from app.run.shipped import find_network
 from app.run.staging import Staging
-from app.tradeoff.tradeoff_drawing import csv_text, failures, json_text, table
+from app.tradeoff.tradeoff_drawing import csv_text, failures, table, trade_off_facts
 from app.tradeoff.tradeoff_figures import Figure, chosen_figures
 from app.tradeoff.tradeoff_results import (
     Curve,
@@ -31,7 +32,6 @@ from app.tradeoff.values import MOST, OPTION, Variation, variation
 from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, UsageError
-from core.evaluation.policy import Policy
 from core.modules.declaration import Library
 from core.names import in_line, printable
 from core.network.network import Network
@@ -42,21 +42,10 @@ from nodes.library import standard_library
 _MOST_VARIED = 2
 
 
-def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
-    """Carry out the command; the table is printed once all files are written.
+def carry_out(options: Options, stop: threading.Event) -> None:
+    """Print the table once all files are written.
 
-    Parameters
-    ----------
-    options : Options
-        What the command line gives.
-    cancel : threading.Event, optional
-        Set to stop before the next node.
-
-    Raises
-    ------
-    ImagechainError
-        The first fault; nothing has been written then. A value at which the network fails is none,
-        unless all do.
+    A value at which the network fails is no fault, unless all do.
     """
     library = standard_library()
     place = find_network(options.network)
@@ -68,7 +57,7 @@ def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
     with Staging(None, [place.path, *input_files(plan, place.folder)]) as staging:
         for path in options.outputs:
             staging.claim(path)
-        curves = _curves(options, engine, plan, (varied, second, figures), cancel)
+        curves = _curves(options, engine, plan, (varied, second, figures), stop)
         if not options.figures:
             figures = changing_figures([f for f in figures if f.text != varied.text], curves)
         results = Results(
@@ -77,13 +66,18 @@ def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
         _check_figures(results)
         for path in options.outputs:
             staging.write(path, partial(write_results, results))
-        if cancel is not None and cancel.is_set():
+        if stop.is_set():
             raise Cancelled("stopped on request")
-        too_late(cancel)
+        too_late(stop)
         staging.commit()
-    _print(results, options.outputs)
-    for line in warned_points([point.warnings for _, point in results.rows()]):
-        print(line)
+    width = shutil.get_terminal_size().columns if sys.stdout and sys.stdout.isatty() else None
+    lines = [table(results, width)]
+    if reasons := failures(results):
+        lines += ["", *map(in_line, reasons)]
+    if options.outputs:
+        lines += ["", in_line(", ".join(map(str, options.outputs)))]
+    warned = warned_points([point.warnings for _, point in results.rows()])
+    show(options, lambda: trade_off_facts(results), *lines, *warned)
 
 
 def _variations(
@@ -110,7 +104,7 @@ def _curves(
     engine: Engine,
     plan: Plan,
     asked: tuple[Variation, Variation | None, tuple[Figure, ...]],
-    cancel: threading.Event | None,
+    stop: threading.Event,
 ) -> tuple[Curve, ...]:
     varied, second, figures = asked
     axes = [varied] if second is None else [second, varied]
@@ -120,7 +114,7 @@ def _curves(
     seconds = (None,) if second is None else second.values
     curves: list[Curve] = []
     with Progress(len(seconds) * len(varied.values)) as progress:
-        work = engine.work(_policy(options), cancel=cancel)
+        work = engine.work(policy_of(options), cancel=stop)
         for place in seconds:
             points: list[Point] = []
             for value in varied.values:
@@ -132,10 +126,6 @@ def _curves(
                 progress(f"{len(curves) * len(varied.values) + len(points)}: {varied.text} {label}")
             curves.append(Curve(place, tuple(points)))
     return tuple(curves)
-
-
-def _policy(options: Options) -> Policy:
-    return Policy(options.precision, options.tolerance, options.threads)
 
 
 def present_value(plan: Plan, varied: Variation) -> Any:
@@ -160,7 +150,7 @@ def write_results(results: Results, path: Path) -> None:
     if CSV.matches(path):
         write_text(path, printable(csv_text(results)))
     elif JSON.matches(path):
-        write_text(path, printable(json_text(results)))
+        write_text(path, json_text(trade_off_facts(results), indent=1))
     elif PNG.matches(path):
         from app.tradeoff.tradeoff_drawing import trade_off_png
 
@@ -169,13 +159,3 @@ def write_results(results: Results, path: Path) -> None:
         from app.tradeoff.tradeoff_drawing import page
 
         write_text(path, printable(page(results)))
-
-
-def _print(results: Results, outputs: Sequence[Path]) -> None:
-    width = shutil.get_terminal_size().columns if sys.stdout and sys.stdout.isatty() else None
-    print(table(results, width))
-    reasons = failures(results)
-    if reasons:
-        print("\n" + "\n".join(map(in_line, reasons)))
-    if outputs:
-        print("\n" + in_line(", ".join(map(str, outputs))))

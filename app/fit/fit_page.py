@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -300,8 +299,8 @@ def _means(distance: Vector, rest: Vector) -> tuple[Vector, Vector, Vector]:
 # A fit's result as a JSON file.
 
 
-def fit_json(result: FitResult) -> str:
-    """The text of the file; what is not known is null."""
+def fit_facts(result: FitResult) -> dict[str, Any]:
+    """All that is known as plain data; what is not is null."""
     content: dict[str, Any] = {
         "format": "imagechain-fit",
         "version": 1,
@@ -339,7 +338,7 @@ def fit_json(result: FitResult) -> str:
         }
     elif result.noise:
         content["noise"] = {"reason": result.noise}
-    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return content
 
 
 def _number(value: float) -> float | None:

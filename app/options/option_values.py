@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -110,134 +110,81 @@ def save_target(text: str) -> Save:
             raise UsageError(f"--save {text!r:.120}: write {form}")
         text = f"{port}={file}"
     save = assignment("--save", text, "NODE.PORT=FILE")
-    _with_suffix("--save", save.text, _SAVED)
+    ending_in(*_SAVED)("--save", save.text)
     return Save(save.node, save.name, save.text, bounds)
 
 
-def report_path(text: str) -> Path:
-    """The file of a report."""
-    return _with_suffix("--report", text, REPORTS)
-
-
-def page_path(option: str, text: str | None) -> Path | None:
-    """The file of a page."""
-    return None if text is None else _with_suffix(option, text, (HTML,))
-
-
-def output_path(text: str) -> Path:
-    """The file of a trade-off."""
-    return _with_suffix("--output", text, OUTPUTS)
-
-
-def study_path(text: str) -> Path:
-    """The file of a study's rows."""
-    return _with_suffix("--output", text, STUDIES)
-
-
-def summary_path(text: str) -> Path:
-    """The file of a study's summary."""
-    return _with_suffix("--summary", text, SUMMARIES)
-
-
-def transfer_path(text: str) -> Path:
-    """The file of a photon transfer curve."""
-    return _with_suffix("--output", text, TRANSFERS)
-
-
-def file_at_temperature(text: str) -> tuple[Path, float]:
+def file_at_temperature(option: str, text: str) -> tuple[Path, float]:
     """``FILE=293.15K`` or ``FILE=20C``: a file, and a temperature in kelvin."""
     name, equals, words = text.rpartition("=")
     number, unit = words[:-1].removesuffix("°").strip(), words[-1:]
     if not (equals and name and unit in _ZERO_K and _NUMBER.fullmatch(number)):
         raise UsageError(
-            f"netd {text!r:.120}: give a file and its black body's temperature, FILE=293.15K or "
-            "FILE=20C"
+            f"{option} {text!r:.120}: give a file and its black body's temperature, "
+            "FILE=293.15K or FILE=20C"
         )
-    path = file_path("netd", name)
-    assert path is not None
+    path = file_path(option, name)
     kelvin = float(number) + _ZERO_K[unit]
     if not 0.0 < kelvin <= _HOTTEST_K:
         raise UsageError(
-            f"netd {text!r:.120}: {kelvin:.6g} K is no temperature of a black body; allowed: above "
-            f"0 to {_HOTTEST_K:g} K"
+            f"{option} {text!r:.120}: {kelvin:.6g} K is no temperature of a black body; allowed: "
+            f"above 0 to {_HOTTEST_K:g} K"
         )
     return path, kelvin
 
 
-def finite_number(option: str, text: str | None) -> float | None:
-    """A number, None if not given."""
-    if text is None:
-        return None
+def finite_number(option: str, text: str) -> float:
+    """A number."""
     number = float(text) if _NUMBER.fullmatch(text) else math.nan
     if not math.isfinite(number):
         raise UsageError(f"{option} {text!r:.80}: give a number")
     return number
 
 
-def _with_suffix(option: str, text: str, allowed: tuple[Format, ...]) -> Path:
-    path = file_path(option, text)
-    assert path is not None
-    if not any(file_format.matches(path) for file_format in allowed):
-        raise UsageError(
-            f"{option} {text!r:.120}: the file's name must end in {_or(suffixes(*allowed))}"
-        )
-    return path
-
-
-def file_path(option: str, text: str | None) -> Path | None:
-    """A file or folder, None if not given."""
-    if text is None:
-        return None
+def file_path(option: str, text: str) -> Path:
+    """A file or folder."""
     if not text or "\0" in text:
         raise UsageError(f"{option} {text!r:.120}: give a file name")
     return Path(text)
 
 
-def file_paths(option: str, texts: Sequence[str]) -> tuple[Path, ...]:
-    """Several files."""
-    paths = (file_path(option, text) for text in texts)
-    return tuple(path for path in paths if path is not None)
+def ending_in(*formats: Format) -> Callable[[str, str], Path]:
+    """What reads the name of a file of one of these formats."""
+
+    def read(option: str, text: str) -> Path:
+        path = file_path(option, text)
+        if not any(file_format.matches(path) for file_format in formats):
+            *words, last = suffixes(*formats)
+            ends = f"{', '.join(words)} or {last}" if words else last
+            raise UsageError(f"{option} {text!r:.120}: the file's name must end in {ends}")
+        return path
+
+    return read
 
 
-def named_path(option: str, text: str | None, *allowed: Format) -> Path | None:
-    """A file whose name ends as those of a format do, None if not given."""
-    return None if text is None else _with_suffix(option, text, allowed)
+report_path = ending_in(*REPORTS)
+study_path = ending_in(*STUDIES)
+summary_path = ending_in(*SUMMARIES)
 
 
-def whole_number(option: str, text: str | None, largest: int | None = None) -> int | None:
-    """A whole number, None if not given; `largest` is for the message, its user checks it."""
-    if text is None:
-        return None
+def whole_number(option: str, text: str, largest: int | None = None) -> int:
+    """A whole number; `largest` is for the message, its user checks it."""
     if not re.fullmatch(r"[+-]?[0-9]+", text, re.ASCII) or len(text) > _LONGEST_NUMBER:
         allowed = "" if largest is None else f" from 0 to {largest}"
         raise UsageError(f"{option} {text!r:.80}: give a whole number{allowed}")
     return int(text)
 
 
-def tolerance(text: str | None) -> float | None:
-    """The error budget, None if not given."""
-    if text is None:
-        return None
+def tolerance(option: str, text: str) -> float:
+    """The error budget."""
     number = float(text) if _NUMBER.fullmatch(text) else math.nan
     if not 0 <= number < 1:
-        raise UsageError(f"--tolerance {text!r:.80}: give a number from 0 to below 1")
+        raise UsageError(f"{option} {text!r:.80}: give a number from 0 to below 1")
     return number
 
 
-def _or(words: tuple[str, ...]) -> str:
-    return " or ".join((", ".join(words[:-1]), words[-1])) if len(words) > 1 else words[0]
-
-
-def size_in_bytes(option: str, text: str | None) -> int | None:
-    """An amount of memory, None if not given.
-
-    Raises
-    ------
-    UsageError
-        If it is none, or less than 1 kB.
-    """
-    if text is None:
-        return None
+def size_in_bytes(option: str, text: str) -> int:
+    """An amount of memory, 1 kB or more."""
     size = _SIZE.fullmatch(text.strip())
     bytes_of = 0.0 if size is None else float(size[1]) * _UNITS[size[2].lower()]
     if not 1e3 <= bytes_of <= 1e18:
@@ -245,20 +192,11 @@ def size_in_bytes(option: str, text: str | None) -> int | None:
     return int(bytes_of)
 
 
-def window_size(option: str, text: str | None) -> tuple[int, int] | None:
-    """Width and height of a window from ``WxH``.
-
-    Raises
-    ------
-    UsageError
-        If it is not that, or no window has it.
-    """
-    if text is None:
-        return None
-    allowed = "must be WIDTHxHEIGHT, whole numbers from 320 to 16384"
-    width, cross, height = text.lower().partition("x")
-    if not cross or not all(part.isascii() and part.isdigit() for part in (width, height)):
-        raise UsageError(f"{option} {text:.80}: {allowed}")
-    if any(len(part) > 5 or not 320 <= int(part) <= 16384 for part in (width, height)):
-        raise UsageError(f"{option} {text:.80}: {allowed}")
-    return int(width), int(height)
+def window_size(option: str, text: str) -> tuple[int, int]:
+    """Width and height of a window from ``WxH``."""
+    size = re.fullmatch("([0-9]{1,5})x([0-9]{1,5})", text.lower(), re.ASCII)
+    if size is None or not all(320 <= int(side) <= 16384 for side in size.groups()):
+        raise UsageError(
+            f"{option} {text:.80}: must be WIDTHxHEIGHT, whole numbers from 320 to 16384"
+        )
+    return int(size[1]), int(size[2])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections import Counter
@@ -76,6 +77,12 @@ def jsonable(value: Any) -> Any:
     if isinstance(value, list | tuple | np.ndarray):
         return [jsonable(item) for item in value]
     return value.as_posix() if isinstance(value, PurePath) else value
+
+
+def json_text(value: Any, indent: int = 2) -> str:
+    """The value as the text of a JSON file."""
+    text = json.dumps(jsonable(value), indent=indent, ensure_ascii=False, allow_nan=False)
+    return printable(text) + "\n"
 
 
 def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:

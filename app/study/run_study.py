@@ -112,7 +112,7 @@ def run_study(
         network = load_network(found.path, library=known)
     plain = plain_network(network, library=known)
     check_network(plain, library=known)
-    path = None if output is None else study_path(str(output))
+    path = None if output is None else study_path("--output", str(output))
     if path is not None:
         check_installed(path)
     study = make_study(
@@ -126,7 +126,7 @@ def run_study(
         saves=[save_target(f"{port}={pattern}") for port, pattern in (saves or {}).items()],
         policy=policy or Policy(),
     )
-    pages = [summary_path(str(page)) for page in summaries]
+    pages = [summary_path("--summary", str(page)) for page in summaries]
     study.check_places([*([] if path is None else [path]), *pages], read)
 
     def summarise(rows: StudyRows) -> None:

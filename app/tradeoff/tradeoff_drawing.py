@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -11,7 +10,7 @@ from app.report.blocks import Block, Drawn, Grid, Heading
 from app.report.drawing.picture_drawing import COLOURS, figure
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
-from app.run.readout_tables import columns, jsonable, number_text, without_rounding
+from app.run.readout_tables import columns, number_text, without_rounding
 from app.tradeoff.tradeoff_figures import Figure
 from app.tradeoff.tradeoff_results import Results, shown_value
 from app.tradeoff.values import Variation, is_number
@@ -218,10 +217,10 @@ def csv_text(results: Results) -> str:
     return csv_lines(lines)
 
 
-def json_text(results: Results) -> str:
+def trade_off_facts(results: Results) -> dict[str, Any]:
     """All that is known, for programs."""
     figures = [figure.text for figure in results.figures]
-    facts = {
+    return {
         "network": results.network,
         "vary": [_variation(axis) for axis in (results.varied, results.second) if axis is not None],
         "present": results.present,
@@ -245,7 +244,6 @@ def json_text(results: Results) -> str:
             for curve in results.curves
         ],
     }
-    return json.dumps(jsonable(facts), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _variation(varied: Variation) -> dict[str, Any]:

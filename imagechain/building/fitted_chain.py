@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
@@ -11,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.fit_page import fit_json, fit_text
+from app.fit.fit_page import fit_facts, fit_text
 from app.fit.fit_result import FitResult, FittedParameter
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import FittedPictures, fit_known_scene, fit_pictures, read_pictures
+from app.run.readout_tables import json_text
 from core.atomic import write_text
 from core.errors import ParameterError, UsageError
 from core.evaluation.policy import Policy, Precision
@@ -73,7 +73,7 @@ class FittedChain:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, as `imagechain fit --json` writes it."""
-        content: dict[str, Any] = json.loads(fit_json(self._result))
+        content: dict[str, Any] = fit_facts(self._result)
         return content
 
     @plain_errors
@@ -89,7 +89,7 @@ class FittedChain:
         """
         file = Path(fspath(path))
         if JSON.matches(file):
-            text = fit_json(self._result)
+            text = json_text(fit_facts(self._result))
         elif HTML.matches(file):
             # Imported only where a page is written: matplotlib and jinja2.
             from app.fit.fit_page import fit_page

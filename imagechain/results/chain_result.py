@@ -167,7 +167,7 @@ class Result:
         from app.options.option_values import report_path
         from app.report import write_report
 
-        target = report_path(fspath(path))
+        target = report_path("--report", fspath(path))
         evaluation = self._evaluation
         users_matplotlib()
         write_report(evaluation, skips(self._plan, self._work), target)

@@ -138,7 +138,7 @@ class _Running:
     def report(self, network: Network) -> Result:
         """Write the report, and nothing else."""
         start = time.perf_counter()
-        file, options = self.job.output, Options("run", reports=(self.job.output,))
+        file, options = self.job.output, Options(reports=(self.job.output,))
         engine = Engine(self.library)
         plan = planned(engine, self._with(network, options), self.place.folder)
         way = way_of_running(plan, policy_of(options), None)
@@ -215,7 +215,7 @@ class _Running:
             for node, n, value in variant.settings
         )
         reports = (stage.folder / REPORT,) if self.job.report else ()
-        options = Options("run", settings=tuple(settings), reports=reports)
+        options = Options(settings=tuple(settings), reports=reports)
         network = self._with(network, options)
         if variant.name:
             network = _writing_to(network, self.library, stage.folder)
@@ -228,7 +228,7 @@ class _Running:
                 raise UsageError(f"{port.missing}: mark the picture whose frames are meant (O)")
             node, _, name = port.port.rpartition(".")
             save = Save(node, name, str(stage.folder / FRAMES))
-            options = replace(options, frames=self.job.frames, saves=(save,))
+            options = Options(**vars(options), frames=self.job.frames, saves=(save,))
         self.steps.part(variant.name, nodes=len(plan.nodes))
         stage = replace(stage, way=way_of_running(plan, policy_of(options), None))
         evaluation, _ = stage.prepare(engine, plan, self._work(engine), options, start=start)
@@ -241,7 +241,7 @@ class _Running:
         job = self.job
         if job.kind != "sweep":
             return None
-        network = self._with(network, Options("run"))
+        network = self._with(network, Options())
         node, _, name = job.target.rpartition(".")
         setting = Assignment(node, name, "")
         parameter = named_parameter("sweep", setting, network, library=self.library)
@@ -274,7 +274,7 @@ class _Running:
         return with_options(network, self.place, options, self.library)
 
     def _work(self, engine: Engine) -> TimedWork:
-        policy = policy_of(Options("run"))
+        policy = policy_of(Options())
         return TimedWork(policy, engine.store, self.steps.node, self.cancel)
 
     def _rules(self) -> WriteRules:

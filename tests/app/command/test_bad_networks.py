@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
+
+from child_process import ROOT
 
 
 @pytest.fixture(autouse=True)
@@ -93,3 +97,36 @@ def test_output_replaces_no_input(fails, write, small, tmp_path):
 def test_without_nodes(fails, write, small):
     write(small | {"nodes": {}, "links": []})
     assert fails("run", "net.json") == "imagechain: net.json: the network has no nodes\n"
+
+
+PLUG_IN = '''
+from imagechain.plug_in import Image, ImageOutput, Module
+
+
+class Filter(Module, key="faulty_glass.filter", title="Filter", group="Filters"):
+    """Fail."""
+
+    def run(self, image: Image) -> ImageOutput:
+        return ImageOutput(1 / 0)
+
+
+MODULES = (Filter,)
+'''
+
+
+def test_a_fault_of_a_plug_in_is_exit_code_1(imagechain_process, write, small, tmp_path):
+    """Of every command: it is not the input's."""
+    (tmp_path / "faulty_glass.py").write_text(PLUG_IN)
+    about = tmp_path / "faulty_glass-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: faulty-glass\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[imagechain.modules]\nall = faulty_glass:MODULES\n")
+    small["nodes"]["glass"] = {"module": "faulty_glass.filter"}
+    small["links"] += [["scene.image", "glass.image"]]
+    network, environment = write(small), {"PYTHONPATH": f"{ROOT}{os.pathsep}{tmp_path}"}
+    vary = ("--vary", "blur.sigma_x_mrad=0.1,0.2", "--jobs", "1", "--output", "s.csv")
+    study = ("study", network, *vary, "--save", "glass.image={point}.npy")
+    for words in (("run", network), ("check", network), study):
+        done = imagechain_process(*words, env=environment)
+        assert (done.returncode, done.stderr.count("\n")) == (1, 1), done.stderr
+        assert "a fault of the module faulty_glass.filter in the plug-in" in done.stderr

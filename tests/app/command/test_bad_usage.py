@@ -189,7 +189,7 @@ def test_the_size_of_a_window(fails, size):
 
 
 def test_a_screenshot_is_a_png(fails):
-    assert "ends in .png" in fails("edit", "--screenshot", "window.jpg")
+    assert "end in .png" in fails("edit", "--screenshot", "window.jpg")
 
 
 def test_line_breaks_and_escapes_stay_out_of_the_line(fails):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import zarr
 
-from app.command.run import run
+from app.command.run import carry_out
 from app.options.command_options import parse
 from app.run.shipped import find_network
 from app.run.way_of_running import WayOfRunning, blocks_of
@@ -264,7 +264,7 @@ def test_stopped_in_the_middle(small, write, scene, tmp_path, monkeypatch):
             return len(seen) > 60 or cancel.is_set()
 
     with pytest.raises(Cancelled):
-        run(parse(["run", network, "--memory", "50kB"]), Watch())
+        carry_out(parse(["run", network, "--memory", "50kB"]), Watch())
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "net.json",
         "scene.npy",

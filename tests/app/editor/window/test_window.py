@@ -362,7 +362,7 @@ def test_a_signal_to_end_keeps_unsaved_work(make_window, qtbot, tmp_path):
 def test_the_very_first_start_opens_a_network(qtbot, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     for first in (True, False):
-        window = built(Options("edit"), Settings(tmp_path / "editor.ini"))
+        window = built(Options(), Settings(tmp_path / "editor.ini"))
         qtbot.addWidget(window)
         assert bool(window.session.network.nodes) is first
         window.close_for_good()

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from app.command.run import open_network, policy_of
 from app.options.command_options import Options
 from app.options.option_values import assignment
 from app.options.progress import Progress
+from app.options.terminal_streams import say, show
 from app.run.readout_tables import warned_points
 from app.run.shipped import find_network
-from app.study.carrying_out import StudyRows, Workers, carry_out
+from app.study.carrying_out import TLS, StudyRows, Workers
+from app.study.carrying_out import carry_out as carry_out_study
 from app.study.run_study import sampled
 from app.study.study_journal import check_installed
 from app.study.study_points import Axis, Point, files_axis
@@ -21,36 +25,25 @@ from app.study.study_request import Study, make_study
 from app.tradeoff.values import FORM, OPTION
 from core.errors import DataError, UsageError
 from core.modules.declaration import Library
-from core.names import in_line
+from core.names import in_line, shown
 from core.network.network import Network
 from nodes.files.common.file_format import CSV
 from nodes.library import standard_library
 
 _MOST_JOBS = 1024
+_OF_PLUG_IN = re.compile(r"\ba fault of the (module \S+ in the )?plug-in ")
 
 
-def study(options: Options, cancel: threading.Event | None = None) -> None:
-    """Carry out the command.
-
-    Parameters
-    ----------
-    options : Options
-        What the command line gives.
-    cancel : threading.Event, optional
-        Set to stop; what is done is kept.
-
-    Raises
-    ------
-    ImagechainError
-        The first fault; a `DataError` when all is done and written, but points have failed.
-    """
+def carry_out(options: Options, stop: threading.Event) -> None:
+    """Make the rows and write them; a `DataError` when all is done, but points have failed."""
     begun = time.perf_counter()
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)
-    workers = Workers(_jobs(options), options.scheduler, options.tls, options.memory_bytes)
+    workers = Workers(_jobs(options), options.scheduler, _tls(options), options.memory_bytes)
     workers.check()
-    output = options.outputs[0]
+    output = options.output
+    assert output is not None  # argparse requires it
     check_installed(output)
     wanted = make_study(
         network,
@@ -66,18 +59,18 @@ def study(options: Options, cancel: threading.Event | None = None) -> None:
     listed = [Path(options.sample)] if CSV.matches(Path(options.sample)) else []
     wanted.check_places([output, *options.summaries], [place.path, *listed])
     if workers.warning:
-        print(f"warning: {workers.warning}", flush=True)
+        say(options, f"warning: {workers.warning}")
     with Progress(len(wanted.points), time_left=True) as progress:
-        result = carry_out(
+        result = carry_out_study(
             wanted,
             workers,
             output=output,
             fresh=options.fresh,
             reached=lambda done: progress.reach(done, _where(wanted, done)),
-            cancel=cancel,
+            cancel=stop,
             also=lambda rows: _summarise(rows, options.summaries),
         )
-    _print(result, output, options.summaries, time.perf_counter() - begun)
+    _show(result, output, options, time.perf_counter() - begun)
 
 
 def _sampled(
@@ -102,12 +95,25 @@ def _jobs(options: Options) -> int:
     return options.jobs
 
 
+def _tls(options: Options) -> tuple[str, ...]:
+    """The three files of a connection by TLS, or none."""
+    texts = dict(zip(TLS, (options.tls_ca_file, options.tls_cert, options.tls_key), strict=True))
+    files = {option: text for option, text in texts.items() if text is not None}
+    missing = [option for option in TLS if option not in files]
+    if files and missing:
+        raise UsageError(f"{missing[0]} is missing: TLS needs {', '.join(TLS)}")
+    for option, text in files.items():
+        if not Path(text).is_file():
+            raise UsageError(f"{option} {shown(text)}: there is no such file")
+    return tuple(files.values())
+
+
 def _where(wanted: Study, done: int) -> str:
     if done >= len(wanted.order):
         return ""
     point = wanted.points[wanted.order[done]]
-    shown = (str(axis.shown(v)) for axis, v in zip(wanted.axes, point, strict=True))
-    return " ".join(shown)[:60]
+    words = (str(axis.shown(v)) for axis, v in zip(wanted.axes, point, strict=True))
+    return " ".join(words)[:60]
 
 
 def _summarise(rows: StudyRows, paths: Sequence[Path]) -> None:
@@ -117,17 +123,28 @@ def _summarise(rows: StudyRows, paths: Sequence[Path]) -> None:
         write_summary(rows, path)
 
 
-def _print(result: StudyRows, output: Path, summaries: Sequence[Path], seconds: float) -> None:
+def _show(result: StudyRows, output: Path, options: Options, seconds: float) -> None:
     failed = result.failed
     count = len(result.rows)
-    print(
-        in_line(f"{count} points in {seconds:.3g} s: {', '.join(map(str, [output, *summaries]))}")
+    files = [*map(str, (output, *options.summaries))]
+
+    def facts() -> dict[str, Any]:
+        columns = result.columns()
+        rows = zip(*(column.values for column in columns), strict=True)
+        heads = [column.head for column in columns]
+        return {"rows": [dict(zip(heads, row, strict=True)) for row in rows], "files": files}
+
+    show(
+        options,
+        facts,
+        in_line(f"{count} points in {seconds:.3g} s: {', '.join(files)}"),
+        *warned_points([row.warnings for row in result.rows]),
     )
-    for line in warned_points([row.warnings for row in result.rows]):
-        print(line)
     if failed:
         row = failed[0]
-        raise DataError(
+        error = DataError(
             f"{len(failed)} of {count} points failed, see the column error of {output}; the first, "
             f"point {row.place + 1}: {row.error}"
         )
+        error.exit_code = 1 if _OF_PLUG_IN.search(row.error) else 2
+        raise error

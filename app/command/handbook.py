@@ -8,34 +8,29 @@ from pathlib import Path
 
 from app.options.command_options import Options
 from app.options.stopping import Stop
+from app.options.terminal_streams import show
 from core.errors import UsageError
 from core.names import close, shown
 from nodes.library import standard_library
 
 
-def handbook(options: Options, stop: Stop) -> None:
-    """Open the handbook at its first page, or at that of a word; or write it to a folder.
-
-    Raises
-    ------
-    UsageError
-        For a word that no page has.
-    FileError
-        If the pages cannot be written.
-    """
+def carry_out(options: Options, stop: Stop) -> None:
+    """Open the handbook at its first page, or at that of a word; or write it to a folder."""
     from app.handbook.written_pages import cached_handbook, write_handbook
 
+    if options.html is not None and options.path:
+        raise UsageError("--html DIR and --path exclude each other: --html prints its path")
     library = standard_library()
     address = page_of(options.word) if options.word else "index.html"
     with _Titles(stop) as progress:
-        if options.html_folder is not None:
-            write_handbook(options.html_folder, library, progress)
-            folder = options.html_folder
+        if options.html is not None:
+            write_handbook(options.html, library, progress)
+            folder = options.html
         else:
             folder = cached_handbook(library, progress)
     page = folder.resolve() / address
-    print(page)
-    if options.html_folder is None and not options.only_path:
+    show(options, lambda: {"page": str(page)}, str(page))
+    if options.html is None and not options.path:
         open_page(page)
 
 

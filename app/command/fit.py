@@ -6,11 +6,13 @@ import threading
 from functools import partial
 
 from app.command.run import input_files, open_network, policy_of
-from app.fit.fit_page import fit_json, fit_text
+from app.fit.fit_page import fit_facts, fit_text
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
 from app.options.command_options import Options
 from app.options.progress import Progress
+from app.options.terminal_streams import show
+from app.run.readout_tables import json_text
 from app.run.shipped import find_network
 from app.run.staging import Staging
 from app.tradeoff.tradeoff_results import with_value
@@ -21,31 +23,18 @@ from core.network.file import format_network
 from nodes.library import standard_library
 
 
-def fit_network(options: Options, cancel: threading.Event | None = None) -> None:
-    """Carry out the command; prints the parameters when all is written.
-
-    Parameters
-    ----------
-    options : Options
-        What the command line gives.
-    cancel : threading.Event, optional
-        Set to stop before the next evaluation.
-
-    Raises
-    ------
-    ImagechainError
-        The first fault; nothing has been written then.
-    """
+def carry_out(options: Options, stop: threading.Event) -> None:
+    """Fit the network to the pictures; prints the parameters when all is written."""
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)
     free = free_parameters(options.free, network, library)
     engine = Engine(library)
     plan = engine.plan(network, folder=place.folder)
-    work = engine.work(policy_of(options), cancel=cancel)
+    work = engine.work(policy_of(options), cancel=stop)
     inputs = [place.path, *options.pictures, *input_files(plan, place.folder)]
     with Staging(None, inputs) as staging:
-        for path in filter(None, (options.fit_json, options.fit_output, options.fit_report)):
+        for path in filter(None, (options.json_file, options.output, options.report)):
             staging.claim(path)
         with Progress(3) as progress:
             fit = fit_known_scene if options.known_scene else fit_pictures
@@ -57,24 +46,25 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
                 pictures=read_pictures(options.pictures, band=options.band),
                 report=progress,
             )
-        if options.fit_json is not None:
-            staging.write(options.fit_json, partial(write_text, content=fit_json(result)))
-        if options.fit_output is not None:
+        if options.json_file is not None:
+            text = json_text(fit_facts(result))
+            staging.write(options.json_file, partial(write_text, content=text))
+        if options.output is not None:
             fitted = network
             for parameter, one in zip(free, result.parameters, strict=True):
                 if one.used is not None:
                     fitted = with_value(fitted, engine, parameter.node, parameter.name, one.used)
             typed = {(setting.node, setting.name) for setting in options.settings}
-            moved = rebased(fitted, library, place.folder, options.fit_output.parent, typed=typed)
+            moved = rebased(fitted, library, place.folder, options.output.parent, typed=typed)
             text = format_network(moved.apply(fitted) if moved else fitted, library=library)
-            staging.write(options.fit_output, partial(write_text, content=text))
-        if options.fit_report is not None:
+            staging.write(options.output, partial(write_text, content=text))
+        if options.report is not None:
             from app.fit.fit_page import (
                 fit_page,  # matplotlib and a template: only where wanted
             )
 
             names = tuple(map(str, options.pictures))
             page = fit_page(result, network=network.name or place.name, pictures=names)
-            staging.write(options.fit_report, partial(write_text, content=page))
+            staging.write(options.report, partial(write_text, content=page))
         staging.commit()
-    print(fit_text(result))
+    show(options, lambda: fit_facts(result), fit_text(result))

@@ -7,7 +7,8 @@ from itertools import groupby
 from textwrap import indent
 from typing import Any
 
-from app.options.terminal_streams import print_error
+from app.options.command_options import Options
+from app.options.terminal_streams import print_error, show
 from app.run.readout_tables import columns
 from core.errors import UsageError
 from core.modules.declaration import Declaration, Port, declaration, package_of, where_absent
@@ -17,18 +18,13 @@ from nodes.library import standard_library
 from nodes.plug_ins import missing_modules
 
 
-def modules(*, as_json: bool, key: str = "") -> None:
+def carry_out(options: Options, _stop: object) -> None:
     """Print every module, those that fit a word, or the one of that key.
 
     Of one module all its text is printed, of all of them ports, parameters and read-outs, of those
     that a word finds in key, title or summary the summary.
-
-    Raises
-    ------
-    UsageError
-        If none fits.
     """
-    library = standard_library()
+    library, key = standard_library(), options.key
     declared = [declaration(module) for module in library.values()]
     found = key != "" and key not in library
     if found:
@@ -45,9 +41,8 @@ def modules(*, as_json: bool, key: str = "") -> None:
         hint = f": {absent}" if absent else alike(key, library)
         hint = hint or "; imagechain modules lists them"
         raise UsageError(f"there is no module {shown(key)}{hint}")
-    if as_json:
-        described = [described_module(entry) for entry in declared]
-        print(json.dumps(described, indent=2, ensure_ascii=False, allow_nan=False))
+    if options.json is True:
+        show(options, lambda: [described_module(entry) for entry in declared])
         return
     groups = list(dict.fromkeys(entry.group for entry in declared))
     declared.sort(key=lambda entry: groups.index(entry.group))

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import threading
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from app.measure.photon_transfer_rows import transfer_rows
 from app.options.command_options import Options
 from app.options.progress import Progress
-from app.run.readout_tables import columns, number_text
+from app.options.terminal_streams import show
+from app.run.readout_tables import columns, json_text, number_text
 from app.run.staging import Staging
 from core.atomic import write_text
 from core.errors import Cancelled
@@ -33,21 +34,8 @@ class Measured:
     curve: PhotonTransfer
 
 
-def measure_photon_transfer(options: Options, cancel: threading.Event | None = None) -> None:
-    """Carry out the command; prints the figures when all is written.
-
-    Parameters
-    ----------
-    options : Options
-        What the command line gives.
-    cancel : threading.Event, optional
-        Set to stop before the next frame.
-
-    Raises
-    ------
-    ImagechainError
-        The first fault; nothing has been written then.
-    """
+def carry_out(options: Options, stop: threading.Event) -> None:
+    """Measure the camera; prints the figures when all is written."""
     flats = [open_frames(path) for path in options.flats]
     dark = None if options.dark is None else open_frames(options.dark)
     check_one_camera([*flats, *([dark] if dark is not None else [])], of_one="a flat field")
@@ -55,29 +43,32 @@ def measure_photon_transfer(options: Options, cancel: threading.Event | None = N
         for path in options.outputs:
             staging.claim(path)
         with Progress(len(flats) + 1) as progress:
-            fields = [_field(file, progress, cancel) for file in flats]
-            dark_field = None if dark is None else _field(dark, progress, cancel)
+            fields = [_field(file, progress, stop) for file in flats]
+            dark_field = None if dark is None else _field(dark, progress, stop)
         curve = photon_transfer(levels=fields, dark=dark_field, offset_dn=options.offset_dn)
         made = Measured(tuple(zip(options.flats, fields, strict=True)), curve)
         for path in options.outputs:
-            text = _json(made) if JSON.matches(path) else _csv(made)
+            text = json_text(_facts(made)) if JSON.matches(path) else _csv(made)
             staging.write(path, partial(write_text, content=text))
         staging.commit()
     figures = [
         (name, number_text(value), unit, meaning)
         for name, value, unit, meaning in transfer_rows(curve)
     ]
-    print(columns(figures, right=(1,)), end="\n\n")
-    print(columns([_LEVEL_HEAD, *_levels(made)], right=(1, 2, 3, 4)))
-    for line in (*_remarks(curve, options), *_textures(made)):
-        print(in_line(line))
+    show(
+        options,
+        lambda: _facts(made),
+        columns(figures, right=(1,)) + "\n",
+        columns([_LEVEL_HEAD, *_levels(made)], right=(1, 2, 3, 4)),
+        *map(in_line, (*_remarks(curve, options), *_textures(made))),
+    )
 
 
-def _field(file: FrameFile, progress: Progress, cancel: threading.Event | None) -> FlatField:
+def _field(file: FrameFile, progress: Progress, stop: threading.Event) -> FlatField:
     progress(file.path.name)
     taken = FlatFrames(file.rows, file.columns)
     for frame in file.each():
-        if cancel is not None and cancel.is_set():
+        if stop.is_set():
             raise Cancelled("stopped on request")
         taken.add(frame)
     return taken.measured()
@@ -126,8 +117,8 @@ def _textures(made: Measured) -> list[str]:
     ]
 
 
-def _json(made: Measured) -> str:
-    content = {
+def _facts(made: Measured) -> dict[str, Any]:
+    return {
         "format": "imagechain-photon-transfer",
         "version": 1,
         "figures": {name: value for name, value, _, _ in transfer_rows(made.curve)},
@@ -150,7 +141,6 @@ def _json(made: Measured) -> str:
             )
         ],
     }
-    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _csv(made: Measured) -> str:

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import math
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.options.command_options import Options
 from app.options.progress import Progress
-from app.run.readout_tables import columns, number_text
+from app.options.terminal_streams import show
+from app.run.readout_tables import columns, json_text, number_text
 from app.run.staging import Staging
 from core.atomic import write_text
 from core.errors import Cancelled, DataError
@@ -52,51 +53,39 @@ class Measured:
     unit: str
 
 
-def measure_netd(options: Options, cancel: threading.Event | None = None) -> None:
-    """Carry out the command; prints the figures when all is written.
-
-    Parameters
-    ----------
-    options : Options
-        What the command line gives.
-    cancel : threading.Event, optional
-        Set to stop before the next frame.
-
-    Raises
-    ------
-    ImagechainError
-        The first fault; nothing has been written then.
-    """
+def carry_out(options: Options, stop: threading.Event) -> None:
+    """Measure the camera; prints the figures when all is written."""
 
     def check() -> None:
-        if cancel is not None and cancel.is_set():
+        if stop.is_set():
             raise Cancelled("stopped on request")
 
-    paths = [path for path, _ in options.thermal_fields]
+    paths, kelvins = zip(*options.fields, strict=True)
     files = [open_frames(path) for path in paths]
     check_one_camera(files, of_one="noise in time")
     with Staging(None, paths) as staging:
         for path in options.outputs:
             staging.claim(path)
         with Progress(2 * len(files)) as progress:
-            fields = _fields(
-                files, [kelvin for _, kelvin in options.thermal_fields], progress, check
-            )
+            fields = _fields(files, kelvins, progress, check)
         # By temperature, as the response has them.
         ordered = sorted(zip(paths, fields, strict=True), key=lambda one: one[1].temperature_K)
         measured = Measured(tuple(ordered), thermal_response(fields), files[0].unit or "DN")
         for path in options.outputs:
-            text = _json(measured) if JSON.matches(path) else _csv(measured)
+            text = json_text(_facts(measured)) if JSON.matches(path) else _csv(measured)
             staging.write(path, partial(write_text, content=text))
         staging.commit()
     figures = [
         (name, number_text(float(f"{value:.5g}")), unit, meaning)
         for name, value, unit, meaning in _rows(measured)
     ]
-    print(columns(figures, right=(1,)), end="\n\n")
-    print(columns(_levels(measured), right=range(1, 13)))
-    for line in _remarks(measured):
-        print(in_line(line))
+    show(
+        options,
+        lambda: _facts(measured),
+        columns(figures, right=(1,)) + "\n",
+        columns(_levels(measured), right=range(1, 13)),
+        *map(in_line, _remarks(measured)),
+    )
 
 
 def _fields(
@@ -254,8 +243,8 @@ def _level_figures(at: NoiseTemperature) -> dict[str, float]:
     }
 
 
-def _json(measured: Measured) -> str:
-    content = {
+def _facts(measured: Measured) -> dict[str, Any]:
+    return {
         "format": "imagechain-netd",
         "version": 1,
         "unit": measured.unit,
@@ -273,7 +262,6 @@ def _json(measured: Measured) -> str:
             for (path, field), at in zip(measured.files, measured.response.levels, strict=True)
         ],
     }
-    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _csv(measured: Measured) -> str:

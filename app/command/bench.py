@@ -1,0 +1,62 @@
+"""``imagechain bench``: run time against error, in units of a bare Fourier round trip."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from importlib import import_module
+from typing import Any
+
+from app.bench import LEAD, PARTS, TITLE, Measured, measured
+from app.bench.timing import SIZE, Settings, isolate, machine_words
+from app.options.command_options import Options
+from app.options.terminal_streams import say, show
+from app.run.readout_tables import json_text
+from app.run.staging import Staging
+from core.atomic import write_text
+
+
+def carry_out(options: Options, _stop: object) -> None:
+    """Measure and print the parts of the options; write their files when all is done."""
+    isolate()
+    settings = Settings(SIZE if options.size is None else options.size, options.quick)
+    files = [path for path in (options.json_file, options.html) if path is not None]
+    with Staging(None) as staging:
+        for path in files:
+            staging.claim(path)
+        names = [name for name in PARTS if name in (options.only or PARTS)]
+        wanted = {name: import_module(f"app.bench.{name}").MEASURES for name in names}
+        facts, parts = measured(wanted, PARTS, settings, say=partial(say, options))
+        for path in files:
+            made = json_text(facts, 1) if path == options.json_file else _page(facts, parts)
+            staging.write(path, partial(write_text, content=made))
+        staging.commit()
+    end = f"{facts['seconds']:.0f} s" + "".join(f"; wrote {path}" for path in files)
+    show(options, lambda: facts, end)
+
+
+def _page(facts: Mapping[str, Any], parts: Measured) -> str:
+    """One HTML page that needs no other file."""
+    from app.bench.charts import chart_png
+    from app.report.blocks import Block, Drawn, Grid, Heading, Text
+    from app.report.html_page import html_page
+
+    settings = facts["settings"]
+    run = [*machine_words(facts["machine"]), f"{settings['threads']} threads"]
+    run += [*(["quick"] if settings["quick"] else []), facts["date"], f"{facts['seconds']:.0f} s"]
+    blocks: list[Block] = [Heading(1, TITLE), Text(LEAD, "lead"), Text(" · ".join(run), "run")]
+    for name, tables in parts.items():
+        blocks.append(Heading(2, PARTS[name]))
+        for table in tables:
+            blocks += [Heading(3, table.title), *([Text(table.text)] if table.text else [])]
+            drawn = chart_png(table, titled=False)
+            if drawn is not None and table.chart is not None:
+                blocks.append(Drawn(drawn, table.chart.title or table.title, table.title))
+            cells = table.cells()
+            told = {cell for row in cells for cell in row if cell.startswith(("met", "missed"))}
+            marks = {cell: "good" if cell.startswith("met") else "bad" for cell in told}
+            judged = {index: marks for index, head in enumerate(table.heads) if head == "verdict"}
+            if cells:
+                heads = list(table.heads.values())
+                blocks.append(Grid(heads, cells, numbers=table.numeric(), marks=judged))
+    return html_page(TITLE, blocks)
