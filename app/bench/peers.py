@@ -250,11 +250,6 @@ def load(name: str) -> Any:
 
     prysm 0.21 takes its version, and nothing else, from pkg_resources, which the setuptools that
     pyBSM requires do not have: something stands in for it.
-
-    Raises
-    ------
-    ImportError
-        If it is not installed or does not import.
     """
     lacking = GONE not in sys.modules and find_spec(GONE) is None
     if lacking:

@@ -64,13 +64,7 @@ def _fact(problem: ImagechainError) -> dict[str, str | None]:
 def planned_writes(
     options: Options, place: Place, plan: Plan
 ) -> tuple[list[str], tuple[ImagechainError, ...]]:
-    """Lines on what a run would write, and why it would refuse to.
-
-    Raises
-    ------
-    InputError
-        If it would write nothing at all, as its folder is none.
-    """
+    """Lines on what a run would write, and why it would refuse to."""
     folder = options.output_dir or Path(f"{place.name}-output")
     check_folder(folder)
     rules = rules_of(options, place, folder)

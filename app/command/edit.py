@@ -40,13 +40,7 @@ def carry_out(options: Options, stop: threading.Event) -> None:
 
 
 def check_display(environment: os._Environ[str] | dict[str, str]) -> None:
-    """Refuse to start without a display: Qt itself would end the process with a core dump.
-
-    Raises
-    ------
-    UsageError
-        Saying what is missing.
-    """
+    """Refuse to start without a display: Qt itself would end the process with a core dump."""
     platform = environment.get("QT_QPA_PLATFORM", "").partition(":")[0]
     if platform and platform not in ("xcb", "wayland"):
         return

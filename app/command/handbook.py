@@ -35,13 +35,7 @@ def carry_out(options: Options, stop: Stop) -> None:
 
 
 def page_of(word: str) -> str:
-    """The page that a word names: a module's key or title, a page's name or title, or its words.
-
-    Raises
-    ------
-    UsageError
-        If there is none.
-    """
+    """The page that a word names: a module's key or title, a page's name or title, or its words."""
     from app.handbook.page_finding import find_page
 
     library = standard_library()

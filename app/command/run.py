@@ -150,41 +150,21 @@ def _run(network: Network, place: Place, options: Options, stop: threading.Event
 
 @dataclass(frozen=True)
 class Stage:
-    """Where the files of a run are prepared: their folder, and what they may be.
+    """Where the files of a run are prepared: their folder, and what they may be."""
 
-    Parameters
-    ----------
-    folder : Path
-        The output folder.
-    staging : Staging
-        Collects the files until all of them are put in place.
-    rules : WriteRules
-        What the network may write.
-    done : callable, optional
-        Called with the number of frames written, after each.
-    look : callable, optional
-        Called with the evaluation while its pictures are held.
-    way : WayOfRunning, optional
-        In memory or in blocks, as it was chosen.
-    """
-
-    folder: Path
-    staging: Staging
-    rules: WriteRules
+    folder: Path  # the output folder
+    staging: Staging  # collects the files until all of them are put in place
+    rules: WriteRules  # what the network may write
+    # called with the number of frames written, after each
     done: Callable[[int], None] | None = None
+    # called with the evaluation while its pictures are held
     look: Callable[[Evaluation], object] | None = None
-    way: WayOfRunning | None = None
+    way: WayOfRunning | None = None  # in memory or in blocks, as it was chosen
 
     def prepare(
         self, engine: Engine, plan: Plan, work: TimedWork, options: Options, *, start: float
     ) -> tuple[Evaluation, tuple[Skip, ...]]:
-        """Evaluate a network and write its files on the stage; `start` is when all began.
-
-        Raises
-        ------
-        ImagechainError
-            The first fault.
-        """
+        """Evaluate a network and write its files on the stage; `start` is when all began."""
         staging, place = self.staging, plan.folder
         way = self.way or WayOfRunning(None, None)
         writers = _claim(plan, options, staging, way)
@@ -210,25 +190,13 @@ class Stage:
 
 
 def open_network(place: Place, options: Options, library: Library) -> Network:
-    """The network with its macros written out and the command line's changes, valid.
-
-    Raises
-    ------
-    ImagechainError
-        If it is not.
-    """
+    """The network with its macros written out and the command line's changes, valid."""
     network = read_network(place.path, library=library)
     return with_options(network, place, options, library)
 
 
 def with_options(network: Network, place: Place, options: Options, library: Library) -> Network:
-    """A network that has been read, with the command line's changes, valid.
-
-    Raises
-    ------
-    ImagechainError
-        If it is not.
-    """
+    """A network that has been read, with the command line's changes, valid."""
     if not network.nodes:
         raise NetworkError(f"{shown(str(place.path))}: the network has no nodes")
     network = plain_network(network, library=library)
@@ -503,13 +471,7 @@ def _is_on_disk(value: Any, work: TimedWork) -> bool:
 
 
 def sink_files(evaluation: Evaluation) -> list[tuple[str, Path, Callable[[Path], None]]]:
-    """Files that nodes write, their pictures computed: node, file, and what writes it.
-
-    Raises
-    ------
-    ImagechainError
-        Of the node.
-    """
+    """Files that nodes write, their pictures computed: node, file, and what writes it."""
     files: list[tuple[str, Path, Callable[[Path], None]]] = []
     for name, node in evaluation.plan.nodes.items():
         if not node.declaration.sink or node.node.disabled:

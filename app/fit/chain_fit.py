@@ -52,50 +52,23 @@ _HELD = 64  # spreads and noises that are held
 
 @dataclass(frozen=True)
 class ChainFit:
-    """The best fit.
+    """The best fit."""
 
-    Parameters
-    ----------
-    free : tuple of FreeParameter
-        What was fitted.
-    values : ndarray
-        Their values.
-    jacobian : ndarray
-        Derivatives of the residuals, shape (samples, parameters), over the root of their misfit.
-    patches : tuple of Patch
-        The edges' samples.
-    edges : EdgesAt or None
-        All as fitted; None where a whole picture was.
-    table : SpreadTable or None
-        Their spreads.
-    misfit : Misfit
-        How well it fits.
-    at_end : tuple of str
-        For each parameter ``low`` or ``high`` where it lies at that end of its range, else empty.
-    evaluations : int
-        How often the chain was evaluated.
-    unsigned : tuple of int
-        Places of the parameters whose sign changes nothing.
-    rivals : tuple of ndarray
-        Values elsewhere that fit nearly as well.
-    shown : frozenset of int
-        Places of the parameters that the edges show.
-    rests_on : tuple of float
-        Of how many edges each parameter's error is, where their scatter counts; else empty.
-    """
-
-    free: tuple[FreeParameter, ...]
-    values: Vector
+    free: tuple[FreeParameter, ...]  # what was fitted
+    values: Vector  # their values
+    # derivatives of the residuals, shape (samples, parameters), over the root of their misfit
     jacobian: Matrix
-    patches: tuple[Patch, ...]
-    edges: EdgesAt | None
-    table: SpreadTable | None
-    misfit: Misfit
+    patches: tuple[Patch, ...]  # the edges' samples
+    edges: EdgesAt | None  # all as fitted; None where a whole picture was
+    table: SpreadTable | None  # their spreads
+    misfit: Misfit  # how well it fits
+    # for each parameter ``low`` or ``high`` where it lies at that end of its range, else empty
     at_end: tuple[str, ...]
-    evaluations: int
-    unsigned: tuple[int, ...] = ()
-    rivals: tuple[Vector, ...] = ()
-    shown: frozenset[int] = frozenset()
+    evaluations: int  # how often the chain was evaluated
+    unsigned: tuple[int, ...] = ()  # places of the parameters whose sign changes nothing
+    rivals: tuple[Vector, ...] = ()  # values elsewhere that fit nearly as well
+    shown: frozenset[int] = frozenset()  # places of the parameters that the edges show
+    # of how many edges each parameter's error is, where their scatter counts; else empty
     rests_on: tuple[float, ...] = ()
 
 
@@ -288,13 +261,7 @@ class EdgeProblem:
 
 
 def fit_chain(problem: EdgeProblem) -> ChainFit:
-    """Find the parameters that fit best.
-
-    Raises
-    ------
-    DataError
-        If no values at all can be evaluated.
-    """
+    """Find the parameters that fit best."""
     from scipy.optimize import least_squares
 
     free = problem.free

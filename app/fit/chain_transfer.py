@@ -42,13 +42,7 @@ _MOST_VALUES = 400  # factors over a block of frequencies that are held
 
 
 def final_image(plan: Plan) -> Image:
-    """The network's final picture.
-
-    Raises
-    ------
-    ImagechainError
-        If it has none, or the node that makes it has a fault.
-    """
+    """The network's final picture."""
     output = find_output(plan)
     if output.port is None:
         raise UsageError(how_to_choose(output) or output.missing)
@@ -58,13 +52,7 @@ def final_image(plan: Plan) -> Image:
 
 
 def transfer_known(image: Image) -> ImageTransfer:
-    """Every transfer function from the source to the picture.
-
-    Raises
-    ------
-    DataError
-        If a step on the way is none; it is named.
-    """
+    """Every transfer function from the source to the picture."""
     passed = transfer_of(image)
     source = passed.source
     if lineage_of(source) is None:
@@ -218,13 +206,7 @@ class ChainAt:
         self._last = plan
 
     def plan(self, values: Sequence[float]) -> Plan:
-        """The network planned with these values.
-
-        Raises
-        ------
-        ImagechainError
-            If a value is not allowed.
-        """
+        """The network planned with these values."""
         from app.tradeoff.tradeoff_results import with_value
 
         network = self._last.network

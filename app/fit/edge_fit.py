@@ -33,35 +33,16 @@ _RIDGE = 1e-12
 
 @dataclass(frozen=True)
 class EdgesAt:
-    """All edges fitted with given spreads; a row of each array for an edge.
+    """All edges fitted with given spreads; a row of each array for an edge."""
 
-    Parameters
-    ----------
-    residual : ndarray
-        Samples less the model, in standard deviations of their noise.
-    model : ndarray
-        In the picture's unit.
-    weight : ndarray
-        Inverse standard deviation of each sample; 0 where there is none.
-    distance : ndarray
-        From the edge as fitted.
-    spread : ndarray
-        There, from 0 to 1.
-    levels : ndarray
-        Low level, step, and inclines of each edge.
-    own : ndarray
-        Place (samples), turn and bend (samples at the ends) of each edge.
-    columns, gram : ndarray
-        What edges' own parameters do to the weighted samples, and its products.
-    """
-
-    residual: Matrix
-    model: Matrix
-    weight: Matrix
-    distance: Matrix
-    spread: Matrix
-    levels: Matrix
-    own: Matrix
+    residual: Matrix  # samples less the model, in standard deviations of their noise
+    model: Matrix  # in the picture's unit
+    weight: Matrix  # inverse standard deviation of each sample; 0 where there is none
+    distance: Matrix  # from the edge as fitted
+    spread: Matrix  # there, from 0 to 1
+    levels: Matrix  # low level, step, and inclines of each edge
+    own: Matrix  # place (samples), turn and bend (samples at the ends) of each edge
+    # what edges' own parameters do to the weighted samples, and its products
     columns: NDArray[np.float64]
     gram: NDArray[np.float64]
 

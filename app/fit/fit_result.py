@@ -27,43 +27,26 @@ _RIVAL = 4.0  # standard errors, from which on a value is another one
 
 @dataclass(frozen=True)
 class FittedParameter:
-    """A parameter as fitted.
+    """A parameter as fitted."""
 
-    Parameters
-    ----------
-    port, unit : str
-        Its name and unit.
-    value, sigma : float or None
-        The value and its standard error; both None where the pictures do not determine it.
-    used : float or None
-        What the fitted network has: of parameters with one effect values that fit together, of one
-        without effect what it had; None where that is empty.
-    """
-
+    # its name and unit
     port: str
     unit: str
+    # the value and its standard error; both None where the pictures do not determine it
     value: float | None
     sigma: float | None
+    # what the fitted network has: of parameters with one effect values that fit together, of one
+    # without effect what it had; None where that is empty
     used: float | None
 
 
 @dataclass(frozen=True)
 class NoiseComparison:
-    """Noise of the pictures at their levels, and of the fitted network there.
+    """Noise of the pictures at their levels, and of the fitted network there."""
 
-    Parameters
-    ----------
-    measured : tuple of LevelVariance
-        Of the pictures.
-    predicted : tuple of float
-        Variance of a sample by the network.
-    fitted : bool
-        Whether free parameters have been fitted to it.
-    """
-
-    measured: tuple[LevelVariance, ...]
-    predicted: tuple[float, ...]
-    fitted: bool
+    measured: tuple[LevelVariance, ...]  # of the pictures
+    predicted: tuple[float, ...]  # variance of a sample by the network
+    fitted: bool  # whether free parameters have been fitted to it
 
     @property
     def ratio(self) -> float:
@@ -76,39 +59,18 @@ class NoiseComparison:
 
 @dataclass(frozen=True)
 class FitResult:
-    """The whole outcome.
+    """The whole outcome."""
 
-    Parameters
-    ----------
-    fit : ChainFit
-        What was fitted to the edges.
-    parameters : tuple of FittedParameter
-        In the order given.
-    correlation : ndarray
-        Of the parameters; NaN where there is none.
-    combinations : tuple of Combination
-        What is known of parameters that are not told apart.
-    warnings : tuple of str
-        One line each.
-    notes : tuple of str
-        What was assumed.
-    noise : NoiseComparison or str
-        The noise, or why it was not compared.
-    refused : tuple of str
-        Why other candidates for edges were not used.
-    scene : SceneFit or None
-        The whole pictures, where a known scene was fitted.
-    """
-
-    fit: ChainFit
-    parameters: tuple[FittedParameter, ...]
-    correlation: Matrix
+    fit: ChainFit  # what was fitted to the edges
+    parameters: tuple[FittedParameter, ...]  # in the order given
+    correlation: Matrix  # of the parameters; NaN where there is none
+    # what is known of parameters that are not told apart
     combinations: tuple[Combination, ...] = ()
-    warnings: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
-    noise: NoiseComparison | str = ""
-    refused: tuple[str, ...] = ()
-    scene: SceneFit | None = None
+    warnings: tuple[str, ...] = ()  # one line each
+    notes: tuple[str, ...] = ()  # what was assumed
+    noise: NoiseComparison | str = ""  # the noise, or why it was not compared
+    refused: tuple[str, ...] = ()  # why other candidates for edges were not used
+    scene: SceneFit | None = None  # the whole pictures, where a known scene was fitted
 
     @property
     def chi2_per_degree(self) -> float:

@@ -21,29 +21,17 @@ _ABOVE = 1e-12  # of a range whose low end is no value: above it
 
 @dataclass(frozen=True)
 class FreeParameter:
-    """A parameter that is fitted.
+    """A parameter that is fitted."""
 
-    Parameters
-    ----------
-    port : str
-        ``NODE.PARAM`` as it was given.
-    node, name : str
-        Where it is, inside a macro too.
-    low, high : float
-        Between what; infinite where the parameter has no end.
-    present : float or None
-        Its value in the network; None where it is empty there.
-    unit : str
-        Of the parameter.
-    """
-
-    port: str
+    port: str  # ``NODE.PARAM`` as it was given
+    # where it is, inside a macro too
     node: str
     name: str
+    # between what; infinite where the parameter has no end
     low: float
     high: float
-    present: float | None
-    unit: str
+    present: float | None  # its value in the network; None where it is empty there
+    unit: str  # of the parameter
 
     @property
     def target(self) -> tuple[str, str]:
@@ -54,13 +42,7 @@ class FreeParameter:
 def free_parameters(
     texts: Sequence[str], network: Network, library: Library, *, option: str = FREE
 ) -> tuple[FreeParameter, ...]:
-    """The parameters that are named; `option` is what named them, for messages.
-
-    Raises
-    ------
-    UsageError
-        If there is none, no such parameter, it is no number, or its range is none.
-    """
+    """The parameters that are named; `option` is what named them, for messages."""
     if not texts:
         raise UsageError(f"{option}: name what is fitted{_such_as(numbers_of(network, library))}")
     free = tuple(_one(text, network, library, option) for text in texts)

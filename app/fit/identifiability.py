@@ -35,48 +35,27 @@ _MATCH = 0.02  # by which ratios may differ from those of a combination with who
 
 @dataclass(frozen=True)
 class Combination:
-    """What is known of parameters that are not told apart.
+    """What is known of parameters that are not told apart."""
 
-    Parameters
-    ----------
-    members : tuple of int
-        Their places among the free parameters.
-    text : str
-        The combination, in the parameters' names.
-    value, sigma : float
-        Its value and standard error.
-    unit : str
-        Its unit; empty where it has none that is plain.
-    """
-
-    members: tuple[int, ...]
-    text: str
+    members: tuple[int, ...]  # their places among the free parameters
+    text: str  # the combination, in the parameters' names
+    # its value and standard error
     value: float
     sigma: float
-    unit: str
+    unit: str  # its unit; empty where it has none that is plain
 
 
 @dataclass(frozen=True)
 class Identified:
-    """What the data determine.
+    """What the data determine."""
 
-    Parameters
-    ----------
-    covariance : ndarray
-        Of the parameters that are determined; NaN in rows and columns of the others.
-    limited : tuple of int
-        Parameters at an end of their range where the edges change with their square only: the
-        standard error is how far they may be from it.
-    without_effect : tuple of int
-        Parameters of which the edges show nothing.
-    combinations : tuple of Combination
-        Of those that are not told apart.
-    """
-
+    # of the parameters that are determined; NaN in rows and columns of the others
     covariance: Matrix
+    # parameters at an end of their range where the edges change with their square only: the
+    # standard error is how far they may be from it
     limited: tuple[int, ...]
-    without_effect: tuple[int, ...]
-    combinations: tuple[Combination, ...]
+    without_effect: tuple[int, ...]  # parameters of which the edges show nothing
+    combinations: tuple[Combination, ...]  # of those that are not told apart
 
     @property
     def undetermined(self) -> frozenset[int]:

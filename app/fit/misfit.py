@@ -28,30 +28,20 @@ FEWEST = 3  # edges, of which a scatter is taken
 
 @dataclass(frozen=True)
 class Misfit:
-    """How well the chain's edges lie in the samples.
+    """How well the chain's edges lie in the samples."""
 
-    Parameters
-    ----------
-    chi2, degrees
-        Sum of the squared residuals in units of their noise, and degrees of freedom.
-    shape_chi2, shape_degrees
-        The same of residuals averaged at equal distances from the edge.
-    noise_chi2, noise_degrees
-        The same of the noise at the measured levels; part of the first two.
-    material : float
-        What is left near the edge that is worst, beyond noise, as a share of its step.
-    edges : int
-        How many were fitted; 0 for a whole picture.
-    """
-
+    # sum of the squared residuals in units of their noise, and degrees of freedom
     chi2: float
     degrees: int
+    # the same of residuals averaged at equal distances from the edge
     shape_chi2: float
     shape_degrees: int
+    # the same of the noise at the measured levels; part of the first two
     noise_chi2: float = 0.0
     noise_degrees: int = 0
+    # what is left near the edge that is worst, beyond noise, as a share of its step
     material: float = 0.0
-    edges: int = 0
+    edges: int = 0  # how many were fitted; 0 for a whole picture
 
     @property
     def chi2_per_degree(self) -> float:

@@ -50,11 +50,6 @@ class NoiseLevels:
         The network as it stands, for its source.
     work : Work
         Evaluates.
-
-    Raises
-    ------
-    DataError
-        If the final picture stems from no source, from several, or from one in bands.
     """
 
     def __init__(self, engine: Engine, plan: Plan, work: Work) -> None:
@@ -72,13 +67,7 @@ class NoiseLevels:
         self._starts = [start, start]
 
     def at(self, plan: Plan, levels: Sequence[float]) -> Vector:
-        """Variance of a sample at each level, random from sample to sample.
-
-        Raises
-        ------
-        ImagechainError
-            If the network's picture cannot have these levels, or its noise is not known.
-        """
+        """Variance of a sample at each level, random from sample to sample."""
         low, high = min(levels), max(levels)
         seen: dict[float, tuple[float, float]] = {}
 

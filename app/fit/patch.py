@@ -20,17 +20,10 @@ MARGIN = 32  # samples about an edge, beyond which nothing is looked at
 
 @dataclass(frozen=True)
 class Window:
-    """A part of a picture; beyond its frame the nearest samples stand.
+    """A part of a picture; beyond its frame the nearest samples stand."""
 
-    Parameters
-    ----------
-    samples : ndarray
-        Shape (rows, columns).
-    top, left : int
-        Row and column of the first sample in the picture.
-    """
-
-    samples: Matrix
+    samples: Matrix  # shape (rows, columns)
+    # row and column of the first sample in the picture
     top: int
     left: int
 
@@ -67,53 +60,31 @@ _FAINT = 1e-4  # of the contrast: a noise that is less is that of rounding in a 
 
 @dataclass(frozen=True)
 class Patch:
-    """Samples about an edge with what their noise is.
+    """Samples about an edge with what their noise is."""
 
-    Parameters
-    ----------
-    name : str
-        For people: where the edge is.
-    angle_deg : float
-        Of the normal, from x towards +y, to the brighter side.
-    distance, along, value : ndarray
-        Of each sample: distance along the normal, place along the edge, sample.
-    column, row : ndarray
-        Where each sample is in its picture.
-    window : Window
-        The picture about the edge.
-    low_variance, high_variance : float
-        Of a sample's noise on each side.
-    low, high : float
-        Levels of the sides.
-    shaded : bool
-        Whether the sides are not level.
-    least_variance : float
-        What rounding in the file alone makes.
-    picture : int
-        Which of the pictures it lies in.
-    x, y : float
-        Middle of the edge.
-    curvature : float
-        Of the edge: samples off its tangent, over the square of the place along it.
-    """
-
-    name: str
-    angle_deg: float
+    name: str  # for people: where the edge is
+    angle_deg: float  # of the normal, from x towards +y, to the brighter side
+    # of each sample: distance along the normal, place along the edge, sample
     distance: Vector
     along: Vector
     value: Vector
+    # where each sample is in its picture
     column: Indices
     row: Indices
-    window: Window
+    window: Window  # the picture about the edge
+    # of a sample's noise on each side
     low_variance: float
     high_variance: float
+    # levels of the sides
     low: float
     high: float
-    shaded: bool = False
-    least_variance: float = 0.0
-    picture: int = 0
+    shaded: bool = False  # whether the sides are not level
+    least_variance: float = 0.0  # what rounding in the file alone makes
+    picture: int = 0  # which of the pictures it lies in
+    # middle of the edge
     x: float = 0.0
     y: float = 0.0
+    # of the edge: samples off its tangent, over the square of the place along it
     curvature: float = 0.0
 
     @property

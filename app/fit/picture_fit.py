@@ -47,24 +47,13 @@ _NOTHING = 1e-9  # of a variance: what rounding makes where there is none
 
 @dataclass(frozen=True)
 class FittedPictures:
-    """Pictures of a camera.
+    """Pictures of a camera."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        For messages.
-    samples : tuple of ndarray
-        Each of shape (rows, columns), finite.
-    clip_levels : tuple of float or None
-        Lowest and highest number that a sample can have.
-    warnings : tuple of str
-        What to know of the files, one line each.
-    """
-
-    names: tuple[str, ...]
-    samples: tuple[Matrix, ...]
+    names: tuple[str, ...]  # for messages
+    samples: tuple[Matrix, ...]  # each of shape (rows, columns), finite
+    # lowest and highest number that a sample can have
     clip_levels: tuple[float, float] | None = None
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()  # what to know of the files, one line each
 
     @property
     def text(self) -> str:
@@ -73,13 +62,7 @@ class FittedPictures:
 
 
 def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPictures:
-    """All frames of the files, which may differ in size; of a file of bands one of them.
-
-    Raises
-    ------
-    ImagechainError
-        If one cannot be read or is too small, or its format leaves out fine detail.
-    """
+    """All frames of the files, which may differ in size; of a file of bands one of them."""
     names, samples = [], []
     opened: list[PictureFile] = []
     seen: set[bytes] = set()
@@ -130,12 +113,6 @@ def fit_pictures(
         Gets the name of what is done next.
     watch : callable, optional
         Gets edges, not all of them at first, as the values change.
-
-    Raises
-    ------
-    ImagechainError
-        If no edge of the pictures can be used, or the network's steps are not known as transfer
-        functions.
     """
     final = final_image(plan)
     passed = transfer_known(final)
@@ -186,14 +163,7 @@ def fit_known_scene(
     pictures: FittedPictures,
     report: Callable[[str], None] = lambda _text: None,
 ) -> FitResult:
-    """As `fit_pictures`, with one picture of the network's own scene as a whole.
-
-    Raises
-    ------
-    ImagechainError
-        If the picture is not of the network's size, shows another scene, is clipped, interlaced
-        or was compressed in blocks, or there are several.
-    """
+    """As `fit_pictures`, with one picture of the network's own scene as a whole."""
     if len(pictures.samples) != 1:
         raise UsageError(
             f"--known-scene takes one picture, not {len(pictures.samples)}: each has a place of "
@@ -306,18 +276,10 @@ _MOST_SAMPLES = 60_000
 
 @dataclass(frozen=True)
 class EdgeChoice:
-    """The edges of pictures: those that are fitted, and why others are not.
+    """The edges of pictures: those that are fitted, and why others are not."""
 
-    Parameters
-    ----------
-    patches : tuple of Patch
-        Samples of the edges, the clearest first.
-    refused : tuple of str
-        Why not, of every other candidate.
-    """
-
-    patches: tuple[Patch, ...]
-    refused: tuple[str, ...]
+    patches: tuple[Patch, ...]  # samples of the edges, the clearest first
+    refused: tuple[str, ...]  # why not, of every other candidate
 
     @property
     def reasons(self) -> str:

@@ -61,13 +61,7 @@ class SceneProblem:
         return self._source if isinstance(self._source, str) else ""
 
     def simulated(self, values: Vector, how: Registration = _IN_PLACE) -> Matrix:
-        """The network's picture without noise, of its scene in its place, or moved and scaled.
-
-        Raises
-        ------
-        DataError
-            If it is of another size than the real one.
-        """
+        """The network's picture without noise, of its scene in its place, or moved and scaled."""
         source = self._source
         moved = isinstance(source, FineSource) and how.place != _IN_PLACE.place
         key = (*map(float, values), *(how.place if moved else _IN_PLACE.place))
@@ -324,21 +318,11 @@ def moved_scene(
 
 @dataclass(frozen=True)
 class FineSource:
-    """The source of a network whose final picture has fewer samples.
+    """The source of a network whose final picture has fewer samples."""
 
-    Parameters
-    ----------
-    engine : Engine
-        Plans the network.
-    port : str
-        ``NODE.PORT`` of the source.
-    ratio : (float, float)
-        Its samples for one of the final picture, across and down.
-    """
-
-    engine: Engine
-    port: str
-    ratio: tuple[float, float]
+    engine: Engine  # plans the network
+    port: str  # ``NODE.PORT`` of the source
+    ratio: tuple[float, float]  # its samples for one of the final picture, across and down
 
     def moved(self, plan: Plan, how: Registration) -> Plan:
         """The network planned with its scene where a real picture has it."""

@@ -32,21 +32,13 @@ _MOST_SCALE = 2.0  # a corner of a scene, magnified, is like any edge
 
 @dataclass(frozen=True)
 class Registration:
-    """How the simulated picture lies in the real one.
+    """How the simulated picture lies in the real one."""
 
-    Parameters
-    ----------
-    shift_x, shift_y : float
-        Samples, to the right and down.
-    scale : float
-        About the middle; above 1 the real picture is larger.
-    gain, offset : float
-        What the simulated samples are multiplied by, and what is added.
-    """
-
+    # samples, to the right and down
     shift_x: float = 0.0
     shift_y: float = 0.0
-    scale: float = 1.0
+    scale: float = 1.0  # about the middle; above 1 the real picture is larger
+    # what the simulated samples are multiplied by, and what is added
     gain: float = 1.0
     offset: float = 0.0
 
@@ -67,22 +59,13 @@ class Registration:
 
 @dataclass(frozen=True)
 class SceneFit:
-    """Whole pictures side by side.
+    """Whole pictures side by side."""
 
-    Parameters
-    ----------
-    real, simulated : ndarray
-        The picture, and the fitted network's where the picture has it.
-    noise_sigma : float
-        White noise of the picture's samples.
-    registration : Registration
-        How it lies in the picture.
-    """
-
+    # the picture, and the fitted network's where the picture has it
     real: Matrix
     simulated: Matrix
-    noise_sigma: float
-    registration: Registration
+    noise_sigma: float  # white noise of the picture's samples
+    registration: Registration  # how it lies in the picture
 
 
 class SceneMatch:
@@ -107,11 +90,6 @@ class SceneMatch:
         """With the power of the noise that a difference shows: white, of rows and of columns.
 
         Taken where a scene has least, at high frequencies; medians, which single waves do not move.
-
-        Raises
-        ------
-        DataError
-            If there is no noise.
         """
         rows, columns = self.picture.shape
         spectrum = scipy.fft.rfft2(difference * self._window)
@@ -133,14 +111,7 @@ class SceneMatch:
         return SceneMatch(self.picture, power)
 
     def check_same_scene(self, difference: Matrix, how: Registration) -> None:
-        """Refuse a fit that leaves most of the picture: another scene meets any by chance.
-
-        Raises
-        ------
-        DataError
-            If more than half of the picture's variance beyond noise is left, or the scene would
-            have to be of another size.
-        """
+        """Refuse a fit that leaves most of the picture: another scene meets any by chance."""
         if not 1.0 / _MOST_SCALE <= how.scale <= _MOST_SCALE:
             raise DataError(
                 "the picture does not show the network's scene: it is most like it "
@@ -174,13 +145,7 @@ class SceneMatch:
         return np.concatenate([spectrum.real.ravel(), spectrum.imag.ravel()])
 
     def coarse(self, simulated: Matrix) -> Registration:
-        """Whole samples of shift, gain and offset.
-
-        Raises
-        ------
-        DataError
-            If the two pictures have next to nothing in common.
-        """
+        """Whole samples of shift, gain and offset."""
         real, made = ((one - one.mean()) * self._window for one in (self.picture, simulated))
         product = scipy.fft.rfft2(real) * np.conj(scipy.fft.rfft2(made))
         common = scipy.fft.irfft2(product, real.shape)

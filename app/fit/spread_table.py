@@ -25,17 +25,10 @@ _LEAST_HIGHEST = 8  # cycles per sample: a table's steps are half of its inverse
 
 @dataclass(frozen=True)
 class SpreadTable:
-    """The spreads of edges at equal distances, one in each row, and their slopes.
+    """The spreads of edges at equal distances, one in each row, and their slopes."""
 
-    Parameters
-    ----------
-    period : int
-        Samples from the first distance, −period/2, to where the table begins anew.
-    spread, slope : ndarray
-        ESF, from 0 to 1, and its derivative; shape (edges, distances).
-    """
-
-    period: int
+    period: int  # samples from the first distance, −period/2, to where the table begins anew
+    # ESF, from 0 to 1, and its derivative; shape (edges, distances)
     spread: NDArray[np.float64]
     slope: NDArray[np.float64]
 

@@ -218,11 +218,6 @@ def formula_svg(tex: str) -> str:
     ----------
     tex : str
         Without dollar signs.
-
-    Raises
-    ------
-    FormulaError
-        If it is no TeX that can be typeset; names the formula.
     """
     mpl = load_matplotlib()
     from matplotlib.font_manager import FontProperties

@@ -150,11 +150,6 @@ def cached_handbook(library: Library, progress: Callable[[str], None] = lambda _
     """The handbook's folder in the cache; its pages are made if they are not those of today.
 
     Today's are those of this version, its pages and the modules there are, plug-ins too.
-
-    Raises
-    ------
-    FileError
-        If it cannot be written.
     """
     cache = cache_folder()
     folder = cache / f"handbook-{content_mark(library)}"
@@ -188,13 +183,7 @@ def content_mark(library: Library) -> str:
 def write_handbook(
     folder: Path, library: Library, progress: Callable[[str], None] = lambda _: None
 ) -> None:
-    """Write all pages to a folder: new, empty, or one with a handbook, which is replaced.
-
-    Raises
-    ------
-    FileError
-        If there is something else in the folder, or it cannot be written.
-    """
+    """Write all pages to a folder: new, empty, or one with a handbook, which is replaced."""
     target = folder.resolve()
     if folder.exists() and not _may_be_replaced(folder):
         raise FileError(
@@ -297,11 +286,6 @@ def page_figure(words: str, engine: Engine) -> str:
         A line for every drawing, as the module's docstring lists them.
     engine : Engine
         Of the library.
-
-    Raises
-    ------
-    UsageError
-        For a line that is none of these.
     """
     lines = [line.split(maxsplit=2) for line in words.splitlines() if line.strip()]
     named = [line[1] for line in lines if line[0] == "network"]

@@ -77,13 +77,7 @@ class Save(Assignment):
         return f"--save {self.port}{bounds}={self.text}"
 
     def region(self, rows: int, columns: int) -> Region | None:
-        """The samples to save of a picture of that size; None for all of them.
-
-        Raises
-        ------
-        UsageError
-            If there are none, or they go beyond the picture.
-        """
+        """The samples to save of a picture of that size; None for all of them."""
         ends = _BOUNDS.fullmatch(self.bounds)
         if ends is None:
             return None

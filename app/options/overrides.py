@@ -28,11 +28,6 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
     A value is taken as JSON where it is JSON that fits the parameter, else as a number as people
     write it (``.5``, ``+3``), else as text. Behind a further ``=`` it is an expression that the
     parameter follows from then on. A file's name is relative to the current folder.
-
-    Raises
-    ------
-    UsageError, ParameterError
-        For an unknown node or parameter, or a value that does not fit.
     """
     for outer in settings:
         setting = behind(outer, network)
@@ -45,13 +40,7 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
 
 
 def with_final(network: Network, port: str, *, library: Library) -> Network:
-    """The network with a picture marked as its output, and no other.
-
-    Raises
-    ------
-    UsageError
-        If there is no such port, or it has no picture.
-    """
+    """The network with a picture marked as its output, and no other."""
     port = network.port_names.get(port, port)
     name, dot, output = port.rpartition(".")
     if not dot:
@@ -99,13 +88,7 @@ def behind(setting: Assignment, network: Network) -> Assignment:
 def named_parameter(
     option: str, setting: Assignment, network: Network, *, library: Library
 ) -> Parameter | None:
-    """The parameter that an option names; None where the node's module is unknown.
-
-    Raises
-    ------
-    UsageError
-        If there is no such node or parameter.
-    """
+    """The parameter that an option names; None where the node's module is unknown."""
     node = network.nodes.get(setting.node)
     if node is None:
         by_macro = [name.rpartition(".") for name in network.parameter_names]

@@ -25,11 +25,6 @@ def write_report(evaluation: Evaluation, skipped: tuple[Skip, ...], path: Path) 
         What had not been computed for it, before any report.
     path : Path
         The file.
-
-    Raises
-    ------
-    ImagechainError
-        If a figure cannot be computed, or the file not be written.
     """
     facts = report_facts(evaluation, skipped)
     if JSON.matches(path):

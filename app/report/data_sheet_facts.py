@@ -247,13 +247,7 @@ _FIELDS = (*_TEXTS, "value", "within")
 
 
 def published_rows(evaluation: Evaluation, nyquist: Mapping[str, float]) -> list[dict[str, Any]]:
-    """Each published figure with ours and a verdict; none for a shipped network that was changed.
-
-    Raises
-    ------
-    NetworkError
-        If the network's field is not as it should be.
-    """
+    """Each published figure with ours and a verdict; none for a shipped network that was changed."""
     entries = evaluation.network.extra.get("published", ())
     if not isinstance(entries, tuple):
         raise NetworkError("published must be a list of figures")
@@ -301,13 +295,7 @@ def _content(plan: Plan) -> Any:
 
 
 def conflicts(network: Network) -> list[str]:
-    """Where the source contradicts itself.
-
-    Raises
-    ------
-    NetworkError
-        If the network's field is no list of texts.
-    """
+    """Where the source contradicts itself."""
     texts = network.extra.get("conflicts", ())
     if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
         raise NetworkError("conflicts must be a list of texts")

@@ -96,25 +96,14 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Judged:
-    """All measurements of a chain's final picture.
+    """All measurements of a chain's final picture."""
 
-    Parameters
-    ----------
-    source, picture : str
-        Ports of the replaced picture and of the one measured.
-    intervals : (float, float)
-        Of the measured picture, mrad.
-    silenced : tuple of str
-        Nodes whose noise is left out, in the network's order.
-    attempts : tuple of Attempt
-        Each way to measure.
-    """
-
+    # ports of the replaced picture and of the one measured
     source: str
     picture: str
-    intervals: tuple[float, float]
-    silenced: tuple[str, ...]
-    attempts: tuple[Attempt, ...]
+    intervals: tuple[float, float]  # of the measured picture, mrad
+    silenced: tuple[str, ...]  # nodes whose noise is left out, in the network's order
+    attempts: tuple[Attempt, ...]  # each way to measure
 
 
 def judged(evaluation: Evaluation) -> Judged | str:
@@ -161,13 +150,7 @@ def _reason(evaluation: Evaluation) -> str | None:
 
 
 class _Chain:
-    """The final picture with an edge for a scene.
-
-    Raises
-    ------
-    DataError
-        If it is not made of the scene by steps that are known as transfer functions.
-    """
+    """The final picture with an edge for a scene."""
 
     def __init__(self, scene: Image, image: Image, silenced: set[str]) -> None:
         self.scene = scene
@@ -359,13 +342,7 @@ def expected_mtf(passed: ImageTransfer, work: Work, waves: Waves) -> Vector:
 
 
 def edge_row(work: Work, recipe: Recipe, source: Recipe, axis: Axis, samples: int) -> Vector:
-    """A row, or column, of a picture whose source is an edge through the middle of `samples`.
-
-    Raises
-    ------
-    DataError
-        Where a step of the picture is not known as a transfer function.
-    """
+    """A row, or column, of a picture whose source is an edge through the middle of `samples`."""
     changes: list[Linear] = []
     while recipe.key != source.key:
         lineage = lineage_of(recipe)
@@ -388,20 +365,12 @@ _BESIDE = 1e-9  # of a wavelength, on both sides of where a response may jump
 
 @dataclass(frozen=True, eq=False)
 class DrawnResponse:
-    """A response over wavelength.
+    """A response over wavelength."""
 
-    Parameters
-    ----------
-    name : str
-        What it is of every wavelength.
-    band_um : (float, float)
-        Wavelengths shown: the picture's band, and what lies within the response beside it.
-    wavelength_um, values : ndarray, shape (points,)
-        The curve.
-    """
-
-    name: str
+    name: str  # what it is of every wavelength
+    # wavelengths shown: the picture's band, and what lies within the response beside it
     band_um: Band
+    # the curve
     wavelength_um: Vector
     values: Vector
 

@@ -86,13 +86,7 @@ class Evaluation:
 
 
 def planned(engine: Engine, network: Network, folder: Path) -> Plan:
-    """The network planned.
-
-    Raises
-    ------
-    NetworkProblems
-        With the errors of all nodes.
-    """
+    """The network planned."""
     plan = engine.plan(network, folder=folder)
     errors = plan.errors()
     if errors:
@@ -104,11 +98,6 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
     """Compute the input pictures, then every unlinked output and every read-out.
 
     What each of them is made of is made once, and dropped after the last that needs it.
-
-    Raises
-    ------
-    ImagechainError
-        The first one met, with its node.
     """
     start = time.perf_counter()
     chain = find_chain(plan)

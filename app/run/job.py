@@ -25,50 +25,23 @@ _LONGEST = 80
 
 @dataclass(frozen=True)
 class Job:
-    """What one background run does.
+    """What one background run does."""
 
-    Parameters
-    ----------
-    kind : str
-        ``report``: only the report of the network; ``run``: all that ``imagechain run`` writes;
-        ``frames``: that, and frames of the delivered picture; ``sweep``: figures, and perhaps
-        pictures, at each value of a parameter; ``files``: a run for each of several files.
-    network : str
-        The text of the network file.
-    folder : Path
-        What file names in the network are relative to.
-    path : Path or None
-        The network's file; None where it was never saved.
-    output : Path
-        The folder to write in; the file of a ``report``.
-    chosen : tuple of Path
-        Files that the person has chosen to be written.
-    target : str
-        ``NODE.PARAM`` that takes the values.
-    values : tuple
-        Its values, as a network file has them.
-    log : bool
-        Whether these are equal factors apart.
-    pictures : bool
-        Whether a sweep makes a run, with its picture, at each value.
-    report : bool
-        Whether each run writes a report.
-    frames : int
-        How many frames.
-    """
-
+    # ``report``: only the report of the network; ``run``: all that ``imagechain run`` writes;
+    # ``frames``: that, and frames of the delivered picture; ``sweep``: figures, and perhaps
+    # pictures, at each value of a parameter; ``files``: a run for each of several files
     kind: Kind
-    network: str
-    folder: Path
-    path: Path | None
-    output: Path
-    chosen: tuple[Path, ...] = ()
-    target: str = ""
-    values: tuple[Any, ...] = ()
-    log: bool = False
-    pictures: bool = True
-    report: bool = False
-    frames: int = 0
+    network: str  # the text of the network file
+    folder: Path  # what file names in the network are relative to
+    path: Path | None  # the network's file; None where it was never saved
+    output: Path  # the folder to write in; the file of a ``report``
+    chosen: tuple[Path, ...] = ()  # files that the person has chosen to be written
+    target: str = ""  # ``NODE.PARAM`` that takes the values
+    values: tuple[Any, ...] = ()  # its values, as a network file has them
+    log: bool = False  # whether these are equal factors apart
+    pictures: bool = True  # whether a sweep makes a run, with its picture, at each value
+    report: bool = False  # whether each run writes a report
+    frames: int = 0  # how many frames
 
     @property
     def variants(self) -> tuple[Variant, ...]:
@@ -113,13 +86,7 @@ def job_text(job: Job) -> str:
 
 
 def read_job(text: str) -> Job:
-    """The job of a line of text.
-
-    Raises
-    ------
-    UsageError
-        If it is none.
-    """
+    """The job of a line of text."""
     try:
         content = json.loads(text)
         return _job(content)
@@ -182,27 +149,13 @@ class Preview:
 
 @dataclass(frozen=True)
 class Result:
-    """What has been made.
+    """What has been made."""
 
-    Parameters
-    ----------
-    runs : int
-        How many runs there were.
-    failures : tuple of (str, str)
-        Runs that could not be made: their names, and why.
-    warnings : tuple of str
-        What the nodes warn of, in lines.
-    page : Path or None
-        A page to look at first: the report, or the trade-off.
-    previews : tuple of Preview
-        Small pictures of the first runs.
-    """
-
-    runs: int = 1
-    failures: tuple[tuple[str, str], ...] = ()
-    warnings: tuple[str, ...] = ()
-    page: Path | None = None
-    previews: tuple[Preview, ...] = ()
+    runs: int = 1  # how many runs there were
+    failures: tuple[tuple[str, str], ...] = ()  # runs that could not be made: their names, and why
+    warnings: tuple[str, ...] = ()  # what the nodes warn of, in lines
+    page: Path | None = None  # A page to look at first: the report, or the trade-off
+    previews: tuple[Preview, ...] = ()  # small pictures of the first runs
 
 
 def step_line(step: Step) -> str:

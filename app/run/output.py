@@ -18,17 +18,10 @@ _MOST_NAMED = 8
 
 @dataclass(frozen=True)
 class Output:
-    """The picture that a network delivers.
+    """The picture that a network delivers."""
 
-    Parameters
-    ----------
-    port : str or None
-        ``NODE.PORT``; None where there is none, or several could be meant.
-    choices : tuple of str
-        Ports of the pictures that could be meant, where none of them is marked.
-    """
-
-    port: str | None
+    port: str | None  # ``NODE.PORT``; None where there is none, or several could be meant
+    # ports of the pictures that could be meant, where none of them is marked
     choices: tuple[str, ...] = ()
 
     @property
@@ -52,11 +45,6 @@ def find_output(plan: Plan) -> Output:
     and on whose picture no other such node hangs; analysis modules count only where there are no
     others, pictures that hang on nothing only where there are none of both. Of several that
     remain none is taken.
-
-    Raises
-    ------
-    NetworkError
-        If what is marked is no picture, or two nodes are.
     """
     marked = plan.network.marked
     if len(marked) > 1:

@@ -45,45 +45,23 @@ Pair = tuple[float, float]
 
 @dataclass(frozen=True)
 class OwnScene:
-    """A picture, and what its owner says of it; what is None follows from file and network.
+    """A picture, and what its owner says of it; what is None follows from file and network."""
 
-    Parameters
-    ----------
-    picture : Path or ndarray
-        A picture or cube; of an array (rows, columns), or (rows, columns, 3) for red, green, blue.
-    fov_deg : (float, float), optional
-        Field of view across and along, degrees.
-    range_m : float, optional
-        Distance of the scene, m.
-    sample_m : float, optional
-        Size of a sample on the scene, m; with the distance it gives the field of view.
-    band_um : (float, float), optional
-        Shortest and longest wavelength, µm.
-    unit : str
-        What the samples are: a unit of radiance, a temperature, a reflectance, or `RELATIVE`.
-    option : str
-        What stands before the names of these in messages.
-    hints : bool
-        Whether the lines name what says otherwise; not where only the picture is given.
-    """
-
+    # A picture or cube; of an array (rows, columns), or (rows, columns, 3) for red, green, blue
     picture: Path | Array
-    fov_deg: Pair | None = None
-    range_m: float | None = None
+    fov_deg: Pair | None = None  # field of view across and along, degrees
+    range_m: float | None = None  # distance of the scene, m
+    # size of a sample on the scene, m; with the distance it gives the field of view
     sample_m: float | None = None
-    band_um: Pair | None = None
+    band_um: Pair | None = None  # shortest and longest wavelength, µm
+    # what the samples are: a unit of radiance, a temperature, a reflectance, or `RELATIVE`
     unit: str = ""
-    option: str = ""
+    option: str = ""  # what stands before the names of these in messages
+    # whether the lines name what says otherwise; not where only the picture is given
     hints: bool = True
 
     def check(self) -> None:
-        """Refuse what no picture has.
-
-        Raises
-        ------
-        UsageError
-            Naming the value, and what is allowed.
-        """
+        """Refuse what no picture has."""
         allowed = "above 0° and below 180°"
         for value in self.fov_deg or ():
             if not 0.0 < value < 180.0:
@@ -105,24 +83,12 @@ class OwnScene:
 
 @dataclass(frozen=True)
 class SceneReplaced:
-    """The network with the picture in it.
+    """The network with the picture in it."""
 
-    Parameters
-    ----------
-    network : Network
-        The network.
-    node : str
-        The node that reads the picture.
-    lines : tuple of str
-        How the picture was taken: samples, field of view, band.
-    samples : HeldSamples or None
-        Those of an array.
-    """
-
-    network: Network
-    node: str
-    lines: tuple[str, ...]
-    samples: HeldSamples | None = None
+    network: Network  # the network
+    node: str  # the node that reads the picture
+    lines: tuple[str, ...]  # how the picture was taken: samples, field of view, band
+    samples: HeldSamples | None = None  # those of an array
 
 
 def scene_nodes(network: Network, library: Library) -> list[str]:
@@ -161,11 +127,6 @@ def with_own_scene(
         The scene; needed where the network has several.
     stored : str, optional
         The picture's file as the network is to name it; its whole path by default.
-
-    Raises
-    ------
-    ImagechainError
-        If there is no such scene, the picture cannot be read, or a value is not allowed.
     """
     own.check()
     name = _chosen(network, library, node, own.option)

@@ -35,25 +35,14 @@ _BARRED = '/\\:*?"<>|'
 
 @dataclass(frozen=True)
 class Preset:
-    """A macro in a file.
+    """A macro in a file."""
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    title, text : str
-        What it is called, and what it is.
-    own : bool
-        Whether the person saved it, and it does not come with the program.
-    problem : str
-        Why it cannot be used; empty if it can.
-    """
-
-    path: Path
+    path: Path  # the file
+    # what it is called, and what it is
     title: str
     text: str = ""
-    own: bool = False
-    problem: str = ""
+    own: bool = False  # whether the person saved it, and it does not come with the program
+    problem: str = ""  # why it cannot be used; empty if it can
 
     @property
     def key(self) -> str:
@@ -82,13 +71,7 @@ def own_presets(folder: Path, library: Library) -> tuple[Preset, ...]:
 def placed(
     preset: Preset, network: Network, library: Library, at: Point | None
 ) -> tuple[str, Operation]:
-    """What puts a preset into a network, under a name that is free; and that name.
-
-    Raises
-    ------
-    FileError, NetworkError
-        If its file cannot be read, or holds no macro.
-    """
+    """What puts a preset into a network, under a name that is free; and that name."""
     problem = _preset(preset.path, library, own=preset.own).problem  # it may have changed
     if problem:
         raise NetworkError(problem)
@@ -97,15 +80,7 @@ def placed(
 
 
 def save_preset(network: Network, name: str, folder: Path, library: Library) -> Path:
-    """Write a macro of a network to a file of a folder; it has the macro's name.
-
-    Raises
-    ------
-    FileError
-        If there is such a preset already, or the file cannot be written.
-    NetworkError
-        If the node is no macro, its name can be none of a file, or a parameter follows others.
-    """
+    """Write a macro of a network to a file of a folder; it has the macro's name."""
     node = network.node(name)
     if node.macro is None:
         raise NetworkError(f"{shown(name)} is no macro: group nodes to make one (Ctrl+G)")
@@ -163,13 +138,7 @@ Sets = dict[str, dict[str, Any]]
 
 
 def sets_of(module: str, folder: Path) -> Sets:
-    """The sets of a module by name, each as the params of a network file; none without a file.
-
-    Raises
-    ------
-    FileError, NetworkError
-        If the file cannot be read, or is none of this kind.
-    """
+    """The sets of a module by name, each as the params of a network file; none without a file."""
     path = _file(module, folder)
     if not path.exists():
         return {}
@@ -184,14 +153,7 @@ def sets_of(module: str, folder: Path) -> Sets:
 
 
 def save_set(name: str, node: Node, folder: Path) -> None:
-    """Keep a node's parameters under a name, in place of those that had it.
-
-    Raises
-    ------
-    FileError, NetworkError
-        If the file cannot be read or written, the name is blank, or a parameter follows others:
-        they are of one network, and the set is for all.
-    """
+    """Keep a node's parameters under a name, in place of those that had it."""
     for parameter in node.linked:
         text = expression_text(node.params[parameter])
         raise NetworkError(
@@ -229,11 +191,6 @@ def given(
         Its module.
     where : str
         The node's name in the whole network.
-
-    Raises
-    ------
-    NetworkError, ParameterError
-        If the module has no such parameter, or it does not take the value.
     """
     check_plain(values, name)
     steps: list[Operation] = []

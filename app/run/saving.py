@@ -51,13 +51,7 @@ _CURVES = (CSV, *(file_format for file_format in WRITTEN if file_format.stores_f
 
 
 def check_suffix(port: str, value: Any, path: Path) -> None:
-    """Refuse a file format that cannot hold what the port carries.
-
-    Raises
-    ------
-    UsageError
-        Saying which can.
-    """
+    """Refuse a file format that cannot hold what the port carries."""
     allowed: tuple[Format, ...] = SAVED
     if isinstance(value, Table | Context):
         allowed = _TABLES
@@ -86,11 +80,6 @@ def save_value(
 
     A ``.png`` runs from black at the least to white at the greatest sample, in 8 bits. A pupil
     with a wavefront is written as its amplitude.
-
-    Raises
-    ------
-    ImagechainError
-        From computing, or from the writer.
     """
     if isinstance(value, Image) and is_cube(value, path):
         cube_of(value, work.policy, region).write(path, work, name=port)
@@ -131,13 +120,6 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
     """Write a real array in the format of the suffix; integers from its least to greatest sample.
 
     Digital numbers are written as they are, in TIFF as integers. ENVI has its header beside it.
-
-    Raises
-    ------
-    UsageError
-        No format has this suffix.
-    ImagechainError
-        From the writer.
     """
     kind = written_format(path)
     if ZARR.matches(path):
@@ -320,13 +302,7 @@ _COLLECTED = 256  # frames between two collections of what refers to itself: 4 M
 
 
 def format_for_frames(port: str, path: Path) -> FrameFormat:
-    """The format of the frames' file.
-
-    Raises
-    ------
-    UsageError
-        Saying which there are.
-    """
+    """The format of the frames' file."""
     kind = frame_format(path)
     if kind is None:
         words = " ".join(frame_suffixes())
@@ -356,11 +332,6 @@ def save_frames(
     """Write frames one after the other: they take the memory of a few, whatever their number.
 
     `done` is called after each with the number of frames that are written.
-
-    Raises
-    ------
-    ImagechainError
-        From computing, or if the file cannot be written.
     """
     kind = format_for_frames(port, path)
     series = series_of(image, kind, work.policy, frames=frames, region=region)

@@ -36,13 +36,7 @@ def shipped_networks() -> dict[str, Path]:
 
 
 def find_network(text: str) -> Place:
-    """The file of that path, else the shipped network of that name.
-
-    Raises
-    ------
-    FileError
-        If there is neither, or the file is a picture.
-    """
+    """The file of that path, else the shipped network of that name."""
     if not text:
         raise FileError("'' is no network: give a file, or the name of a shipped one")
     path = Path(text)

@@ -74,11 +74,6 @@ class Staging:
 
         A `guard` raises if it may not be; it is called now, and again before any file is put in
         place, for what has changed meanwhile.
-
-        Raises
-        ------
-        FileError
-            As of `check`; or if it is reserved twice.
         """
         real = real_target(target)
         if real in self._claimed:
@@ -92,14 +87,7 @@ class Staging:
         self._led_to[target] = real
 
     def check(self, target: Path) -> None:
-        """Refuse a file that cannot be written; changes nothing.
-
-        Raises
-        ------
-        FileError
-            If it is an input, a folder or no regular file, or its folder is missing, is none or
-            may not be written to.
-        """
+        """Refuse a file that cannot be written; changes nothing."""
         real = real_target(target)
         if any(_overlap(real, path) for path in self._inputs):
             raise FileError(f"cannot write {target}: it is an input of this run")
@@ -124,13 +112,6 @@ class Staging:
         """Have `writer` make the file under a temporary name of the same suffix.
 
         The `guard` is for a file that was not claimed before.
-
-        Raises
-        ------
-        FileError
-            If that fails.
-        ImagechainError
-            From `writer`.
         """
         self._check_way(target)
         real = real_target(target)
@@ -167,13 +148,7 @@ class Staging:
         ]
 
     def commit(self) -> None:
-        """Put every file in its place; if one fails, the others are as before.
-
-        Raises
-        ------
-        FileError
-            For the one that failed.
-        """
+        """Put every file in its place; if one fails, the others are as before."""
         for staged in self._staged:
             self._check_again(staged)
         undo: list[Callable[[], object]] = []
@@ -239,13 +214,7 @@ def existing_folder(folder: Path) -> Path:
 
 
 def check_folder(folder: Path) -> None:
-    """Refuse an output folder that is none, or that cannot be made or written to.
-
-    Raises
-    ------
-    FileError
-        Naming it.
-    """
+    """Refuse an output folder that is none, or that cannot be made or written to."""
     try:
         status = folder.stat()
     except FileNotFoundError:  # it will be made
@@ -266,13 +235,7 @@ def check_folder(folder: Path) -> None:
 
 
 def real_target(target: Path) -> Path:
-    """Where a file or folder really is, links followed.
-
-    Raises
-    ------
-    FileError
-        If its path begins in the current folder, and that has been removed.
-    """
+    """Where a file or folder really is, links followed."""
     try:
         return Path(os.path.realpath(target))
     except OSError as error:

@@ -24,43 +24,22 @@ class Stage:
 
 @dataclass(frozen=True)
 class Chain:
-    """What leads to the final picture.
+    """What leads to the final picture."""
 
-    Parameters
-    ----------
-    final : str or None
-        ``NODE.PORT`` of the final picture, None in a network without pictures.
-    sources : tuple of str
-        Ports of the input pictures it stems from.
-    grid : Grid or None
-        Sampling on which the spectrum is multiplied.
-    combined : Grid or None
-        The sampling once pixels have been combined on the way to the final picture; None where
-        they are not.
-    stages : tuple of Stage
-        Factors on the spectrum, in order.
-    later : tuple of Stage
-        Transfer functions after that: the electronics.
-    beside : tuple of Stage
-        Transfer functions that do not lead to the final picture.
-    missing : str
-        Why `stages` have no product, in one line; empty where they act one after the other, so
-        that they have one.
-    choices : tuple of str
-        Pictures of which each could be the final one, where none is.
-    pitch_mrad : (float or None, float or None)
-        From one pixel of the detector to the next, across and along.
-    """
-
-    final: str | None
-    sources: tuple[str, ...]
-    grid: Grid | None
+    final: str | None  # ``NODE.PORT`` of the final picture, None in a network without pictures
+    sources: tuple[str, ...]  # ports of the input pictures it stems from
+    grid: Grid | None  # sampling on which the spectrum is multiplied
+    # the sampling once pixels have been combined on the way to the final picture; None where they
+    # are not
     combined: Grid | None
-    stages: tuple[Stage, ...]
-    later: tuple[Stage, ...]
-    beside: tuple[Stage, ...]
+    stages: tuple[Stage, ...]  # factors on the spectrum, in order
+    later: tuple[Stage, ...]  # transfer functions after that: the electronics
+    beside: tuple[Stage, ...]  # transfer functions that do not lead to the final picture
+    # why `stages` have no product, in one line; empty where they act one after the other, so that
+    # they have one
     missing: str = ""
-    choices: tuple[str, ...] = ()
+    choices: tuple[str, ...] = ()  # pictures of which each could be the final one, where none is
+    # from one pixel of the detector to the next, across and along
     pitch_mrad: tuple[float | None, float | None] = (None, None)
 
     @property
@@ -81,13 +60,7 @@ class Chain:
 
 
 def find_chain(plan: Plan) -> Chain:
-    """The chain that ends in the network's final picture.
-
-    Raises
-    ------
-    NetworkError
-        If what is marked as the output is no picture.
-    """
+    """The chain that ends in the network's final picture."""
     output = find_output(plan)
     final = output.port
     if final is None:

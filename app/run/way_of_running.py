@@ -36,21 +36,12 @@ _SHARE_KEPT = 8  # of the budget, that values of a run in blocks may take
 
 @dataclass(frozen=True)
 class WayOfRunning:
-    """In memory, or in blocks.
+    """In memory, or in blocks."""
 
-    Parameters
-    ----------
-    memory_bytes : int or None
-        What pictures may take; None where no limit is known.
-    largest : LargestPicture or None
-        The largest picture of the network.
-    at_most_bytes : int
-        What they may take after all where a node cannot work in blocks: all memory there is, unless
-        an amount was given.
-    """
-
-    memory_bytes: int | None
-    largest: LargestPicture | None
+    memory_bytes: int | None  # what pictures may take; None where no limit is known
+    largest: LargestPicture | None  # the largest picture of the network
+    # what they may take after all where a node cannot work in blocks: all memory there is, unless
+    # an amount was given
     at_most_bytes: int = 0
 
     @property
@@ -139,11 +130,6 @@ def blocks_of(
         Whether a report is written.
     scratch : Path
         Folder of the scratch files.
-
-    Raises
-    ------
-    ImagechainError
-        If a node cannot work in blocks, or the disk has no room.
     """
     if not way.in_blocks or way.memory_bytes is None:
         yield None

@@ -36,19 +36,12 @@ class WriteRecord:
 
     It is there and not beside the network, because a network that came from elsewhere could
     bring a record of its own. One that is lost or damaged counts as empty.
-
-    Parameters
-    ----------
-    network : Path
-        The network's file, links resolved.
-    written : mapping
-        What it has written: contents by file.
-    chosen : frozenset of Path
-        Files that the user has chosen in a dialog to be written.
     """
 
-    network: Path
+    network: Path  # the network's file, links resolved
+    # what it has written: contents by file
     written: Mapping[Path, tuple[Print, ...]] = field(default_factory=dict)
+    # files that the user has chosen in a dialog to be written
     chosen: frozenset[Path] = frozenset()
 
     def holds(self, file: Path) -> bool:
@@ -75,13 +68,7 @@ def read_record(network: Path) -> WriteRecord:
 
 
 def write_record(record: WriteRecord) -> None:
-    """Keep a record.
-
-    Raises
-    ------
-    FileError
-        If it cannot be written.
-    """
+    """Keep a record."""
     path = _place(record.network)
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -99,13 +86,7 @@ def write_record(record: WriteRecord) -> None:
 
 
 def remember_chosen(network: Path, files: Iterable[Path]) -> None:
-    """Add files that the user has chosen to a network's record.
-
-    Raises
-    ------
-    FileError
-        If it cannot be written.
-    """
+    """Add files that the user has chosen to a network's record."""
     with changing(network):
         known = read_record(network)
         chosen = known.chosen | frozenset(Path(os.path.realpath(file)) for file in files)
@@ -143,33 +124,17 @@ class WriteRules:
     this network has not written. Allowed in any case are files below the folders of
     ``--allow-writes-to``, those whose name was given by ``--set``, and those that the user has
     chosen in a dialog of the editor.
-
-    Parameters
-    ----------
-    folders, allowed : tuple of Path
-        Where it may make files, and where it may replace any; links resolved.
-    given : frozenset of str
-        Nodes whose file the user has named on the command line.
-    record : WriteRecord
-        What it has written before.
-    how_to_allow : str
-        What lifts the rule where there is no command line.
     """
 
+    # where it may make files, and where it may replace any; links resolved
     folders: tuple[Path, ...]
     allowed: tuple[Path, ...]
-    given: frozenset[str]
-    record: WriteRecord
-    how_to_allow: str = ""
+    given: frozenset[str]  # nodes whose file the user has named on the command line
+    record: WriteRecord  # what it has written before
+    how_to_allow: str = ""  # what lifts the rule where there is no command line
 
     def check(self, node: str, target: Path) -> None:
-        """Refuse a file that the network may not write.
-
-        Raises
-        ------
-        FileError
-            Naming node, file, and what lifts the rule; or why the file cannot be looked at.
-        """
+        """Refuse a file that the network may not write."""
         try:
             self._check(node, target)
         except OSError as error:
@@ -195,13 +160,7 @@ class WriteRules:
         raise FileError(f"cannot write {target}{leads}: {why}; {lift}", node=node or None)
 
     def check_own(self, target: Path) -> None:
-        """Refuse one of the run's own files where it is a link to what a node may not write.
-
-        Raises
-        ------
-        FileError
-            As of `check`.
-        """
+        """Refuse one of the run's own files where it is a link to what a node may not write."""
         if os.path.islink(target):  # noqa: PTH114, as Path's raises for a name that is too long
             self.check("", target)
 
@@ -235,11 +194,6 @@ class WriteRules:
         -------
         str
             Why they could not be recorded; empty where they were.
-
-        Raises
-        ------
-        FileError
-            Of the file that could not be written; none has been.
         """
         try:
             new = {target: fingerprint(file) for target, file in staging.guarded()}
@@ -291,14 +245,6 @@ def write_rules(
         Folders of ``--allow-writes-to``.
     given : iterable of str
         Nodes whose file the user has named.
-
-    Raises
-    ------
-    UsageError
-        If a folder to be allowed is none.
-    FileError
-        If the default output folder is a link, as one that came along with the network, or
-        lies in a current folder that has been removed.
     """
     for folder in allowed:
         if not os.path.isdir(folder):  # noqa: PTH112, as Path's raises for a long name

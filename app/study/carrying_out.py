@@ -30,33 +30,17 @@ _INNER = ("tls://", "wss://", "inproc://")  # what nobody else can read, or answ
 
 @dataclass(frozen=True)
 class Workers:
-    """Who computes.
+    """Who computes."""
 
-    Parameters
-    ----------
-    jobs : int
-        Processes of this machine; 0 for all cores, as soon as the rest of the study is worth it.
-    scheduler : str or distributed.Client
-        The address of a Dask scheduler, or a client of one, in their place.
-    tls : tuple of str
-        Files of the authority, the certificate and the key for the scheduler; or none.
-    memory_bytes : int, optional
-        How much computed values may take on a machine.
-    """
-
+    # processes of this machine; 0 for all cores, as soon as the rest of the study is worth it
     jobs: int = 0
-    scheduler: Any = ""
+    scheduler: Any = ""  # the address of a Dask scheduler, or a client of one, in their place
+    # files of the authority, the certificate and the key for the scheduler; or none
     tls: tuple[str, ...] = ()
-    memory_bytes: int | None = None
+    memory_bytes: int | None = None  # how much computed values may take on a machine
 
     def check(self) -> None:
-        """Refuse workers that cannot be had.
-
-        Raises
-        ------
-        UsageError
-            Naming what is missing.
-        """
+        """Refuse workers that cannot be had."""
         if self.tls and not self.scheduler:
             raise UsageError(f"{', '.join(TLS)}: they are for --scheduler ADDRESS")
         if not isinstance(self.scheduler, str):
@@ -88,21 +72,11 @@ class Workers:
 
 @dataclass(frozen=True)
 class StudyRows:
-    """A study that has been carried out.
+    """A study that has been carried out."""
 
-    Parameters
-    ----------
-    study : Study
-        What was wanted.
-    rows : tuple of Row
-        By point.
-    start_s : float
-        What the start of workers took, which is no row's.
-    """
-
-    study: Study
-    rows: tuple[Row, ...]
-    start_s: float = 0.0
+    study: Study  # what was wanted
+    rows: tuple[Row, ...]  # by point
+    start_s: float = 0.0  # what the start of workers took, which is no row's
 
     @property
     def failed(self) -> list[Row]:
@@ -160,13 +134,6 @@ def carry_out(
         Set to stop.
     also : callable, optional
         Called with the rows once the output is written, before the journal goes.
-
-    Raises
-    ------
-    Suspended
-        When it was stopped: the same study goes on where it was.
-    ImagechainError
-        If the rows cannot be kept, or the workers are lost; what is done is kept.
     """
     workers.check()
     if output is None:

@@ -49,11 +49,6 @@ def cluster_rows(
         Files of the authority, the certificate and the key; or none.
     cancel : threading.Event, optional
         Set to stop.
-
-    Raises
-    ------
-    FileError
-        If the scheduler, or the last worker, is gone.
     """
     with _silent(), _connected(scheduler, tls) as client:
         yield []
@@ -221,13 +216,7 @@ def _connected(scheduler: Any, tls: Sequence[str]) -> Iterator[Any]:
 
 
 def check_address(scheduler: str, tls: Sequence[str]) -> None:
-    """Refuse what is no address: a client of it would go on trying in the background.
-
-    Raises
-    ------
-    UsageError
-        Saying what is one.
-    """
+    """Refuse what is no address: a client of it would go on trying in the background."""
     from distributed import Security
     from distributed.comm.addressing import parse_host_port
     from distributed.comm.registry import backends

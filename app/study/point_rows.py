@@ -36,63 +36,28 @@ Task = tuple[int, tuple[Any, ...], tuple[str, ...]]
 
 @dataclass(frozen=True)
 class Row:
-    """What a study has of a point.
+    """What a study has of a point."""
 
-    Parameters
-    ----------
-    place : int
-        Of the point, from 0 on.
-    figures : tuple
-        Numbers, or None where there is none.
-    key : str
-        Content key of what was computed: network, values, stamps of its files, version.
-    seconds : float
-        What it took.
-    error : str
-        Why a figure or a file is not there; empty where nothing is missing.
-    warnings : tuple of str
-        What its nodes warn of.
-    """
-
-    place: int
-    figures: tuple[float | None, ...]
-    key: str
-    seconds: float
-    error: str = ""
-    warnings: tuple[str, ...] = ()
+    place: int  # of the point, from 0 on
+    figures: tuple[float | None, ...]  # numbers, or None where there is none
+    key: str  # content key of what was computed: network, values, stamps of its files, version
+    seconds: float  # what it took
+    error: str = ""  # why a figure or a file is not there; empty where nothing is missing
+    warnings: tuple[str, ...] = ()  # what its nodes warn of
 
 
 @dataclass(frozen=True)
 class Setting:
-    """All that a worker needs to know of a study, but for the points.
+    """All that a worker needs to know of a study, but for the points."""
 
-    Parameters
-    ----------
-    network : Network
-        Macros written out.
-    folder : Path
-        What file names in it are relative to.
-    targets : tuple of (node, parameter)
-        What is varied.
-    figures : tuple of Figure
-        The figures of each point.
-    saves : tuple of Save
-        The ports whose pictures are saved.
-    policy : Policy
-        Precision, tolerance and threads.
-    version : str
-        Of the program.
-    memory_bytes : int, optional
-        How much computed values may take on a machine; `KEPT_BYTES` in each process, if not given.
-    """
-
-    network: Network
-    folder: Path
-    targets: tuple[tuple[str, str], ...]
-    figures: tuple[Figure, ...]
-    saves: tuple[Save, ...]
-    policy: Policy
-    version: str
+    network: Network  # macros written out
+    folder: Path  # what file names in it are relative to
+    targets: tuple[tuple[str, str], ...]  # what is varied
+    figures: tuple[Figure, ...]  # the figures of each point
+    saves: tuple[Save, ...]  # the ports whose pictures are saved
+    policy: Policy  # precision, tolerance and threads
+    version: str  # of the program
+    # how much computed values may take on a machine; `KEPT_BYTES` in each process, if not given
     memory_bytes: int | None = None
 
 
@@ -121,23 +86,11 @@ class RowMaker:
         self._checked: dict[str, ImagechainError | None] = {}
 
     def rows(self, tasks: Iterable[Task], cancel: threading.Event | None = None) -> Iterator[Row]:
-        """The rows of points.
-
-        Raises
-        ------
-        Cancelled
-            When the caller has requested a stop.
-        """
+        """The rows of points."""
         return (self.row(task, cancel) for task in tasks)
 
     def row(self, task: Task, cancel: threading.Event | None = None) -> Row:
-        """The row of a point; whatever goes wrong with it is the row's error.
-
-        Raises
-        ------
-        Cancelled
-            When the caller has requested a stop.
-        """
+        """The row of a point; whatever goes wrong with it is the row's error."""
         place, values, files = task
         start = time.perf_counter()
         reasons: list[str] = []

@@ -96,11 +96,6 @@ def run_study(
     -------
     StudyRows
         A row for each point, in order; those that failed have an error.
-
-    Raises
-    ------
-    ImagechainError
-        If the study cannot be carried out; a point that fails is a row.
     """
     known = library if library is not None else standard_library()
     name, place = "", Path(folder or ".")
@@ -152,13 +147,7 @@ def sampled(
     *,
     library: Library,
 ) -> tuple[tuple[Axis, ...], Sequence[Point]]:
-    """The axes and points of ``vary`` and ``sample``.
-
-    Raises
-    ------
-    UsageError, ParameterError, FileError
-        If they do not go together, or a value is not allowed.
-    """
+    """The axes and points of ``vary`` and ``sample``."""
     if points is not None and sample != LATIN:
         raise UsageError(f"--points {points}: only --sample latin draws points")
     if sample in (GRID, LATIN):

@@ -85,13 +85,7 @@ class Journal:
         self._close()
 
     def add(self, rows: Iterable[Row]) -> None:
-        """Keep rows; each is whole in the file, or not there.
-
-        Raises
-        ------
-        FileError
-            If they cannot be written, as on a full disk.
-        """
+        """Keep rows; each is whole in the file, or not there."""
         new = [row for row in rows if row.place not in self.rows]
         self._write(b"".join(_line(_entry(row)) for row in new))
         self.rows.update((row.place, row) for row in new)
@@ -214,19 +208,12 @@ _NEEDED = {PARQUET: ("pyarrow",), NETCDF: ("xarray", "h5netcdf", "h5py")}
 
 @dataclass(frozen=True)
 class Column:
-    """A column of the rows.
+    """A column of the rows."""
 
-    Parameters
-    ----------
-    name, unit : str
-        Its head.
-    values : sequence
-        Numbers, truth values, texts or None.
-    """
-
+    # its head
     name: str
     unit: str
-    values: Sequence[Any]
+    values: Sequence[Any]  # numbers, truth values, texts or None
 
     @property
     def head(self) -> str:
@@ -250,13 +237,7 @@ class Column:
 
 
 def check_installed(path: Path) -> None:
-    """Refuse a format whose packages are not there.
-
-    Raises
-    ------
-    UsageError
-        Naming the extra that brings them.
-    """
+    """Refuse a format whose packages are not there."""
     for file_format, packages in _NEEDED.items():
         missing = [name for name in packages if importlib.util.find_spec(name) is None]
         if file_format.matches(path) and missing:
@@ -267,13 +248,7 @@ def check_installed(path: Path) -> None:
 
 
 def write_columns(columns: Sequence[Column], path: Path, title: str) -> None:
-    """Write columns in the format of the path's suffix: the whole file, or none.
-
-    Raises
-    ------
-    FileError
-        If it cannot be written.
-    """
+    """Write columns in the format of the path's suffix: the whole file, or none."""
     if PARQUET.matches(path):
         _write_parquet(columns, path, title)
     elif NETCDF.matches(path):

@@ -33,13 +33,7 @@ Point = tuple[Any, ...]
 
 
 def grid_points(axes: Sequence[Axis]) -> tuple[Point, ...]:
-    """Every value of an axis with every value of the others; the last axis moves first.
-
-    Raises
-    ------
-    UsageError
-        If there are too many.
-    """
+    """Every value of an axis with every value of the others; the last axis moves first."""
     _check_number(math.prod(len(axis.values) for axis in axes))
     return tuple(itertools.product(*(axis.values for axis in axes)))
 
@@ -75,11 +69,6 @@ def listed_points(
     """The points of a CSV file: columns named ``NODE.PARAM``, a row for each point.
 
     A unit in parentheses behind the name must be the parameter's own.
-
-    Raises
-    ------
-    FileError, UsageError, ParameterError
-        Naming file, line and column of what cannot be used.
     """
     name = shown_path(str(path))
     if path.exists() and not path.is_file():  # a pipe would be waited for
@@ -169,32 +158,16 @@ _SPAN = "NODE.PARAM=FROM:TO, or :log after it, or a list a,b,c"
 
 @dataclass(frozen=True)
 class Axis:
-    """A parameter that a study varies.
+    """A parameter that a study varies."""
 
-    Parameters
-    ----------
-    label : str
-        ``NODE.PARAM`` as it was given, which may be a macro's.
-    node : str
-        The node behind it.
-    parameter : Parameter
-        Its declaration.
-    values : tuple
-        The values it takes, as a network file has them; those of a span are drawn later.
-    span : (low, high), optional
-        Where values are drawn from.
-    log : bool
-        Whether equal factors count as equal steps.
-    names : mapping
-        How the rows show values that are files, by value.
-    """
-
-    label: str
-    node: str
-    parameter: Parameter
+    label: str  # ``NODE.PARAM`` as it was given, which may be a macro's
+    node: str  # the node behind it
+    parameter: Parameter  # its declaration
+    # the values it takes, as a network file has them; those of a span are drawn later
     values: tuple[Any, ...] = ()
-    span: tuple[float, float] | None = None
-    log: bool = False
+    span: tuple[float, float] | None = None  # where values are drawn from
+    log: bool = False  # whether equal factors count as equal steps
+    # how the rows show values that are files, by value
     names: Mapping[Any, str] = field(default_factory=dict)
 
     @property
@@ -230,25 +203,13 @@ class Axis:
 
 
 def grid_axis(text: str, network: Network, *, library: Library) -> Axis:
-    """The axis of ``--vary NODE.PARAM=FROM:TO:COUNT`` or of a list; every value is allowed.
-
-    Raises
-    ------
-    UsageError, ParameterError
-        If it does not fit the network, or a value is not allowed.
-    """
+    """The axis of ``--vary NODE.PARAM=FROM:TO:COUNT`` or of a list; every value is allowed."""
     varied = variation(text, network, library=library, most=MOST_VALUES)
     return _axis(assignment(OPTION, text, FORM).port, varied)
 
 
 def span_axis(text: str, network: Network, *, library: Library) -> Axis:
-    """The axis of ``--vary NODE.PARAM=FROM:TO``, from which values are drawn.
-
-    Raises
-    ------
-    UsageError, ParameterError
-        As of `grid_axis`.
-    """
+    """The axis of ``--vary NODE.PARAM=FROM:TO``, from which values are drawn."""
     setting = assignment(OPTION, text, _SPAN)
     inner = behind(setting, network)
     parameter = named_parameter(OPTION, inner, network, library=library)
@@ -281,13 +242,7 @@ def span_axis(text: str, network: Network, *, library: Library) -> Axis:
 def values_axis(
     label: str, values: Sequence[Any], network: Network, *, library: Library, option: str = OPTION
 ) -> Axis:
-    """The axis of a parameter over values that are known one by one.
-
-    Raises
-    ------
-    UsageError, ParameterError
-        As of `grid_axis`.
-    """
+    """The axis of a parameter over values that are known one by one."""
     node, parameter = target(option, label, network, library=library)
     items = (value.item() if isinstance(value, np.generic) else value for value in values)
     taken = tuple(dict.fromkeys(_plain_value(parameter, item, node) for item in items))
@@ -297,13 +252,7 @@ def values_axis(
 
 
 def target(option: str, label: str, network: Network, *, library: Library) -> tuple[str, Parameter]:
-    """The node and parameter that ``NODE.PARAM`` stands for.
-
-    Raises
-    ------
-    UsageError
-        If there is none, or it is a list of numbers.
-    """
+    """The node and parameter that ``NODE.PARAM`` stands for."""
     inner = behind(assignment(option, f"{label}=", "NODE.PARAM"), network)
     return inner.node, _named(option, inner, network, library)
 
@@ -312,11 +261,6 @@ def files_axis(text: str, network: Network, *, library: Library) -> Axis:
     """The axis of ``--over NODE.PARAM=PATTERN``: the files that match, 2 before 10.
 
     The pattern is of the current folder, as that of a shell.
-
-    Raises
-    ------
-    UsageError, FileError
-        If it does not fit the network, or no file matches.
     """
     setting = assignment(OVER, text, _OVER_FORM)
     inner = behind(setting, network)
@@ -339,13 +283,7 @@ def natural(name: str) -> tuple[tuple[int, int, str], ...]:
 
 
 def allowed(parameter: Parameter, value: Any, node: str) -> None:
-    """Refuse a value that the parameter cannot take.
-
-    Raises
-    ------
-    ParameterError
-        At the node.
-    """
+    """Refuse a value that the parameter cannot take."""
     try:
         coerced = parameter.coerce(value)
     except ParameterError as error:

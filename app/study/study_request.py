@@ -39,17 +39,10 @@ POINT, SCENE = "point", "scene"
 
 @dataclass(frozen=True)
 class SavePattern:
-    """A port, and the names of the files that it is saved to.
+    """A port, and the names of the files that it is saved to."""
 
-    Parameters
-    ----------
-    save : Save
-        As it was given; its text is the pattern.
-    parts : tuple of (text, field, form)
-        What stands before each field, the field, and how its value is written.
-    """
-
-    save: Save
+    save: Save  # as it was given; its text is the pattern
+    # what stands before each field, the field, and how its value is written
     parts: tuple[tuple[str, str, str], ...]
 
     def name(self, values: dict[str, Any]) -> str:
@@ -72,13 +65,7 @@ class SavePattern:
 
 
 def save_pattern(save: Save, axes: Sequence[Axis]) -> SavePattern:
-    """Read the fields of a pattern.
-
-    Raises
-    ------
-    UsageError
-        If it has other fields than the study, or cannot be read.
-    """
+    """Read the fields of a pattern."""
     known = field_names(axes)
     parts = []
     try:
@@ -110,13 +97,7 @@ def field_names(axes: Sequence[Axis]) -> list[str]:
 def file_names(
     patterns: Sequence[SavePattern], axes: Sequence[Axis], points: Sequence[Point]
 ) -> list[tuple[str, ...]]:
-    """The files of each point, one for each pattern, from the current folder on.
-
-    Raises
-    ------
-    UsageError
-        If two would be one file.
-    """
+    """The files of each point, one for each pattern, from the current folder on."""
     digits = len(str(len(points)))
     taken: dict[str, int] = {}
     names = []
@@ -179,42 +160,18 @@ Sampling = Callable[[], tuple[tuple[Axis, ...], Sequence[Point]]]
 
 @dataclass(frozen=True)
 class Study:
-    """A network, the points it is evaluated at, and what is wanted there.
+    """A network, the points it is evaluated at, and what is wanted there."""
 
-    Parameters
-    ----------
-    name : str
-        Of the network.
-    network : Network
-        Macros written out, changes made.
-    folder : Path
-        What file names in it are relative to.
-    library : Library
-        The modules.
-    axes : tuple of Axis
-        What varies.
-    points : tuple of Point
-        A value for each axis.
-    figures : tuple of Figure
-        The figures of each point, in the units that they have.
-    saves : tuple of SavePattern
-        The pictures of each point.
-    files : list of tuple of str
-        Their files, by point.
-    policy : Policy
-        Precision, tolerance and threads.
-    """
-
-    name: str
-    network: Network
-    folder: Path
-    library: Library
-    axes: tuple[Axis, ...]
-    points: tuple[Point, ...]
-    figures: tuple[Figure, ...]
-    saves: tuple[SavePattern, ...]
-    files: list[tuple[str, ...]]
-    policy: Policy
+    name: str  # of the network
+    network: Network  # macros written out, changes made
+    folder: Path  # what file names in it are relative to
+    library: Library  # the modules
+    axes: tuple[Axis, ...]  # what varies
+    points: tuple[Point, ...]  # A value for each axis
+    figures: tuple[Figure, ...]  # the figures of each point, in the units that they have
+    saves: tuple[SavePattern, ...]  # the pictures of each point
+    files: list[tuple[str, ...]]  # their files, by point
+    policy: Policy  # precision, tolerance and threads
 
     @cached_property
     def order(self) -> list[int]:
@@ -263,11 +220,6 @@ class Study:
             The files of the rows and their summary.
         read : sequence of Path
             Files that are read beside the network's own inputs.
-
-        Raises
-        ------
-        FileError, UsageError
-            Naming the file.
         """
         inputs = [*read, *self.inputs]
         with Staging(None, inputs) as staging:
@@ -319,11 +271,6 @@ def make_study(
         Ports, each with the pattern of its files.
     policy : Policy
         Precision, tolerance and threads.
-
-    Raises
-    ------
-    UsageError, ParameterError
-        If it cannot be.
     """
     drawn, sampled = sampling()
     axes = (*overs, *drawn)

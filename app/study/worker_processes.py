@@ -55,11 +55,6 @@ def process_rows(
         How many processes.
     cancel : threading.Event, optional
         Set to stop.
-
-    Raises
-    ------
-    FileError
-        If a process cannot be started.
     """
     jobs = min(jobs, len(tasks))
     points, answers = _Points(tasks, jobs), _Answers()

@@ -86,11 +86,6 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
         The points.
     share : int
         How many share the machine's memory.
-
-    Raises
-    ------
-    UsageError
-        If the worker has another version of this program.
     """
     from distributed import get_worker
 

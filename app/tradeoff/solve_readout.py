@@ -38,27 +38,13 @@ class Edge:
 
 @dataclass(frozen=True)
 class Solution:
-    """Where a read-out has the wanted value.
+    """Where a read-out has the wanted value."""
 
-    Parameters
-    ----------
-    at : Sample or None
-        The value, and what the read-out then is; None where no value does it.
-    beside : Sample or None
-        Of whole numbers, the neighbour on the other side of the wanted value.
-    others : tuple of float
-        Further values that do it, to the width of a step.
-    seen : tuple of Sample
-        What was looked at, from one end of the range to the other.
-    edges : tuple of Edge
-        Where the read-out's values end within the range.
-    """
-
-    at: Sample | None
-    beside: Sample | None
-    others: tuple[float, ...]
-    seen: tuple[Sample, ...]
-    edges: tuple[Edge, ...] = ()
+    at: Sample | None  # the value, and what the read-out then is; None where no value does it
+    beside: Sample | None  # of whole numbers, the neighbour on the other side of the wanted value
+    others: tuple[float, ...]  # further values that do it, to the width of a step
+    seen: tuple[Sample, ...]  # what was looked at, from one end of the range to the other
+    edges: tuple[Edge, ...] = ()  # where the read-out's values end within the range
 
     @property
     def nearest(self) -> tuple[Sample, Sample]:
@@ -221,25 +207,14 @@ _LINEAR_STEPS, _STEPS_A_DECADE, _MOST_STEPS = 32, 3, 60
 
 @dataclass(frozen=True)
 class SearchRange:
-    """From one number to a greater one.
+    """From one number to a greater one."""
 
-    Parameters
-    ----------
-    low, high : float
-        The ends.
-    log : bool
-        Whether places lie equal factors apart.
-    whole : bool
-        Whether only whole numbers count.
-    zero : bool
-        Whether 0 is tried beside.
-    """
-
+    # the ends
     low: float
     high: float
-    log: bool
-    whole: bool = False
-    zero: bool = False
+    log: bool  # whether places lie equal factors apart
+    whole: bool = False  # whether only whole numbers count
+    zero: bool = False  # whether 0 is tried beside
 
     def places(self) -> tuple[float, ...]:
         """Numbers from one end to the other."""
@@ -265,13 +240,7 @@ class SearchRange:
 
 
 def search_range(parameter: Parameter, present: object, given: str, *, option: str) -> SearchRange:
-    """The range given as ``LOW:HIGH``, else the parameter's own, else about its present value.
-
-    Raises
-    ------
-    UsageError
-        If what is given is no range, or the parameter no number.
-    """
+    """The range given as ``LOW:HIGH``, else the parameter's own, else about its present value."""
     if parameter.kind not in ("number", "integer"):
         raise UsageError(f"{option}: {parameter.name} is {parameter.allowed()}, no number to solve")
     whole = parameter.kind == "integer"

@@ -128,13 +128,7 @@ def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
 
 
 def chosen_figures(texts: Sequence[str], network: Network, library: Library) -> tuple[Figure, ...]:
-    """The figures of ``--figure NODE.READOUT``, each once; the default ones where there is none.
-
-    Raises
-    ------
-    UsageError
-        If the network has no such figure.
-    """
+    """The figures of ``--figure NODE.READOUT``, each once; the default ones where there is none."""
     if not texts:
         return default_figures(network, library)
     known = figures_of(network, library)
@@ -163,13 +157,7 @@ class FigureValues:
 def computed(
     figures: Iterable[Figure], engine: Engine, plan: Plan, work: Work, varied: Collection[str]
 ) -> FigureValues:
-    """The figures of a planned network, of which `varied` are the nodes whose parameters vary.
-
-    Raises
-    ------
-    Cancelled
-        When the caller has requested a stop.
-    """
+    """The figures of a planned network, of which `varied` are the nodes whose parameters vary."""
     figures = tuple(figures)
     values: dict[str, float] = {}
     reasons: dict[str, str] = {}

@@ -37,22 +37,13 @@ class Point:
 
 @dataclass(frozen=True)
 class TradeOff:
-    """Figures of merit as a parameter moves.
+    """Figures of merit as a parameter moves."""
 
-    Parameters
-    ----------
-    node, parameter : str
-        What is varied.
-    values : tuple
-        The values it takes, as a network file has them.
-    figures : tuple of Figure
-        Figures of the network at each of them.
-    """
-
+    # what is varied
     node: str
     parameter: str
-    values: tuple[Any, ...]
-    figures: tuple[Figure, ...]
+    values: tuple[Any, ...]  # the values it takes, as a network file has them
+    figures: tuple[Figure, ...]  # figures of the network at each of them
 
     def points(self, engine: Engine, plan: Plan, work: Work) -> Iterator[Point]:
         """Evaluate value by value; what the parameter does not touch is made once.
@@ -67,11 +58,6 @@ class TradeOff:
             The network as it stands.
         work : Work
             The evaluation, over a store that keeps what the values have in common.
-
-        Raises
-        ------
-        Cancelled
-            When the caller has requested a stop.
         """
         evaluator = PointEvaluator(engine, plan, [(self.node, self.parameter)], self.figures)
         for value in self.values:
@@ -93,30 +79,14 @@ class Curve:
 
 @dataclass(frozen=True)
 class Results:
-    """A trade-off, carried out.
+    """A trade-off, carried out."""
 
-    Parameters
-    ----------
-    network : str
-        Name of the network.
-    varied : Variation
-        What moves along the axis.
-    second : Variation or None
-        What differs from curve to curve.
-    figures : tuple of Figure
-        The figures shown.
-    curves : tuple of Curve
-        One, or one for each value of the second parameter.
-    present : object
-        The value in the network as it stands.
-    """
-
-    network: str
-    varied: Variation
-    second: Variation | None
-    figures: tuple[Figure, ...]
-    curves: tuple[Curve, ...]
-    present: Any = None
+    network: str  # name of the network
+    varied: Variation  # what moves along the axis
+    second: Variation | None  # what differs from curve to curve
+    figures: tuple[Figure, ...]  # the figures shown
+    curves: tuple[Curve, ...]  # one, or one for each value of the second parameter
+    present: Any = None  # the value in the network as it stands
 
     def failures(self) -> list[tuple[str, str]]:
         """Where the network or a figure fails, and why; in words."""
@@ -209,13 +179,7 @@ class PointEvaluator:
         self._last: tuple[Plan, tuple[Any, ...]] = (plan, (_ABSENT,) * len(self._targets))
 
     def planned(self, values: Sequence[Any]) -> Plan:
-        """The network planned with a value for each of what is varied.
-
-        Raises
-        ------
-        ParameterError
-            For a value that is not allowed, at its node.
-        """
+        """The network planned with a value for each of what is varied."""
         before, known = self._last
         network = before.network
         for (node, name), value, old in zip(self._targets, values, known, strict=True):
@@ -226,23 +190,11 @@ class PointEvaluator:
         return plan
 
     def figures_of(self, plan: Plan, work: Work) -> FigureValues:
-        """The figures of a planned point, and for those that have no value, why.
-
-        Raises
-        ------
-        Cancelled
-            When the caller has requested a stop.
-        """
+        """The figures of a planned point, and for those that have no value, why."""
         return computed(self.figures, self.engine, plan, work, self._nodes)
 
     def at(self, values: Sequence[Any], work: Work) -> FigureValues:
-        """The figures at a point, and its warnings; a value that is refused is their reason.
-
-        Raises
-        ------
-        Cancelled
-            When the caller has requested a stop.
-        """
+        """The figures at a point, and its warnings; a value that is refused is their reason."""
         try:
             plan = self.planned(values)
         except ParameterError as error:
@@ -264,11 +216,6 @@ class PointEvaluator:
             also, take the same samples, whatever the store still holds. None without it.
         also : iterable of Recipe
             What is read beside the figures.
-
-        Raises
-        ------
-        Cancelled
-            When the caller has requested a stop.
         """
         lines = []
         read: set[str] | None = None
@@ -316,13 +263,7 @@ _ABSENT = object()
 
 
 def with_value(network: Network, engine: Engine, node: str, parameter: str, value: Any) -> Network:
-    """The network with a parameter at a value.
-
-    Raises
-    ------
-    ParameterError
-        If the value is not allowed, or stands for an empty parameter without saying so.
-    """
+    """The network with a parameter at a value."""
     declared = parameter_of(network, engine, node, parameter)
     coerced = declared.coerce(value)
     if coerced is None and value is not None:
@@ -331,13 +272,7 @@ def with_value(network: Network, engine: Engine, node: str, parameter: str, valu
 
 
 def parameter_of(network: Network, engine: Engine, node: str, parameter: str) -> Parameter:
-    """The declaration of a parameter.
-
-    Raises
-    ------
-    NetworkError
-        If there is no such node, or its module has no such parameter.
-    """
+    """The declaration of a parameter."""
     module = engine.library.get(network.node(node).module)
     declared = declaration(module).parameter(parameter) if module is not None else None
     if declared is None:

@@ -69,11 +69,6 @@ def variation(text: str, network: Network, *, library: Library, most: int = MOST
     """The parameter and values of ``--vary``, of which there may be at most so many.
 
     Numbers out of the parameter's range are left for the evaluation to refuse, one by one.
-
-    Raises
-    ------
-    UsageError, ParameterError
-        If it does not fit the network, or is no range or list.
     """
     setting = behind(assignment(OPTION, text, FORM), network)
     parameter = named_parameter(OPTION, setting, network, library=library)

@@ -69,12 +69,6 @@ def carry_out(job: Job, cancel: threading.Event | None, steps: Steps) -> Result:
         Set to stop before the next node.
     steps : Steps
         Takes how far it is.
-
-    Raises
-    ------
-    ImagechainError
-        The first fault; nothing has been written then. Of several runs, some may fail: only where
-        all do it is raised.
     """
     library = standard_library()
     path = job.path if job.path is not None else job.folder / UNSAVED

@@ -322,13 +322,7 @@ FIGURES = ("stages", "total", "judged")
 
 
 def drawn_as(network: Network) -> dict[str, str]:
-    """The publication's figure by ours.
-
-    Raises
-    ------
-    NetworkError
-        If the network's field is not as it should be.
-    """
+    """The publication's figure by ours."""
     given = network.extra.get("drawn_as", {})
     if not isinstance(given, Mapping):
         raise NetworkError("drawn_as must be an object of figures")
