@@ -66,6 +66,7 @@ class Theme:
             role.ToolTipText: self.text,
             role.PlaceholderText: self.faint_text,
             role.Link: self.accent,
+            role.LinkVisited: self.changed,
             role.Mid: self.line,
         }
         palette = QPalette(QColor(self.button), QColor(self.window))
@@ -189,10 +190,19 @@ LIGHT = Theme(
 THEMES: Mapping[Look, Theme] = MappingProxyType({"dark": DARK, "light": LIGHT})
 
 
+TEXT = QPalette.ColorRole.WindowText
 FAINT = QPalette.ColorRole.PlaceholderText
 ERROR = QPalette.ColorRole.BrightText
-"""Roles to write in, which follow the window's palette."""
+CHANGED = QPalette.ColorRole.LinkVisited
+RAISED = QPalette.ColorRole.AlternateBase
+"""Roles to write in, and a ground: they follow the window's palette."""
 _INK = (QPalette.ColorRole.WindowText, QPalette.ColorRole.Text)
+
+
+def theme_of(widget: QWidget) -> Theme:
+    """The theme whose palette a widget has, for colours that no role stands for."""
+    dark = widget.palette().color(QPalette.ColorRole.Base).lightness() < 128
+    return DARK if dark else LIGHT
 
 
 def set_ink(widget: QWidget, colour: str) -> None:

@@ -95,7 +95,15 @@ class Radio(QRadioButton):
 
 
 class Check(QCheckBox):
-    """A check box with a frame round its indicator."""
+    """A check box with a frame round its indicator, its text in the foreground's role."""
+
+    def initStyleOption(self, option: QStyleOptionButton) -> None:
+        """Write in that role, which Qt's own style does not look at."""
+        super().initStyleOption(option)
+        palette = QPalette(option.palette)
+        ink = palette.color(self.foregroundRole())
+        palette.setColor(QPalette.ColorRole.WindowText, ink)
+        option.palette = palette
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the frame over Qt's own."""

@@ -94,7 +94,8 @@ class IllustrationBench:
         session.open(Document(network, library=session.library, path=path))
         self.evaluator = Evaluator(session) if evaluated else None
         kind = illustration_of(network.nodes[node].module)
-        widget = kind(session, self.evaluator, node, theme)
+        widget = kind(session, self.evaluator, node)
+        widget.setPalette(theme.palette())
         self._qtbot.addWidget(widget)
         widget.resize(width, widget.sizeHint().height())
         widget.show()

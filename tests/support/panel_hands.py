@@ -7,7 +7,6 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QComboBox, QStyle, QStyleOptionSlider
 
 from app.editor.panels.panel_area import PanelArea
-from app.editor.theme import DARK
 from core.editing.operations import Add, Placed, set_parameter
 from core.errors import ParameterError
 from core.modules.declaration import declaration
@@ -29,9 +28,9 @@ NUMBERS = [
 LEFT = Qt.MouseButton.LeftButton
 
 
-def panel_area(qtbot, session, evaluator=None, theme=DARK, width=360):
+def panel_area(qtbot, session, evaluator=None, width=360):
     """A panel area on the screen."""
-    area = PanelArea(session, evaluator, theme)
+    area = PanelArea(session, evaluator)
     qtbot.addWidget(area)
     area.resize(width, 700)
     area.show()

@@ -173,7 +173,7 @@ class FitView(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
-        for part in (self.table, self.chart, self.status):
+        for part in (self.table, self.chart):
             part.set_theme(theme)
 
     def sizeHint(self) -> QSize:

@@ -219,7 +219,7 @@ class MeasureView(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
-        for part in (self.canvas, self.chart, self.table, self.figures, self.status):
+        for part in (self.canvas, self.chart, self.table, self.figures):
             part.set_theme(theme)
 
     def sizeHint(self) -> QSize:

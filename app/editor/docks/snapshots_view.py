@@ -28,7 +28,6 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
-from app.editor.theme import Theme
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets import ElidedLabel, toggle_button, tool_button
 from core.errors import ParameterError
@@ -48,7 +47,7 @@ class SnapshotsView(Viewer):
 
     Parameters
     ----------
-    session, evaluator, theme, parent
+    session, evaluator, parent
         As for `Viewer`.
     snapshots : Snapshots
         The states.
@@ -60,12 +59,11 @@ class SnapshotsView(Viewer):
         self,
         session: Session,
         evaluator: Evaluator,
-        theme: Theme,
         snapshots: Snapshots,
         comparing: Comparing,
         parent: QWidget | None = None,
     ) -> None:
-        super().__init__(session, evaluator, theme, "snapshots", parent)
+        super().__init__(session, evaluator, "snapshots", parent)
         self.setAccessibleName("Snapshots")
         self._snapshots = snapshots
         self._now: tuple[NodeFigure, ...] | None = None

@@ -11,7 +11,6 @@ from app.editor.docks.tradeoff_ranges import LEAST_COUNT, MOST_COUNT, ParameterC
 from app.editor.number_text import shown_number
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Session
-from app.editor.theme import Theme
 from app.editor.widgets import Check, FlowLayout, toggle_button, tool_button
 
 
@@ -29,9 +28,8 @@ class TradeOffBar(QWidget):
     span_chosen = Signal(object)
     refused = Signal(str)
 
-    def __init__(self, session: Session, theme: Theme, parent: QWidget) -> None:
+    def __init__(self, session: Session, parent: QWidget) -> None:
         super().__init__(parent)
-        self.theme = theme
         self._span: Span | None = None
         self.parameter = ParameterChoice(session, self)
         self.parameter.setObjectName("tradeoff.parameter")
@@ -79,10 +77,6 @@ class TradeOffBar(QWidget):
         self.count.valueChanged.connect(self._typed)
         self.show_span(None)
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self.theme = theme
-
     def show_span(self, span: Span | None) -> None:
         """Show a range, without a signal."""
         self._span = span
@@ -121,14 +115,14 @@ class TradeOffBar(QWidget):
         low, high = (_number(edit.text()) for edit in (self.low, self.high))
         for edit, number in ((self.low, low), (self.high, high)):
             if number is None:
-                edit.mark(self.theme.error)
+                edit.mark()
                 self.refused.emit(f"{edit.text()!r:.40} is no number")
                 return
         assert low is not None
         assert high is not None
         log = self.log.isChecked()
         if not low < high or (log and low <= 0):
-            self.low.mark(self.theme.error)
+            self.low.mark()
             self.refused.emit(
                 f"from {shown_number(low)} to {shown_number(high)}: the first must be "
                 + ("above 0 for equal factors" if low < high else "below the second")

@@ -74,7 +74,7 @@ class TradeOffView(Viewer):
         theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
-        super().__init__(session, evaluator, theme, "tradeoff", parent)
+        super().__init__(session, evaluator, "tradeoff", parent)
         self.setAccessibleName("Trade-off")
         self.varied = Varied(session, self._refuse)
         self.span: Span | None = None
@@ -142,10 +142,7 @@ class TradeOffView(Viewer):
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
-        self.theme = theme
-        self.bar.set_theme(theme)
         self.plots.set_theme(theme)
-        self.status.set_theme(theme)
         self._fill_list()
 
     def queries(self) -> tuple[Query, ...]:
@@ -191,7 +188,7 @@ class TradeOffView(Viewer):
         return QSize(75 * width, 20 * line)
 
     def _build(self) -> None:
-        self.bar = TradeOffBar(self.session, self.theme, self)
+        self.bar = TradeOffBar(self.session, self)
         self.plots = TradeOffPlots(self.theme, self)
         self.list = CurveList(self)
         self.list.setObjectName("tradeoff.figures")

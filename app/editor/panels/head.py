@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QAction, QContextMenuEvent
 from PySide6.QtWidgets import (
     QHBoxLayout,
@@ -21,7 +21,7 @@ from app.editor.declared_text import breakable, flowing, tip, titled
 from app.editor.evaluation.queries import Badge
 from app.editor.gestures import without_argument
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.theme import ERROR, FAINT, Theme, set_ground, set_ink
+from app.editor.theme import ERROR, FAINT, set_ground, set_ink, theme_of
 from app.editor.widgets import FlowLayout, Toggle
 from core.network.network import Node
 
@@ -99,26 +99,14 @@ class TitleBar(QWidget):
 
 
 class PanelHead(QWidget):
-    """Title, name, toggles, help and what is wrong.
+    """Title, name, toggles, help and what is wrong; of a module, its group, and what it does."""
 
-    Parameters
-    ----------
-    title, group, text : str
-        Title of the module, its group of the library, and what it does.
-    theme : Theme
-        Colours.
-    parent : QWidget, optional
-        Its parent.
-    """
+    _group: str | None = None
+    _badge: Badge | None = None
 
-    def __init__(
-        self, title: str, group: str, text: str, theme: Theme, parent: QWidget | None = None
-    ) -> None:
+    def __init__(self, title: str, group: str, text: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._group = group
         self._module = title
-        self._badge: Badge | None = None
-        self._theme = theme
         self.bar = TitleBar(title, self)
         self.pin = self.bar.add_button(
             "pin", "Pin", "Keep this panel open when another node is selected", checkable=True
@@ -153,7 +141,8 @@ class PanelHead(QWidget):
         self.problem.hide()
         self.below = QWidget(self)
         self._build()
-        self.set_theme(theme)
+        self._group = group
+        self._colour()
 
     def _build(self) -> None:
         self.name = TypeIn(self.below)
@@ -221,26 +210,28 @@ class PanelHead(QWidget):
         self.name_problem.setText(text)
         self.name_problem.setVisible(bool(text))
         if text:
-            self.name.mark(self._theme.error)
+            self.name.mark()
 
     def set_badge(self, badge: Badge | None) -> None:
         """Show what is wrong with the node, or special about it; nothing of one that runs."""
         if badge is not None and badge.kind == "running":
             return
         self._badge = badge
-        self.problem.setText(breakable(self._badge.text) if self._badge is not None else "")
-        self.problem.setVisible(self._badge is not None)
-        self._colour_problem()
+        self.problem.setText(breakable(badge.text) if badge is not None else "")
+        self.problem.setVisible(badge is not None)
+        self._colour()
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self._theme = theme
-        set_ground(self.bar, theme.groups.get(self._group, theme.raised))
-        self._colour_problem()
+    def changeEvent(self, event: QEvent) -> None:
+        """Draw in the colours of the palette."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange and self._group is not None:
+            self._colour()
 
-    def _colour_problem(self) -> None:
+    def _colour(self) -> None:
+        theme = theme_of(self)
+        set_ground(self.bar, theme.groups.get(self._group or "", theme.raised))
         if self._badge is not None:
-            set_ink(self.problem, self._theme.badges[self._badge.kind])
+            set_ink(self.problem, theme.badges[self._badge.kind])
 
     def _show_help(self, on: bool) -> None:
         self.text.setVisible(on)

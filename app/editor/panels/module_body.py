@@ -6,8 +6,8 @@ import json
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import QObject, QPointF, QSize, Qt, Signal
-from PySide6.QtGui import QAction, QBrush, QColor, QPainter, QPixmap
+from PySide6.QtCore import QObject, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QAction, QColor, QPainter, QPaintEvent
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
@@ -28,7 +28,7 @@ from app.editor.panels.illustrations import illustration_for
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
 from app.editor.session import Session
-from app.editor.theme import FAINT, Theme, set_ink
+from app.editor.theme import CHANGED, FAINT, theme_of
 from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
 from core.editing.macros import expose, exposed_as, hide, rename_exposed
 from core.editing.operations import ABSENT, Operation, set_parameter
@@ -63,7 +63,6 @@ class ModuleBody(QWidget):
         node: str,
         session: Session,
         evaluator: Evaluator | None,
-        theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
         super().__init__(parent)
@@ -76,33 +75,32 @@ class ModuleBody(QWidget):
         self.illustration: QWidget | None = None
         special = illustration_for(declaration)
         if special is not None:
-            self.illustration = special(session, evaluator, node, theme, self)
+            self.illustration = special(session, evaluator, node, self)
             self._column.addWidget(self.illustration)
-        self.sections = SectionsView(declaration, session, theme, self)
-        self.sections.edited.connect(self._edit)
-        self.sections.reset_wanted.connect(self._reset)
-        self.sections.gesture_ended.connect(session.end_gesture)
-        self.sections.trade_off_wanted.connect(self._trade_off)
-        self.sections.menu_opening.connect(self._add_to_menu)
-        self.sections.unlink_wanted.connect(self._unlink)
-        self.sections.held.connect(self.held)
+        self.sections = SectionsView(declaration, session, self)
         for field in self.sections.fields:
+            field.edited.connect(self._edit)
+            field.reset_wanted.connect(self._reset)
+            field.gesture_ended.connect(session.end_gesture)
+            field.trade_off_wanted.connect(self._trade_off)
+            field.menu_opening.connect(self._add_to_menu)
+            field.unlink_wanted.connect(self._unlink)
+            field.held.connect(self.held)
             field.link_fault = self._link_fault
             field.node_name = node
         session.free.changed.connect(self._mark_free)
         self._mark_free()
         self._valued: Node | None = None
         self._column.addWidget(self.sections)
-        self.readouts = ReadoutsView(declaration, node, evaluator, session, theme, self)
+        self.readouts = ReadoutsView(declaration, node, evaluator, session, self)
         if declaration.readouts:
             self._titled(self.readouts.title, self.readouts)
         else:
             self.readouts.hide()
             self.readouts.title.hide()
-        self.ports = PortsView(declaration, node, theme, self)
+        self.ports = PortsView(declaration, node, self)
         self.ports.view_requested.connect(self.view_requested)
         self._titled(QLabel("Ports", self), self.ports)
-        self.set_theme(theme)
 
     def follow(self, before: Network | None, after: Network) -> None:
         """Show the node as it is now, where it was changed."""
@@ -118,13 +116,6 @@ class ModuleBody(QWidget):
     def set_held_back(self, on: bool) -> None:
         """Whether the node stays as it was until all is generated."""
         self.readouts.set_held_back(on)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        for part in (self.illustration, self.sections, self.readouts, self.ports):
-            draw = getattr(part, "set_theme", None)
-            if draw is not None:
-                draw(theme)
 
     def _titled(self, title: QLabel, widget: QWidget) -> None:
         line = QFrame(self)
@@ -284,9 +275,7 @@ class PortsView(QWidget):
 
     view_requested = Signal(str, str, int)
 
-    def __init__(
-        self, declaration: Declaration, node: str, theme: Theme, parent: QWidget | None = None
-    ) -> None:
+    def __init__(self, declaration: Declaration, node: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName("ports")
         self._node = node
@@ -304,18 +293,12 @@ class PortsView(QWidget):
                 for column, widget in enumerate((row.mark, row.label, row.button)):
                     grid.addWidget(widget, line, column)
                 self._rows.append(row)
-        self.set_theme(theme)
 
     def follow(self, network: Network) -> None:
         """Show where the inputs' wires come from."""
         links = {link.input: link for link in network.links_into(self._node)}
         for row in self._rows:
             row.follow(links.get(row.port.name))
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        for row in self._rows:
-            row.set_theme(theme)
 
 
 class _PortRow(QObject):
@@ -328,7 +311,7 @@ class _PortRow(QObject):
         self.port = port
         self._side = side
         self._source = (node, port.name) if side == "output" else None
-        self.mark = QLabel(parent)
+        self.mark = _Dot(port.types[0], parent)
         self.label = QLabel(parent)
         self.label.setWordWrap(True)
         self.label.setTextFormat(Qt.TextFormat.PlainText)
@@ -366,12 +349,6 @@ class _PortRow(QObject):
         self.label.setText(text)
         self.button.setEnabled(self._source is not None)
 
-    def set_theme(self, theme: Theme) -> None:
-        """Colour the mark by the port's type."""
-        height = self.label.fontMetrics().height()
-        colour = theme.ports.get(self.port.types[0], theme.faint_text)
-        self.mark.setPixmap(_dot(height, colour, self.mark.devicePixelRatioF()))
-
     def _clicked(self) -> None:
         self._view(1)
 
@@ -383,17 +360,22 @@ class _PortRow(QObject):
             self.view_requested.emit(*self._source, number)
 
 
-def _dot(height: int, colour: str, ratio: float) -> QPixmap:
-    pixmap = QPixmap(QSize(height, height) * ratio)
-    pixmap.setDevicePixelRatio(ratio)
-    pixmap.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(pixmap)
-    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.setPen(Qt.PenStyle.NoPen)
-    painter.setBrush(QBrush(QColor(colour)))
-    painter.drawEllipse(QPointF(height / 2, height / 2), height * 0.28, height * 0.28)
-    painter.end()
-    return pixmap
+class _Dot(QWidget):
+    """The mark of a port, in the colour of its type."""
+
+    def __init__(self, kind: str, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._kind = kind
+        self.setFixedSize(QSize(1, 1) * self.fontMetrics().height())
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        theme, radius = theme_of(self), 0.28 * self.height()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(theme.ports.get(self._kind, theme.faint_text)))
+        painter.drawEllipse(QRectF(self.rect()).center(), radius, radius)
+        painter.end()
 
 
 # What stands on the panel of a module that the library does not have.
@@ -402,21 +384,10 @@ def _dot(height: int, colour: str, ratio: float) -> QPixmap:
 class UnknownBody(QWidget):
     """The parameters as the file has them, to be read only.
 
-    Parameters
-    ----------
-    module, node : str
-        Key of the module, and the node.
-    why : str
-        Why the library does not have it, where that is known.
-    theme : Theme
-        Colours.
-    parent : QWidget
-        The panel.
+    `why` says why the library does not have the module, where that is known.
     """
 
-    def __init__(
-        self, module: str, node: str, why: str, theme: Theme, parent: QWidget | None = None
-    ) -> None:
+    def __init__(self, module: str, node: str, why: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName("body")
         self._node = node
@@ -435,7 +406,7 @@ class UnknownBody(QWidget):
         column.setContentsMargins(8, 4, 8, 8)
         column.addWidget(self.note)
         column.addLayout(self._grid)
-        self.set_theme(theme)
+        self.note.setForegroundRole(CHANGED)
 
     def follow(self, before: Network | None, after: Network) -> None:
         """Show the parameters, where they were changed."""
@@ -456,7 +427,3 @@ class UnknownBody(QWidget):
                 self._labels.append(label)
             label.setObjectName(f"raw.{name}")
             label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        set_ink(self.note, theme.changed)

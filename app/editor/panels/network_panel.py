@@ -10,7 +10,7 @@ from app.editor.declared_text import tip
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.head import TitleBar
 from app.editor.session import Session
-from app.editor.theme import ERROR, FAINT, Theme, set_ground
+from app.editor.theme import ERROR, FAINT, RAISED
 from core.editing.operations import set_network_field
 from core.errors import ParameterError
 from core.network.network import SEEDS, Network, check_seed
@@ -19,14 +19,15 @@ from core.network.network import SEEDS, Network, check_seed
 class NetworkPanel(QFrame):
     """Name, description and seed of the network, and how many nodes it has."""
 
-    def __init__(self, session: Session, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName("panel.network")
         self.setAccessibleName("control panel of the network")
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self._session = session
-        self._theme = theme
         self.bar = TitleBar("Network", self)
+        self.bar.setBackgroundRole(RAISED)
+        self.bar.setAutoFillBackground(True)
         self.bar.fold.hide()
         self.below = QWidget(self)
         self._build()
@@ -34,7 +35,6 @@ class NetworkPanel(QFrame):
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self.bar)
         column.addWidget(self.below)
-        self.set_theme(theme)
         self.follow(session.network)
 
     def _build(self) -> None:
@@ -89,11 +89,6 @@ class NetworkPanel(QFrame):
             self._show_seed(network)
         self.count.setText(f"{_many(network.nodes, 'node')}, {_many(network.links, 'wire')}")
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self._theme = theme
-        set_ground(self.bar, theme.raised)
-
     def finish_typing(self) -> None:
         """Take what was typed and not taken yet."""
         for edit in (self.name, self.description, self.seed):
@@ -133,7 +128,7 @@ class NetworkPanel(QFrame):
             check_seed(seed)
         except ParameterError as error:
             self._show_problem(error.message)
-            self.seed.mark(self._theme.error)
+            self.seed.mark()
             return
         self._session.do(set_network_field("seed", seed))
         self._show_seed(self._session.network)

@@ -27,7 +27,6 @@ from app.editor.panels.head import PanelHead
 from app.editor.panels.module_body import ModuleBody, UnknownBody
 from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
-from app.editor.theme import Theme
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
 from core.editing.operations import (
     ABSENT,
@@ -46,20 +45,8 @@ from core.network.network import MACRO, Network
 class NodePanel(QFrame):
     """Head and body of a node's panel. It shows the document and holds no part of it.
 
-    Parameters
-    ----------
-    session : Session
-        The document, which edits go to.
-    evaluator : Evaluator or None
-        Answers the queries for read-outs.
-    node : str
-        Id of the node; for another one there is another panel.
-    theme : Theme
-        Colours.
-    parent : QWidget, optional
-        Its parent.
-    sets_folder : Path, optional
-        Where named sets of parameters are kept; without it none are offered.
+    For another node there is another panel. Without a folder where named sets of parameters are
+    kept, none are offered.
 
     Signals
     -------
@@ -89,7 +76,6 @@ class NodePanel(QFrame):
         session: Session,
         evaluator: Evaluator | None,
         node: str,
-        theme: Theme,
         parent: QWidget | None = None,
         sets_folder: Path | None = None,
     ) -> None:
@@ -107,17 +93,17 @@ class NodePanel(QFrame):
             else (self.module, "", "")
         )
         self.setAccessibleName(f"control panel of {node}: {title}")
-        self.head = PanelHead(title, group, text, theme, self)
+        self.head = PanelHead(title, group, text, self)
         self.body: ModuleBody | UnknownBody
         if declared is not None:
             self.head.output.setVisible(has_picture(declared))
-            self.body = ModuleBody(declared, node, session, evaluator, theme, self)
+            self.body = ModuleBody(declared, node, session, evaluator, self)
             self.body.view_requested.connect(self.view_requested)
             self.body.trade_off_requested.connect(self.trade_off_requested)
             self.body.held.connect(self._held)
         else:
             why = where_absent(self.module, session.library)
-            self.body = UnknownBody(self.module, node, why, theme, self)
+            self.body = UnknownBody(self.module, node, why, self)
             for button in (self.head.auto, self.head.disable, self.head.generate, self.head.output):
                 button.setEnabled(False)
         column = QVBoxLayout(self)
@@ -173,11 +159,6 @@ class NodePanel(QFrame):
         self.head.set_badge(badge)
         if isinstance(self.body, ModuleBody) and (badge is None or badge.kind != "running"):
             self.body.set_held_back(badge is not None and badge.kind == "stale")
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self.head.set_theme(theme)
-        self.body.set_theme(theme)
 
     def edit_name(self) -> None:
         """Open the node's name for editing."""

@@ -16,24 +16,12 @@ from app.editor.gestures import AfterRelease
 from app.editor.panels.network_panel import NetworkPanel
 from app.editor.panels.node_panel import NodePanel
 from app.editor.session import Session, followed_name, renamed_node
-from app.editor.theme import Theme
 from app.editor.widgets import WheelScrollArea
 from core.editing.operations import ABSENT, set_node_field
 
 
 class PanelArea(WheelScrollArea):
     """A stack of panels that scrolls.
-
-    Parameters
-    ----------
-    session : Session
-        The document and the selection.
-    evaluator : Evaluator or None
-        Answers the queries for read-outs.
-    theme : Theme
-        Colours.
-    parent : QWidget, optional
-        Its parent.
 
     Signals
     -------
@@ -56,7 +44,6 @@ class PanelArea(WheelScrollArea):
         self,
         session: Session,
         evaluator: Evaluator | None,
-        theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
         super().__init__(parent)
@@ -67,7 +54,6 @@ class PanelArea(WheelScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._session = session
         self._evaluator = evaluator
-        self._theme = theme
         self._badges: Mapping[str, Badge] = {}
         self._holding: set[str] = set()
         self._later = AfterRelease(self)
@@ -77,7 +63,7 @@ class PanelArea(WheelScrollArea):
         self._column = QVBoxLayout(content)
         self._column.setContentsMargins(2, 2, 2, 2)
         self._column.setSpacing(6)
-        self.network_panel = NetworkPanel(session, theme, content)
+        self.network_panel = NetworkPanel(session, content)
         self._column.addWidget(self.network_panel)
         self._column.addStretch(1)
         self.setWidget(content)
@@ -90,13 +76,6 @@ class PanelArea(WheelScrollArea):
         """Room for a panel at the font in use."""
         unit = self.fontMetrics().averageCharWidth()
         return QSize(52 * unit, 80 * unit)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self._theme = theme
-        self.network_panel.set_theme(theme)
-        for panel in self.panels.values():
-            panel.set_theme(theme)
 
     def set_badges(self, badges: Any) -> None:
         """Show on the panels what is wrong with their nodes.
@@ -205,9 +184,7 @@ class PanelArea(WheelScrollArea):
         return [name for name in self.panels if name not in wanted]
 
     def _make(self, name: str) -> NodePanel:
-        panel = NodePanel(
-            *(self._session, self._evaluator, name, self._theme, self.widget()), self.sets_folder
-        )
+        panel = NodePanel(self._session, self._evaluator, name, self.widget(), self.sets_folder)
         panel.set_badge(self._badges.get(name))
         panel.view_requested.connect(self.view_requested)
         panel.trade_off_requested.connect(self.trade_off_requested)

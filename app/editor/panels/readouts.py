@@ -16,7 +16,7 @@ from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure
 from app.editor.session import Session
-from app.editor.theme import FAINT, Theme, set_ink
+from app.editor.theme import FAINT, TEXT, set_ink
 from app.editor.widgets import steady_width
 from core.chain.engine import Plan
 from core.modules.declaration import Declaration
@@ -118,22 +118,10 @@ class ReadoutsView(QWidget):
 
     Values that are of the network before the last edit are drawn faint, and the title says so:
     where a preview of the pictures came first, and where the node is held back.
-
-    Parameters
-    ----------
-    declaration : Declaration
-        Of the node's module.
-    node : str
-        Id of the node.
-    evaluator : Evaluator or None
-        Answers the queries; without one there are no values.
-    session : Session
-        The document, whose edits make values old.
-    theme : Theme
-        Colours.
-    parent : QWidget, optional
-        Its parent.
     """
+
+    _is_held_back = False
+    _freshness: Freshness | None = None
 
     def __init__(
         self,
@@ -141,7 +129,6 @@ class ReadoutsView(QWidget):
         node: str,
         evaluator: Evaluator | None,
         session: Session,
-        theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
         super().__init__(parent)
@@ -176,9 +163,6 @@ class ReadoutsView(QWidget):
             unit.setForegroundRole(FAINT)
         self.title = QLabel(TITLE, self)
         self.title.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self._is_held_back = False
-        self._freshness: Freshness | None = None
-        self.set_theme(theme)
         if evaluator is not None:
             evaluator.answered.connect(self._answered)
             self._freshness = Freshness(session, evaluator, self)
@@ -202,10 +186,11 @@ class ReadoutsView(QWidget):
         if self._evaluator is not None and self.values:
             self._evaluator.forget(self._owner)
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self._theme = theme
-        self._mark()
+    def changeEvent(self, event: QEvent) -> None:
+        """Write in the colours of the palette."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange and hasattr(self, "title"):
+            self._mark()
 
     def set_held_back(self, on: bool) -> None:
         """Whether the node stays as it was until all is generated."""
@@ -213,7 +198,7 @@ class ReadoutsView(QWidget):
         self._mark()
 
     def _mark(self, _old: bool = False) -> None:
-        ink = self._theme.faint_text if self.is_old else self._theme.text
+        ink = self.palette().color(FAINT if self.is_old else TEXT).name()
         for value in self.values.values():
             set_ink(value, ink)
         words = HELD_BACK if self._is_held_back else OLDER

@@ -5,49 +5,41 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel, QMenu, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
-from app.editor.panels.fields.choice import ButtonsField
+from app.editor.panels.fields.choice import (
+    MOST_BUTTONS,
+    ButtonsField,
+    ListField,
+    NumbersField,
+    SwitchField,
+    TextField,
+    choices_of,
+)
 from app.editor.panels.fields.field import Field, FieldLink
-from app.editor.panels.fields.make import field_for
+from app.editor.panels.fields.number import NumberField
+from app.editor.panels.fields.path import PathField
 from app.editor.session import Session
-from app.editor.theme import FAINT, Theme
+from app.editor.theme import FAINT
 from app.editor.widgets import PageTabs
 from core.editing.operations import ABSENT
 from core.modules.declaration import Declaration
 from core.modules.panel_sections import Section
+from core.modules.parameters import Parameter
 from core.network.linked_values import LinkError, expression_text
 from core.network.network import Node
 
 
 class SectionsView(QWidget):
-    """Fields for all parameters of a module.
-
-    Signals are those of the fields: `edited`, `reset_wanted`, `gesture_ended`,
-    `trade_off_wanted`, `menu_opening`, `unlink_wanted`, `held`.
-    """
-
-    edited = Signal(str, object, object)
-    reset_wanted = Signal(str)
-    gesture_ended = Signal()
-    trade_off_wanted = Signal(str)
-    menu_opening = Signal(str, QMenu)
-    unlink_wanted = Signal(str)
-    held = Signal(str, bool)
+    """Fields for all parameters of a module."""
 
     def __init__(
-        self,
-        declaration: Declaration,
-        session: Session,
-        theme: Theme,
-        parent: QWidget | None = None,
+        self, declaration: Declaration, session: Session, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.setObjectName("sections")
         self._declaration = declaration
         self._session = session
-        self._theme = theme
         self.sections = declaration.panel
         self._boxes: list[QWidget] = []
         self.fields: list[Field] = []
@@ -98,12 +90,6 @@ class SectionsView(QWidget):
                 field.follow(raw)
         self._show_sections()
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self._theme = theme
-        for field in self.fields:
-            field.set_theme(theme)
-
     def _fill(self, column: QVBoxLayout) -> None:
         self.tabs.setVisible(bool(self.pages))
         self.tabs.turned.connect(self._show_sections)
@@ -115,7 +101,6 @@ class SectionsView(QWidget):
             box = self._box(section)
             self._boxes.append(box)
             column.addWidget(box)
-        self.set_theme(self._theme)
 
     def _box(self, section: Section) -> QWidget:
         box = QWidget(self)
@@ -135,24 +120,30 @@ class SectionsView(QWidget):
             parameter = self._declaration.parameter(name)
             if parameter is None:
                 continue
-            field = field_for(
-                parameter,
-                self._session,
-                self._theme,
-                box,
-                writes=self._declaration.sink,
-                buttons=section.offer is not None and section.offer.parameter == name,
-            )
-            field.edited.connect(self.edited)
-            field.reset_wanted.connect(self.reset_wanted)
-            field.gesture_ended.connect(self.gesture_ended)
-            field.trade_off_wanted.connect(self.trade_off_wanted)
-            field.menu_opening.connect(self.menu_opening)
-            field.unlink_wanted.connect(self.unlink_wanted)
-            field.held.connect(self.held)
+            offered = section.offer is not None and section.offer.parameter == name
+            field = self._field_for(parameter, box, as_buttons=offered)
             self.fields.append(field)
             inside.addWidget(field)
         return box
+
+    def _field_for(self, parameter: Parameter, box: QWidget, *, as_buttons: bool) -> Field:
+        """The field of the parameter's kind; a few choices are buttons in any case."""
+        match parameter.kind:
+            case "number" | "integer":
+                return NumberField(parameter, box)
+            case "switch":
+                return SwitchField(parameter, box)
+            case "choice" if as_buttons or len(choices_of(parameter)) <= MOST_BUTTONS:
+                return ButtonsField(parameter, box)
+            case "choice":
+                return ListField(parameter, box)
+            case "path":
+                writes = self._declaration.sink
+                return PathField(parameter, box, session=self._session, writes=writes)
+            case "numbers":
+                return NumbersField(parameter, box)
+            case "text":
+                return TextField(parameter, box)
 
     def _line_up(self) -> None:
         metrics = self.fontMetrics()

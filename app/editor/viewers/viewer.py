@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Signal
-from PySide6.QtGui import QCloseEvent, QColor, QHideEvent, QShowEvent
+from PySide6.QtGui import QCloseEvent, QHideEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
-from app.editor.theme import Theme
+from app.editor.theme import ERROR, TEXT, Theme, theme_of
 from app.editor.widgets import ElidedLabel
 from core.network.network import Network
 
@@ -23,20 +23,8 @@ class Viewer(QWidget):
     """A widget that shows answers.
 
     Subclasses return their queries in `queries` and show the answers in `take`; they call `ask`
-    when the queries change.
-
-    Parameters
-    ----------
-    session : Session
-        The open document.
-    evaluator : Evaluator or None
-        Answers the queries; None shows nothing.
-    theme : Theme
-        Colours.
-    owner : str
-        The viewer's name, unique in the window.
-    parent : QWidget, optional
-        Qt's owner.
+    when the queries change. Without an evaluator nothing is shown. The owner is the viewer's name,
+    unique in the window.
 
     Signals
     -------
@@ -50,7 +38,6 @@ class Viewer(QWidget):
         self,
         session: Session,
         evaluator: Evaluator | None,
-        theme: Theme,
         owner: str,
         parent: QWidget | None = None,
     ) -> None:
@@ -58,7 +45,6 @@ class Viewer(QWidget):
         self.setObjectName(owner)
         self.session = session
         self.evaluator = evaluator
-        self.theme = theme
         self.owner = owner
         self._active = False
         self._posted: tuple[Query, ...] = ()
@@ -66,6 +52,11 @@ class Viewer(QWidget):
             evaluator.answered.connect(self._answered)
         session.changed.connect(self._changed)
         session.opened.connect(self._opened)
+
+    @property
+    def theme(self) -> Theme:
+        """Colours."""
+        return theme_of(self)
 
     def queries(self) -> Sequence[Query]:
         """The queries of what is shown now."""
@@ -133,20 +124,11 @@ class Viewer(QWidget):
 class StatusLine(QWidget):
     """What is shown or why nothing is, and what there is to read under the cursor.
 
-    Parameters
-    ----------
-    owner : str
-        The viewer's name, which those of the texts begin with.
-    description, more : str
-        What the texts are, for those who cannot see them.
-    parent : QWidget
-        The viewer.
+    `description` and `more` are what these texts are, for those who cannot see them.
     """
 
     def __init__(self, owner: str, description: str, more: str, parent: QWidget) -> None:
         super().__init__(parent)
-        self._theme: Theme | None = None
-        self._failed = False
         self.title = ElidedLabel(f"{owner}.title", description, self)
         self.more = ElidedLabel(f"{owner}.read", more, self)
         layout = QHBoxLayout(self)
@@ -154,21 +136,10 @@ class StatusLine(QWidget):
         layout.addWidget(self.title, 1)
         layout.addWidget(self.more, 0)
 
-    def set_theme(self, theme: Theme) -> None:
-        """Write in other colours."""
-        self._theme = theme
-        palette = self.palette()
-        colour = theme.error if self._failed else theme.text
-        palette.setColor(self.title.foregroundRole(), QColor(colour))
-        self.title.setPalette(palette)
-
     def show_text(self, text: str, *, failed: bool = False) -> None:
         """Show what the viewer shows, or what has failed."""
         self.title.show_text(text)
-        if failed != self._failed:
-            self._failed = failed
-            if self._theme is not None:
-                self.set_theme(self._theme)
+        self.title.setForegroundRole(ERROR if failed else TEXT)
 
     def show_more(self, text: str) -> None:
         """Show what is under the cursor."""

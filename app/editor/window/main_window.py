@@ -72,6 +72,7 @@ class MainWindow(QMainWindow):
         self.session = Session(library, self)
         self.level = Level(self.session, self)
         self.theme: Theme = THEMES[settings.look]
+        QApplication.setPalette(self.theme.palette())  # what is built now takes its colours from it
         self.evaluator = Evaluator(self.session, parent=self)
         self._remembered = remembered
         self._ended = False
@@ -125,7 +126,7 @@ class MainWindow(QMainWindow):
         app = QApplication.instance()
         if isinstance(app, QApplication):
             app.setPalette(theme.palette())
-        parts = (self.canvas, self.crumbs, self.library_view, self.panels, self.figures)
+        parts = (self.canvas, self.crumbs, self.library_view)
         for part in (*parts, self.history, self.status):
             part.set_theme(theme)
         self.viewers.set_theme(theme)
@@ -237,8 +238,8 @@ class MainWindow(QMainWindow):
         self.canvas = Canvas(self.level, self.theme)
         self.crumbs = Crumbs(self.level, self.theme, self.canvas)
         self.library_view = LibraryView(library)
-        self.panels = PanelArea(self.session, self.evaluator, self.theme)
-        self.figures = FiguresStrip(self.session, self.evaluator, self.theme)
+        self.panels = PanelArea(self.session, self.evaluator)
+        self.figures = FiguresStrip(self.session, self.evaluator)
         self.welcome = WelcomePage(library)
         self.status = StatusBar(self.theme, self)
         self.setStatusBar(self.status)
@@ -260,7 +261,7 @@ class MainWindow(QMainWindow):
         self.history = HistoryList(self.session)
         self.history_dock = add_dock(self, "History", "dock.history", self.history, _RIGHT)
         self.history_dock.hide()
-        self.kept = SnapshotDock(self.session, self.evaluator, self.theme, self.viewers, self)
+        self.kept = SnapshotDock(self.session, self.evaluator, self.viewers, self)
         self.runs = BackgroundRuns(self.session, self.theme, self, self.finish_typing)
         self.measuring = MeasureDock(self.session, self.theme, self.viewers, self)
         parts = (self.measuring, self.viewers, self, self.finish_typing)

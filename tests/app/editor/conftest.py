@@ -67,6 +67,7 @@ def _what_was_closed_is_deleted():
 
 @pytest.fixture
 def qtbot(qapp, request):
+    qapp.setPalette(DARK.palette())
     return PatientBot(request)
 
 

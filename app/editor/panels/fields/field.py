@@ -15,7 +15,7 @@ from app.editor.declared_text import about, choice_text, label_of, shown_value, 
 from app.editor.gestures import AfterRelease, without_argument
 from app.editor.number_text import shown_number
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.theme import ERROR, FAINT, Theme, set_ink
+from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
 from app.editor.widgets import require_defined
 from core.editing.clipboard import VALUES_FORMAT, read_values
 from core.editing.operations import ABSENT
@@ -67,11 +67,10 @@ class Field(QWidget):
     unlink_wanted = Signal(str)
     held = Signal(str, bool)
 
-    def __init__(self, parameter: Parameter, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, parameter: Parameter, parent: QWidget | None = None) -> None:
         require_defined(type(self), Field, "build", "show_value")
         super().__init__(parent)
         self.parameter = parameter
-        self.theme = theme
         self.value: Any = parameter.default
         self.stored = False
         self.node_name = ""  # for titles of dialogs; empty where no node stands behind the field
@@ -104,7 +103,7 @@ class Field(QWidget):
         self.column.addLayout(self.row)
         self.build()
         self.column.addWidget(self.message)
-        self.set_theme(theme)
+        self._mark_changed()
 
     @property
     def changed(self) -> bool:
@@ -223,11 +222,6 @@ class Field(QWidget):
             if edit.unsettled:
                 edit.give_up()
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self.theme = theme
-        self._mark_changed()
-
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """By the right button, or the menu key."""
         self.open_menu(event.globalPos())
@@ -283,7 +277,7 @@ class Field(QWidget):
         if font.bold() != self.changed:
             font.setBold(self.changed)
             label.setFont(font)
-        set_ink(label, self.theme.changed if self.changed else self.theme.text)
+        label.setForegroundRole(CHANGED if self.changed else TEXT)
 
     def marked_label(self) -> QWidget:
         """The widget that shows the parameter's name."""
@@ -329,7 +323,7 @@ class TypedField(Field):
     def refuse(self, error: ParameterError) -> None:
         """Frame it in red, and show why."""
         super().refuse(error)
-        self.edit.mark(self.theme.error)
+        self.edit.mark()
 
 
 # The name of a number, which is dragged sideways to change it.

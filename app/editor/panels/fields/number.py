@@ -16,7 +16,7 @@ from app.editor.declared_text import about, placeholder_of, shown_value, tip
 from app.editor.number_text import shown_number
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.type_in import WHEEL_REST_MS
-from app.editor.theme import Theme, set_ink
+from app.editor.theme import CHANGED
 from app.editor.typed_number import typed_number
 from app.editor.widgets import takes_wheel
 from core.errors import ParameterError
@@ -55,6 +55,7 @@ class NumberField(TypedField):
         self.linked_value = QLabel(self)
         self.linked_value.setObjectName(f"linked_value.{self.parameter.name}")
         self.linked_value.setTextFormat(Qt.TextFormat.PlainText)
+        self.linked_value.setForegroundRole(CHANGED)
         self.linked_value.hide()
         self.row.addWidget(self.label, _SHARES[False][0])
         self.row.addWidget(edit, _SHARES[False][1])
@@ -81,12 +82,6 @@ class NumberField(TypedField):
         else:
             self.edit.show_text("" if value is None else shown_number(value))
         self.slider.show_position(self.scale.position_of(value))
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        super().set_theme(theme)
-        set_ink(self.linked_value, theme.changed)
-        self.edit.show_link(self.link is not None, theme.changed)
 
     def take(self, text: str) -> None:
         """Offer what was typed as a number, or behind = as an expression to follow."""
@@ -124,7 +119,7 @@ class NumberField(TypedField):
         if link is None and self._shows_link is False:
             return  # as with each move of a slider
         self._shows_link = link is not None
-        self.edit.show_link(link is not None, self.theme.changed)
+        self.edit.show_link(link is not None)
         self.slider.setEnabled(link is None)
         self.label.set_drags(link is None)
         self.linked_value.setVisible(link is not None)

@@ -13,7 +13,6 @@ from app.editor.declared_text import about, tip
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Session
-from app.editor.theme import Theme
 from core.modules.parameters import Parameter
 
 # A line for a file name: its folder is cut in the middle, the file's own name is always seen.
@@ -90,7 +89,6 @@ class PathField(TypedField):
     def __init__(
         self,
         parameter: Parameter,
-        theme: Theme,
         parent: QWidget | None = None,
         *,
         session: Session,
@@ -98,7 +96,7 @@ class PathField(TypedField):
     ) -> None:
         self._session = session
         self._writes = writes
-        super().__init__(parameter, theme, parent)
+        super().__init__(parameter, parent)
 
     def build(self) -> None:
         """Make line and button."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import (
-    QColor,
     QFocusEvent,
     QKeyEvent,
     QKeySequence,
@@ -16,6 +15,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QLineEdit, QWidget
 
+from app.editor.theme import CHANGED, ERROR
 from app.editor.widgets import takes_wheel
 
 WHEEL_REST_MS = 400
@@ -55,8 +55,6 @@ class TypeIn(QLineEdit):
         super().__init__(parent)
         self._steps = steps
         self._marked = False
-        self._mark_colour = QColor()
-        self._link_colour = QColor()
         self._is_linked = False
         self.is_left_by_mouse = False
         self._rest = QTimer(self, singleShot=True, interval=WHEEL_REST_MS)
@@ -85,15 +83,13 @@ class TypeIn(QLineEdit):
         self.setModified(False)
         self._unmark()
 
-    def mark(self, colour: str) -> None:
+    def mark(self) -> None:
         """Frame what was refused."""
         self._marked = True
-        self._mark_colour = QColor(colour)
         self.update()
 
-    def show_link(self, on: bool, colour: str = "") -> None:
+    def show_link(self, on: bool) -> None:
         """Mark that the value follows others: two rings of a chain before the text."""
-        self._link_colour = QColor(colour)
         if on != self._is_linked:
             self._is_linked = on
             self.setTextMargins(round(1.3 * self.fontMetrics().height()) if on else 0, 0, 0, 0)
@@ -171,7 +167,7 @@ class TypeIn(QLineEdit):
         self.draw_line(event)
         painter = QPainter(self)
         if self._marked:
-            painter.setPen(QPen(self._mark_colour, 2))
+            painter.setPen(QPen(self.palette().color(ERROR), 2))
             painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
         elif not self.hasFocus():
             painter.setPen(self.palette().color(QPalette.ColorRole.Mid))
@@ -186,7 +182,7 @@ class TypeIn(QLineEdit):
 
     def _paint_rings(self, painter: QPainter) -> None:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(self._link_colour, 1.6))
+        painter.setPen(QPen(self.palette().color(CHANGED), 1.6))
         high = self.fontMetrics().height()
         ring = QRectF(0, 0, 0.5 * high, 0.32 * high)
         middle = QPointF(0.72 * high, self.height() / 2)

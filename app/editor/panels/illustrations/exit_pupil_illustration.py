@@ -52,10 +52,9 @@ class ExitPupilIllustration(Illustration):
         session: Session,
         evaluator: Evaluator | None,
         node: str,
-        theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
-        super().__init__(session, evaluator, node, theme, parent)
+        super().__init__(session, evaluator, node, parent)
         self._waits = False
         self._seen: Node | None = None
         self._pupil: Pupil | None = None

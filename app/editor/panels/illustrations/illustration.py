@@ -13,7 +13,7 @@ from app.editor.declared_text import breakable, error_text, tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
-from app.editor.theme import Theme
+from app.editor.theme import Theme, theme_of
 from app.editor.widgets import require_defined
 from core.errors import ImagechainError, UnconnectedError
 from core.network.network import Node
@@ -28,18 +28,7 @@ _WRAPPED = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop | Qt.TextF
 class Illustration(QWidget):
     """A picture of what a node does, drawn from answers; it holds no part of the document.
 
-    Parameters
-    ----------
-    session : Session
-        The document.
-    evaluator : Evaluator or None
-        Answers the queries; without one nothing computed is shown.
-    node : str
-        Id of the node.
-    theme : Theme
-        Colours.
-    parent : QWidget, optional
-        Its parent.
+    Without an evaluator nothing computed is shown.
     """
 
     lines = 11.5
@@ -50,7 +39,6 @@ class Illustration(QWidget):
         session: Session,
         evaluator: Evaluator | None,
         node: str,
-        theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
         asks = type(self).queries is not Illustration.queries
@@ -59,7 +47,6 @@ class Illustration(QWidget):
         self.setObjectName("illustration")
         self.session = session
         self.node = node
-        self.theme = theme
         self.problem = ""
         self._owner = f"panel.illustration.{id(self):x}"
         self._evaluator = evaluator
@@ -93,10 +80,10 @@ class Illustration(QWidget):
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint the picture; called only where there is one."""
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self.theme = theme
-        self.update()
+    @property
+    def theme(self) -> Theme:
+        """Colours."""
+        return theme_of(self)
 
     def write(self, painter: QPainter, area: QRectF, lines: Sequence[str]) -> None:
         """Write lines from the top left, smaller where they would not all be seen."""

@@ -14,7 +14,6 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.illustrations.chart import Axis, Chart, brief
 from app.editor.panels.illustrations.illustration import Illustration
 from app.editor.session import Session
-from app.editor.theme import Theme
 from core.errors import ImagechainError
 from core.names import thaw
 from core.network.network import Node
@@ -37,10 +36,9 @@ class PeriodicNoiseIllustration(Illustration):
         session: Session,
         evaluator: Evaluator | None,
         node: str,
-        theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
-        super().__init__(session, evaluator, node, theme, parent)
+        super().__init__(session, evaluator, node, parent)
         self._seen: Node | None = None
         self._built: Any = None
         session.changed.connect(self._follow)

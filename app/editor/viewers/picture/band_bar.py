@@ -6,11 +6,11 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QValidator
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSlider, QSpinBox, QWidget
 
-from app.editor.theme import FAINT, Theme, set_ink
+from app.editor.theme import FAINT, set_ink, theme_of
 from app.editor.viewers.pixels.band_choice import ALL, CHANNELS, BandChoice
 from app.editor.widgets import ElidedLabel, tool_button
 from core.chain.band_stack import BandStack
@@ -29,10 +29,6 @@ class BandBar(QWidget):
     ----------
     owner : str
         The viewer's name, which those of the controls begin with.
-    theme : Theme
-        Colours.
-    parent : QWidget
-        The viewer.
 
     Signals
     -------
@@ -44,8 +40,9 @@ class BandBar(QWidget):
 
     chosen = Signal(object)
     noted = Signal(str)
+    _letters: tuple[QLabel, ...] = ()
 
-    def __init__(self, owner: str, theme: Theme, parent: QWidget) -> None:
+    def __init__(self, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
         self.choice = ALL
         self._bands: BandStack | None = None
@@ -81,7 +78,7 @@ class BandBar(QWidget):
             spin.valueChanged.connect(self._colours_chosen)
         for spin in (self.one, *self.colours):
             spin.typed.connect(self._wavelength_typed)
-        self.set_theme(theme)
+        self._colour()
         self.hide()
 
     @property
@@ -89,9 +86,14 @@ class BandBar(QWidget):
         """Whether the picture has bands."""
         return self._bands is not None
 
-    def set_theme(self, theme: Theme) -> None:
-        """Write in other colours."""
-        for letter, colour in zip(self._letters, theme.channels, strict=True):
+    def changeEvent(self, event: QEvent) -> None:
+        """Write in the colours of the palette."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange:
+            self._colour()
+
+    def _colour(self) -> None:
+        for letter, colour in zip(self._letters, theme_of(self).channels, strict=False):
             set_ink(letter, colour)
 
     def show_bands(self, bands: BandStack | None, choice: BandChoice) -> None:

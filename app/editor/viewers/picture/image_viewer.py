@@ -14,8 +14,6 @@ from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
-from app.editor.theme import Theme
-from app.editor.viewers.neighbours import neighbours
 from app.editor.viewers.network_ports import PICTURE_TYPES, ports_by_node
 from app.editor.viewers.picture.band_bar import BandBar
 from app.editor.viewers.picture.kept_side import (
@@ -30,7 +28,6 @@ from app.editor.viewers.picture.picture_bar import PictureBar, open_context_menu
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.picture.picture_probe import PictureProbe, save_picture, shown_png
 from app.editor.viewers.picture.region_tool import RegionTool
-from app.editor.viewers.picture.spectrum_plot import SpectrumPlot
 from app.editor.viewers.pixels.grey_levels import NAMES, colour_table
 from app.editor.viewers.pixels.picture_choices import Choices, numbers_of
 from app.editor.viewers.pixels.picture_facts import Facts, laid_over
@@ -49,12 +46,7 @@ if TYPE_CHECKING:
 class ImageViewer(Viewer):
     """Shows one wire, or two compared, or one as it is beside what was kept of it.
 
-    Parameters
-    ----------
-    session, evaluator, theme, parent
-        As for `Viewer`.
-    number : int
-        Of this viewer among those of the window.
+    Viewers of the window are numbered.
 
     Attributes
     ----------
@@ -66,11 +58,10 @@ class ImageViewer(Viewer):
         self,
         session: Session,
         evaluator: Evaluator | None,
-        theme: Theme,
         number: int,
         parent: QWidget | None = None,
     ) -> None:
-        super().__init__(session, evaluator, theme, f"image_viewer.{number}", parent)
+        super().__init__(session, evaluator, f"image_viewer.{number}", parent)
         self.number = number
         self.window_actions: tuple[QAction, ...] = ()
         self.choices = Choices()
@@ -85,7 +76,6 @@ class ImageViewer(Viewer):
         self._build()
         self._connect()
         self._set_colours("grey")
-        self.set_theme(theme)
         self._follow_choices()
 
     def look_at(self, port: str | None) -> None:
@@ -164,13 +154,6 @@ class ImageViewer(Viewer):
             QApplication.clipboard().setImage(
                 QImage.fromData(shown_png(picture, table, self.canvas.split))
             )
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self.theme = theme
-        self.canvas.set_theme(theme)
-        self.bands.set_theme(theme)
-        self.status.set_theme(theme)
 
     def state(self) -> dict[str, Any]:
         """How it shows what, as JSON has it."""
@@ -267,16 +250,14 @@ class ImageViewer(Viewer):
 
     def _build(self) -> None:
         self.bar = PictureBar(self.session, self.owner, self)
-        band_bar = BandBar(self.owner, self.theme, self)  # before the canvas in the order of Tab
-        self.canvas = PictureCanvas(self.theme, self)
+        band_bar = BandBar(self.owner, self)  # before the canvas in the order of Tab
+        self.canvas = PictureCanvas(self)
         self.canvas.setObjectName(f"{self.owner}.canvas")
         self.links = ZoomLinks(self.canvas)
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
         self.probe = PictureProbe(self.canvas, self.status)
         self.region = RegionTool(self.session, self.evaluator, self.canvas, self.bar.region)
-        self.bands = PictureBands(
-            band_bar, lambda: SpectrumPlot(self.canvas.ci, self.theme, self.canvas), self
-        )
+        self.bands = PictureBands(band_bar, self.canvas.make_spectra, self)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
@@ -418,6 +399,15 @@ class ImageViewer(Viewer):
         compare.fill_others(groups, self.choices.other)
         linked = {viewer.number: self.links.has(viewer.links) for viewer in neighbours(self)}
         compare.fill_links(linked)
+
+
+def neighbours(viewer: ImageViewer) -> list[ImageViewer]:
+    """The other viewers of pictures of the window, floating ones too."""
+    top: QWidget = viewer
+    while (above := top.parentWidget()) is not None:
+        top = above
+    others = (other for other in top.findChildren(ImageViewer) if other is not viewer)
+    return sorted(others, key=lambda other: other.number)
 
 
 # Pictures that are zoomed and moved together.

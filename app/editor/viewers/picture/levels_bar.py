@@ -44,7 +44,7 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
     dragged = Signal(float, float)
     released = Signal()
 
-    def __init__(self, theme: Theme) -> None:
+    def __init__(self) -> None:
         with without_matplotlib():
             super().__init__()
         self._writing = False
@@ -67,7 +67,6 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         self.vb.setXRange(-1.02, 0.0, padding=0.0)
         self.sigLevelsChanged.connect(self._levels_changed)
         self.sigLevelChangeFinished.connect(self._level_change_finished)
-        self.set_theme(theme)
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""

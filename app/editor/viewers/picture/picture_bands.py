@@ -13,7 +13,6 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtWidgets import QWidget
 
 from app.editor.evaluation.queries import Answer, Passing, Query
-from app.editor.theme import Theme
 from app.editor.viewers.picture.band_bar import BandBar
 from app.editor.viewers.picture.spectrum_plot import NO_SAMPLE, SpectrumPlot
 from app.editor.viewers.pixels.band_choice import BandChoice, bands_of
@@ -29,14 +28,7 @@ PAUSE_MS = 30
 class PictureBands(QObject):
     """What a viewer has for a picture with bands; nothing of it is there for any other.
 
-    Parameters
-    ----------
-    bar : BandBar
-        The row of controls.
-    make_plot : callable
-        Makes the plot of the spectra, below the picture, once there are bands.
-    parent : QWidget
-        Qt's owner.
+    `make_plot` makes the plot of the spectra, below the picture, once there are bands.
 
     Signals
     -------
@@ -134,12 +126,6 @@ class PictureBands(QObject):
         else:
             return False
         return True
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self.bar.set_theme(theme)
-        if self._plot is not None:
-            self._plot.set_theme(theme)
 
     def _show_sample(self, answer: Answer, query: SampleSpectrumQuery) -> None:
         if self._place is None:  # the cursor has left

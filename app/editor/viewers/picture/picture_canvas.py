@@ -9,11 +9,12 @@ from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, Qt, 
 from PySide6.QtGui import QContextMenuEvent, QKeyEvent
 from PySide6.QtWidgets import QGraphicsView, QLabel, QWidget
 
-from app.editor.theme import Theme, set_ground, set_ink
+from app.editor.theme import RAISED, Theme, theme_of
 from app.editor.viewers.picture.levels_bar import LevelsBar
 from app.editor.viewers.picture.picture_item import PictureItem, extent
 from app.editor.viewers.picture.profile_line import ProfileLine
 from app.editor.viewers.picture.region_overlay import RegionOverlay
+from app.editor.viewers.picture.spectrum_plot import SpectrumPlot
 from app.editor.viewers.pixels.grey_levels import colour_table
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import bare, paint_axes
@@ -53,8 +54,9 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     band_stepped = Signal(int)
     zoomed = Signal()
     menu_wanted = Signal(QPoint)
+    theme: Theme | None = None
 
-    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAccessibleName("Picture")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -71,11 +73,12 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.cross = pg.ScatterPlotItem(symbol="crosshair", size=17)
         for item in (self.first, self.second, self.wipe, self.cross):
             self.plot.addItem(item)
-        self.names = SideNames(self.view, self, theme)
-        self.levels = LevelsBar(theme)
+        self.names = SideNames(self.view, self)
+        self.levels = LevelsBar()
         self.addItem(self.levels, row=0, col=1)
-        self.profile = ProfileLine(self.plot, self.ci, theme, self)
-        self.region = RegionOverlay(self.view, self, theme)
+        self.profile = ProfileLine(self.plot, self.ci, self)
+        self.region = RegionOverlay(self.view, self)
+        self.spectra: SpectrumPlot | None = None
         self.fitted = True
         self._picture: Picture | None = None
         self._place = QRectF()
@@ -89,17 +92,28 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.view.sigRangeChangedManually.connect(self._seen_otherwise)
         self.scene().sigMouseMoved.connect(self._mouse_moved)
         self.scene().sigMouseClicked.connect(self._clicked)
-        self.set_theme(theme)
+        self._take_colours()
         self.clear_picture()
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
+    def make_spectra(self) -> SpectrumPlot:
+        """Make the plot of spectra, which only a picture with bands has."""
+        self.spectra = SpectrumPlot(self.ci, self)
+        self.spectra.set_theme(theme_of(self))
+        return self.spectra
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Draw in the colours of the palette."""
+        super().changeEvent(event)
+        if self.theme not in (None, theme_of(self)):
+            self._take_colours()
+
+    def _take_colours(self) -> None:
+        self.theme = theme = theme_of(self)
         self.setBackground(theme.base)
         paint_axes(self.plot, theme)
-        self.levels.set_theme(theme)
-        self.profile.set_theme(theme)
-        self.region.set_theme(theme)
-        self.names.set_theme(theme)
+        for part in (self.levels, self.profile, self.region, self.spectra):
+            if part is not None:
+                part.set_theme(theme)
         self.wipe.setPen(theme.accent, width=2)
         self.wipe.setHoverPen(theme.changed, width=3)
         self.cross.setPen(theme.accent, width=2)
@@ -376,11 +390,9 @@ class SideNames(QObject):
         Where the pictures are drawn.
     canvas : QGraphicsView
         The widget that shows it; the names lie above it and take no mouse events.
-    theme : Theme
-        Colours.
     """
 
-    def __init__(self, view: Any, canvas: QGraphicsView, theme: Theme) -> None:
+    def __init__(self, view: Any, canvas: QGraphicsView) -> None:
         super().__init__(canvas)
         self._view, self._canvas = view, canvas
         self._texts = "", ""
@@ -389,13 +401,6 @@ class SideNames(QObject):
         self.left, self.right = self._label("left"), self._label("right")
         view.sigRangeChanged.connect(self._moved)
         view.sigResized.connect(self._moved)
-        self.set_theme(theme)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Write in other colours."""
-        for label in (self.left, self.right):
-            set_ground(label, theme.raised)
-            set_ink(label, theme.text)
 
     def show(self, left: str, right: str) -> None:
         """Have these names; an empty one is not written."""
@@ -414,6 +419,8 @@ class SideNames(QObject):
         label.setTextFormat(Qt.TextFormat.PlainText)
         label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         label.setMargin(_PAD)
+        label.setBackgroundRole(RAISED)
+        label.setAutoFillBackground(True)
         label.hide()
         return label
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pyqtgraph as pg
 from PySide6.QtCore import QObject, QPointF
 
-from app.editor.theme import Theme
+from app.editor.theme import Theme, theme_of
 from app.editor.viewers.picture.picture_item import extent
 from app.editor.viewers.pixels.band_choice import CHANNELS
 from app.editor.viewers.pixels.picture_query import Picture
@@ -36,8 +36,6 @@ class ProfileLine(QObject):
         Where the line is drawn.
     layout : GraphicsLayout
         Where the plot of what lies along it gets its row, the second, while it is shown.
-    theme : Theme
-        Colours.
     parent : QWidget
         Qt's owner.
     """
@@ -46,13 +44,12 @@ class ProfileLine(QObject):
         self,
         picture_plot: pg.PlotItem,
         layout: pg.GraphicsLayout,
-        theme: Theme,
         parent: QWidget,
     ) -> None:
         super().__init__(parent)
+        self._canvas = parent
         self._picture_plot = picture_plot
         self._layout = layout
-        self._theme = theme
         self._text_height = parent.fontMetrics().height
         self._plot: pg.PlotItem | None = None
         self._picture: Picture | None = None
@@ -109,7 +106,6 @@ class ProfileLine(QObject):
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
-        self._theme = theme
         if self._plot is None:
             return
         paint_axes(self._plot, theme)
@@ -136,7 +132,7 @@ class ProfileLine(QObject):
         self._line.setZValue(10)
         self._picture_plot.addItem(self._line)
         self._line.sigRegionChanged.connect(self._moved)
-        self.set_theme(self._theme)
+        self.set_theme(theme_of(self._canvas))
 
     def _put_line(self) -> None:
         if self._picture is None or self._plot is None:

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
     QGraphicsSceneMouseEvent,
 )
 
-from app.editor.theme import Theme
+from app.editor.theme import Theme, theme_of
 from app.editor.viewers.pixels.probing import ALL, Grip, Region, Size, dragged, drawn
 from app.editor.viewers.plot.plot_looks import see_through, thick
 
@@ -38,8 +38,6 @@ class RegionOverlay(QObject):
         Where the picture is drawn.
     canvas : GraphicsLayoutWidget
         Gets the keys; Qt's owner.
-    theme : Theme
-        Colours.
 
     Signals
     -------
@@ -64,11 +62,10 @@ class RegionOverlay(QObject):
     armed_changed = Signal(bool)
     menu_wanted = Signal(QPoint)
 
-    def __init__(self, view: pg.ViewBox, canvas: pg.GraphicsLayoutWidget, theme: Theme) -> None:
+    def __init__(self, view: pg.ViewBox, canvas: pg.GraphicsLayoutWidget) -> None:
         super().__init__(canvas)
         self._view = view
         self._canvas = canvas
-        self._theme = theme
         self.region: Region | None = None
         self.armed = self.held = False
         self._size: Size = (1, 1)
@@ -76,7 +73,7 @@ class RegionOverlay(QObject):
         self._fits = True
         self._start: tuple[Region, Grip | None, QPointF] | None = None
         self._key: int | None = None
-        self.frame = RegionFrame(theme)
+        self.frame = RegionFrame()
         self.sheet = DrawingSheet(self.frame)
         self.title = pg.TextItem(anchor=(0, 1))
         self.title.setZValue(21)
@@ -94,11 +91,9 @@ class RegionOverlay(QObject):
         view.sigTransformChanged.connect(self._fit_to_screen)
         canvas.scene().sigMouseClicked.connect(self._clicked_beside)
         canvas.installEventFilter(self)
-        self.set_theme(theme)
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
-        self._theme = theme
         self.title.setColor(theme.text)
         self.title.fill = pg.mkBrush(see_through(theme.base, 215))
         self._paint()
@@ -254,7 +249,7 @@ class RegionOverlay(QObject):
         self.title.setAnchor((0, 1.3 if above > _TITLE_ROOM else -0.3))
 
     def _paint(self) -> None:
-        theme = self._theme
+        theme = theme_of(self._canvas)
         self.frame.paint_as(theme.accent if self._fits else theme.error, self.held)
         if self.region is not None:
             size = f"  {self.region.width} × {self.region.height}" if self.held else ""
@@ -297,14 +292,14 @@ class RegionFrame(QGraphicsObject):
     released = Signal()
     menu_wanted = Signal(QPoint)
 
-    def __init__(self, theme: Theme) -> None:
+    def __init__(self) -> None:
         super().__init__()
         self.setZValue(20)
         self._rect = QRectF()
         self._room = 0.0
-        self._colour = theme.accent
+        self._colour = ""
         self._movable = True
-        self.handles = {grip: _Handle(self, grip, theme) for grip in _CURSORS}
+        self.handles = {grip: _Handle(self, grip) for grip in _CURSORS}
 
     def place(self, rect: QRectF, movable: bool) -> None:
         """Frame that; `movable`: whether there is somewhere to move it to."""
@@ -394,12 +389,12 @@ class RegionFrame(QGraphicsObject):
 class _Handle(QGraphicsRectItem):
     """A square of the same size at any zoom."""
 
-    def __init__(self, frame: RegionFrame, grip: Grip, theme: Theme) -> None:
+    def __init__(self, frame: RegionFrame, grip: Grip) -> None:
         super().__init__(-_REACH, -_REACH, 2 * _REACH, 2 * _REACH, frame)
         self._frame = frame
         self._grip = grip
         self._full = False
-        self._colour = theme.accent
+        self._colour = ""
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
         self.setCursor(_CURSORS[grip])
 

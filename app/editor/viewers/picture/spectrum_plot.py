@@ -9,7 +9,7 @@ import pyqtgraph as pg
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Qt, Signal
 
-from app.editor.theme import Theme
+from app.editor.theme import Theme, theme_of
 from app.editor.viewers.plot.plot_looks import bare, paint_axes, see_through, thick
 from core.chain.band_stack import BandStack
 
@@ -35,8 +35,6 @@ class SpectrumPlot(QObject):
     ----------
     layout : GraphicsLayout
         Where it gets a row while it is shown.
-    theme : Theme
-        Colours.
     parent : QWidget
         Qt's owner.
 
@@ -48,7 +46,7 @@ class SpectrumPlot(QObject):
 
     dragged = Signal(int, float)
 
-    def __init__(self, layout: pg.GraphicsLayout, theme: Theme, parent: QWidget) -> None:
+    def __init__(self, layout: pg.GraphicsLayout, parent: QWidget) -> None:
         super().__init__(parent)
         self._layout = layout
         self.plot = plot = pg.PlotItem(enableMenu=False)
@@ -70,12 +68,11 @@ class SpectrumPlot(QObject):
             line.sigPositionChangeFinished.connect(self._put_lines)
         self.bands: BandStack | None = None
         self._places: tuple[int, ...] = ()
-        self._theme = theme
+        self._canvas = parent
         self._axes: object = None
         self._range: tuple[float, float] | None = None
         self._shown = False
         self._name = self._problem = ""
-        self.set_theme(theme)
 
     @property
     def is_shown(self) -> bool:
@@ -111,7 +108,7 @@ class SpectrumPlot(QObject):
             self.plot.setXRange(low, high, padding=0.01)
             for line in self.lines:
                 line.setBounds((bands.centres_um[0], bands.centres_um[-1]))
-            self.set_theme(self._theme)
+            self.set_theme(theme_of(self._canvas))
         self._put_lines()
 
     def show_mean(self, values: Vector | None, problem: str = "") -> None:
@@ -137,7 +134,6 @@ class SpectrumPlot(QObject):
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
-        self._theme = theme
         paint_axes(self.plot, theme)
         few = self.bands is not None and self.bands.count <= _FEW
         dashed = thick(theme.faint_text, 1, Qt.PenStyle.DashLine)
@@ -163,7 +159,7 @@ class SpectrumPlot(QObject):
             self.legend.addItem(self.sample if drawn else self._no_curve, self._name)
 
     def _put_lines(self) -> None:
-        theme, three = self._theme, len(self._places) == 3
+        theme, three = theme_of(self._canvas), len(self._places) == 3
         for number, line in enumerate(self.lines):
             shown = number < len(self._places) and self.bands is not None
             line.setVisible(shown)

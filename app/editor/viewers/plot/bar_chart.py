@@ -7,10 +7,9 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 from PySide6.QtCore import QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
-from app.editor.theme import Theme
 from app.editor.viewers.plot.plotted_lines import Drawing, Line, Vector
 
 _NAMES = 0.45  # of the width, at most, for the names
@@ -24,20 +23,15 @@ _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 class BarChart(QScrollArea):
     """Draws a `Drawing` of bars, from the top down; scrolls where they are many."""
 
-    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAccessibleName("Bars")
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self._bars = _Bars(theme, self)
+        self._bars = _Bars(self)
         self.setWidget(self._bars)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self._bars.theme = theme
-        self._bars.update()
 
     def show_drawing(
         self, drawing: Drawing, shown: Collection[str], pens: Mapping[str, QPen]
@@ -58,9 +52,8 @@ class BarChart(QScrollArea):
 class _Bars(QWidget):
     """What is scrolled."""
 
-    def __init__(self, theme: Theme, parent: QWidget) -> None:
+    def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
-        self.theme = theme
         self.drawing = Drawing("")
         self.shown: frozenset[str] = frozenset()
         self.pens: Mapping[str, QPen] = {}
@@ -85,7 +78,7 @@ class _Bars(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw all bars."""
         painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(self.theme.base))
+        painter.fillRect(self.rect(), self.palette().base())
         lines, names = self._lines(), self.drawing.bars
         if not names or not self.drawing.panels:
             return
@@ -111,7 +104,7 @@ class _Bars(QWidget):
         for place, name in enumerate(names):
             top = place * group_height + (group_height - thick * len(lines)) / 2
             group = QRectF(_GAP, place * group_height, before, group_height)
-            painter.setPen(QColor(self.theme.text))
+            painter.setPen(self.palette().text().color())
             shown = metrics.elidedText(name, Qt.TextElideMode.ElideMiddle, before)
             painter.drawText(group, _RIGHT, shown)
             for number, (line, heights) in enumerate(zip(lines, drawn, strict=True)):
@@ -128,9 +121,9 @@ class _Bars(QWidget):
                 else:
                     box.setLeft(bar.right() + _GAP)
                     painter.drawText(box, _LEFT, label)
-        painter.setPen(QColor(self.theme.line))
+        painter.setPen(self.palette().mid().color())
         painter.drawLine(round(at(zero)), 0, round(at(zero)), round(group_height * len(names)))
-        painter.setPen(QColor(self.theme.text))
+        painter.setPen(self.palette().text().color())
         foot = QRectF(0, self.height() - 1.6 * text, self.width(), 1.6 * text)
         foot.setLeft(min(left, self.width() - metrics.horizontalAdvance(panel.y_label) - _GAP))
         painter.drawText(foot, _LEFT, panel.y_label + (", logarithmic" if panel.log else ""))

@@ -13,7 +13,7 @@ from app.editor.declared_text import error_text
 from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, PassDone, Passing, Query
 from app.editor.session import Session
-from app.editor.theme import FAINT, Theme, set_ink
+from app.editor.theme import FAINT, TEXT
 from app.editor.viewers.network_ports import HOW_TO_MARK
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets import ElidedLabel
@@ -36,21 +36,15 @@ class FiguresStrip(Viewer):
 
     That is how long all that is shown took after the last change. Figures from before the last
     edit are faint.
-
-    Parameters
-    ----------
-    session, evaluator, theme, parent
-        As for `Viewer`.
     """
 
     def __init__(
         self,
         session: Session,
         evaluator: Evaluator | None,
-        theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
-        super().__init__(session, evaluator, theme, "figures_strip", parent)
+        super().__init__(session, evaluator, "figures_strip", parent)
         self.setAccessibleName("Figures of the sensor")
         self._slots: list[tuple[ElidedLabel, ElidedLabel]] = []
         self._names: tuple[str, ...] = ()
@@ -70,7 +64,6 @@ class FiguresStrip(Viewer):
             self._freshness.changed.connect(self._mark)
         self._show(None)
         self.label(RUN_TIME).show_text(NONE)
-        self.set_theme(theme)
 
     def text(self, name: str) -> str:
         """The text shown for a read-out, such as ``snr``, for ``output`` or ``run_time``."""
@@ -86,17 +79,12 @@ class FiguresStrip(Viewer):
         """
         return self._slots[(OUTPUT, *self._names, RUN_TIME).index(name)][1]
 
-    def set_theme(self, theme: Theme) -> None:
-        """Write in other colours."""
-        self.theme = theme
-        self._mark()
-
     def _mark(self, _old: bool = False) -> None:
         """Draw figures that are older than the last edit faint."""
         # In words the status bar says it: captions that grow would move the figures.
         old = self._freshness is not None and self._freshness.is_old
         for name in self._names:
-            set_ink(self.label(name), self.theme.faint_text if old else self.theme.text)
+            self.label(name).setForegroundRole(FAINT if old else TEXT)
 
     def state(self) -> dict[str, Any]:
         """Nothing to restore."""

@@ -11,7 +11,7 @@ from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import QFont, QKeyEvent, QPen
 from PySide6.QtWidgets import QWidget
 
-from app.editor.theme import Theme
+from app.editor.theme import Theme, theme_of
 from app.editor.viewers.plot.plot_looks import (
     PlotAxis,
     bare,
@@ -34,16 +34,19 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     -------
     read(text)
         What the cursor reads; empty where it reads nothing.
+    recoloured
+        The pens are others.
     """
 
     read = Signal(str)
+    recoloured = Signal()
+    theme: Theme | None = None
 
-    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAccessibleName("Curves")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.ci.layout.setContentsMargins(2, 4, 6, 2)
-        self.theme = theme
         self.drawing = Drawing("")
         self.shown: frozenset[str] = frozenset()
         self.pens: dict[str, QPen] = {}
@@ -59,19 +62,25 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._ranges: _Ranges | None = None
         self._at: tuple[int, float, str] | None = None
         self.scene().sigMouseMoved.connect(self._mouse_moved)
-        self.set_theme(theme)
+        self._take_colours()
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self.theme = theme
-        self.setBackground(theme.base)
+    def _take_colours(self) -> None:
+        self.theme = theme_of(self)
+        self.setBackground(self.theme.base)
         self._make_plots(len(self.drawing.panels))
         self.show_drawing(self.drawing, self.shown)
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Draw in other colours."""
+        super().changeEvent(event)
+        if self.theme not in (None, theme_of(self)):
+            self._take_colours()
+            self.recoloured.emit()
 
     def show_drawing(self, drawing: Drawing, shown: Collection[str]) -> None:
         """Draw this, of its entries only these."""
         self.drawing = drawing
-        self.pens = entry_pens(drawing.entries, self.theme)
+        self.pens = entry_pens(drawing.entries, theme_of(self))
         if len(drawing.panels) != len(self._plots):
             self._make_plots(len(drawing.panels))
         self._write_axes()
@@ -127,14 +136,14 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             axes = {side: PlotAxis(side) for side in ("left", "bottom")}
             plot = self.addPlot(row=row, col=0, axisItems=axes, enableMenu=False)
             bare(plot)
-            paint_axes(plot, self.theme)
+            paint_axes(plot, theme_of(self))
             plot.showGrid(x=True, y=True, alpha=0.12)
             plot.getAxis("left").setWidth(self.fontMetrics().averageCharWidth() * 9)
             plot.disableAutoRange()
             plot.getViewBox().sigRangeChangedManually.connect(self._seen_otherwise)
             plot.getViewBox().sigXRangeChanged.connect(self._follow_x)
             self._plots.append(plot)
-            cursor = pg.InfiniteLine(angle=90, pen=pg.mkPen(self.theme.accent))
+            cursor = pg.InfiniteLine(angle=90, pen=pg.mkPen(theme_of(self).accent))
             cursor.setVisible(False)
             plot.addItem(cursor)
             self._cursors.append(cursor)
@@ -192,7 +201,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             if along is not None and along[0] <= mark.frequency <= along[1] * (1 + 1e-9)
         ]
         while self._plots and len(self._marks) < len(marks):
-            self._marks.append(PlotMark(self._plots, self.theme, self._small))
+            self._marks.append(PlotMark(self._plots, theme_of(self), self._small))
         for item, mark in zip_longest(self._marks, marks):
             if mark is None:
                 item.hide()
@@ -304,17 +313,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
 
 class PlotMark:
-    """An upright dashed line.
-
-    Parameters
-    ----------
-    plots : sequence of PlotItem
-        The panels, the uppermost first.
-    theme : Theme
-        Colours.
-    font : QFont
-        Of the name.
-    """
+    """An upright dashed line through panels, the uppermost first."""
 
     def __init__(self, plots: Sequence[pg.PlotItem], theme: Theme, font: QFont) -> None:
         self._lines: list[pg.InfiniteLine] = []

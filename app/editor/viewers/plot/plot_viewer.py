@@ -23,7 +23,6 @@ from PySide6.QtWidgets import (
 
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
-from app.editor.theme import Theme
 from app.editor.viewers.network_ports import followed
 from app.editor.viewers.plot.bar_chart import BarChart
 from app.editor.viewers.plot.curve_list import CurveList
@@ -58,22 +57,15 @@ _NARROW = 75  # characters; a narrower viewer has its legend below the plot
 
 
 class PlotViewer(Viewer):
-    """Shows the chain's transfer functions, or the curves or table of one port.
-
-    Parameters
-    ----------
-    session, evaluator, theme, parent
-        As for `Viewer`.
-    """
+    """Shows the chain's transfer functions, or the curves or table of one port."""
 
     def __init__(
         self,
         session: Session,
         evaluator: Evaluator | None,
-        theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
-        super().__init__(session, evaluator, theme, "plot_viewer", parent)
+        super().__init__(session, evaluator, "plot_viewer", parent)
         self.setAccessibleName("Plot viewer")
         self.port: str | None = None
         self.angle_deg = 0.0
@@ -85,7 +77,6 @@ class PlotViewer(Viewer):
         self._lost: str | None = None
         self._switched: dict[str, bool] = {}
         self._build()
-        self.set_theme(theme)
         self._follow_choices()
 
     def look_at(self, port: str | None) -> None:
@@ -134,14 +125,6 @@ class PlotViewer(Viewer):
         if self.data is None:
             raise UsageError("the viewer shows no curves")
         export(self._pages.currentWidget(), self.data, path)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self.theme = theme
-        self.canvas.set_theme(theme)
-        self.bars.set_theme(theme)
-        self.status.set_theme(theme)
-        self._fill_list()
 
     def state(self) -> dict[str, Any]:
         """How it shows what, as JSON has it."""
@@ -213,9 +196,9 @@ class PlotViewer(Viewer):
 
     def _build(self) -> None:
         self.bar = PlotBar(self.session, self.owner, self)
-        self.canvas = PlotCanvas(self.theme, self)
+        self.canvas = PlotCanvas(self)
         self.canvas.setObjectName(f"{self.owner}.canvas")
-        self.bars = BarChart(self.theme, self)
+        self.bars = BarChart(self)
         self.bars.setObjectName(f"{self.owner}.bars")
         self.list = CurveList(self)
         self.list.setObjectName(f"{self.owner}.curves")
@@ -246,6 +229,7 @@ class PlotViewer(Viewer):
         self.bar.log_chosen.connect(self.set_log)
         self.bar.fit.clicked.connect(self.canvas.frame)
         self.canvas.read.connect(self.status.show_more)
+        self.canvas.recoloured.connect(self._fill_list)
         self.list.toggled.connect(self._toggle)
 
     def sizeHint(self) -> QSize:

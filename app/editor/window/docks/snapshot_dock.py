@@ -12,7 +12,6 @@ from app.editor.docks.snapshots import Comparing, Snapshots
 from app.editor.docks.snapshots_view import SnapshotsView
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
-from app.editor.theme import Theme
 from app.editor.window.docks.viewer_docks import ViewerDocks, add_dock
 
 _KEYS = ("keep_snapshot", "flip", "wipe")
@@ -30,7 +29,7 @@ class SnapshotDock(QObject):
 
     Parameters
     ----------
-    session, evaluator, theme
+    session, evaluator
         As for the viewers.
     viewers : ViewerDocks
         The viewers that show A beside the present.
@@ -42,7 +41,6 @@ class SnapshotDock(QObject):
         self,
         session: Session,
         evaluator: Evaluator,
-        theme: Theme,
         viewers: ViewerDocks,
         window: QMainWindow,
     ) -> None:
@@ -50,7 +48,7 @@ class SnapshotDock(QObject):
         self._viewers = viewers
         self.snapshots = Snapshots(session, evaluator, self)
         self.comparing = Comparing(session, self.snapshots, viewers)
-        self.view = SnapshotsView(session, evaluator, theme, self.snapshots, self.comparing)
+        self.view = SnapshotsView(session, evaluator, self.snapshots, self.comparing)
         area = Qt.DockWidgetArea.BottomDockWidgetArea
         self.dock = add_dock(window, "Snapshots", "dock.snapshots", self.view, area)
         self.dock.hide()

@@ -38,13 +38,12 @@ class ViewerDocks(QObject):
         super().__init__(window)
         self._session = session
         self._evaluator = evaluator
-        self._theme = theme
         self._window = window
         self.picture_actions: tuple[QAction, ...] = ()
         self._compare_actions: tuple[QAction, ...] = ()
         self.images: dict[int, ImageViewer] = {}
         self.docks: dict[int, QDockWidget] = {}
-        self.plot = PlotViewer(session, evaluator, theme)
+        self.plot = PlotViewer(session, evaluator)
         self.plot_dock = self._dock("Curves", "dock.curves", self.plot)
         self._viewer(1)
         self.tradeoff = TradeOffView(session, evaluator, theme)
@@ -123,10 +122,6 @@ class ViewerDocks(QObject):
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
-        self._theme = theme
-        for viewer in self.images.values():
-            viewer.set_theme(theme)
-        self.plot.set_theme(theme)
         self.tradeoff.set_theme(theme)
 
     def forget_pictures(self) -> None:
@@ -146,7 +141,7 @@ class ViewerDocks(QObject):
     def _viewer(self, number: int) -> ImageViewer:
         viewer = self.images.get(number)
         if viewer is None:
-            viewer = ImageViewer(self._session, self._evaluator, self._theme, number)
+            viewer = ImageViewer(self._session, self._evaluator, number)
             viewer.window_actions = self.picture_actions
             viewer.add_compare_actions(self._compare_actions)
             dock = self._dock(f"Viewer {number}", f"dock.viewer_{number}", viewer)

@@ -93,7 +93,8 @@ def test_a_disabled_node_warns_of_nothing(opened, library):
 
 @pytest.mark.parametrize("theme", [DARK, LIGHT])
 def test_the_panel_says_it_in_the_warnings_colour(qtbot, theme):
-    head = PanelHead("Exit Pupil MTF", "Optics", "", theme)
+    head = PanelHead("Exit Pupil MTF", "Optics", "")
+    head.setPalette(theme.palette())
     qtbot.addWidget(head)
     head.set_badge(Badge("warning", "the bands do not overlap"))
     assert head.problem.text() == "the bands do not overlap"

@@ -196,7 +196,7 @@ def test_it_can_be_narrow_and_wide_and_large_in_both_looks(bench, tmp_path, key,
     assert widget.sizeHint().height() == pytest.approx(2 * height, rel=0.1)
     widget.resize(widget.sizeHint())
     shown = grey_pixels(widget)
-    widget.set_theme(LIGHT if theme is DARK else DARK)
+    widget.setPalette((LIGHT if theme is DARK else DARK).palette())
     assert (grey_pixels(widget).mean() > shown.mean()) == (theme is DARK)
 
 
@@ -207,7 +207,7 @@ def test_it_goes_with_its_panel(qtbot, session, bench, tmp_path, key):
     bench.show(network_of(key, edit_of(key)[0]))
     panel = QWidget()
     qtbot.addWidget(panel)
-    widget = illustration_of(key)(session, bench.evaluator, "node", DARK, panel)
+    widget = illustration_of(key)(session, bench.evaluator, "node", panel)
     panel.show()
     bench.settle()
     kept = weakref.ref(widget)

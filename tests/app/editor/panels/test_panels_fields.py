@@ -8,6 +8,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QComboBox, QLineEdit, QSlider
 
+from app.editor.theme import DARK
 from core.errors import ParameterError
 from core.modules.declaration import declaration
 from core.names import thaw
@@ -154,7 +155,7 @@ def test_what_is_out_of_range_is_marked_and_refused(qtbot, session, key):
             assert field.message.text() == why.message + counts
             assert field.message.isVisible(), (name, value)
             frame = field.edit.grab().toImage().pixelColor(1, field.edit.height() // 2)
-            assert frame == QColor(area._theme.error), (name, value)
+            assert frame == QColor(DARK.error), (name, value)
         QTest.keyClick(field.edit, Qt.Key.Key_Escape)
         assert field.edit.text() == shown, name
         assert not field.edit.marked, name

@@ -39,7 +39,7 @@ def test_no_widget_outlives_its_panel(qtbot, session, key):
 
 
 def test_the_area_goes_with_all_it_has(qtbot, session):
-    area = PanelArea(session, None, DARK)
+    area = PanelArea(session, None)
     area.show()
     drop(session, "electronics_noise")
     kept = [weakref.ref(widget) for widget in (area, *area.findChildren(QWidget))]
@@ -56,7 +56,7 @@ def test_the_area_goes_with_all_it_has(qtbot, session):
 @pytest.mark.parametrize("width", [300, 480])
 def test_nothing_is_clipped(qtbot, session, width, theme):
     area = panel_area(qtbot, session, width=width)
-    area.set_theme(theme)
+    area.setPalette(theme.palette())
     for key, module in LIBRARY.items():
         drop(session, key, key)
         QApplication.processEvents()
@@ -82,5 +82,5 @@ def test_colours_follow_the_theme(qtbot, session):
     field = field_of(area, session, "sigma_mrad")
     type_in(field.edit, "3")
     for theme in (LIGHT, DARK):
-        area.set_theme(theme)
-        assert field.label.palette().windowText().color().name() == theme.changed
+        area.setPalette(theme.palette())
+        assert field.label.palette().color(field.label.foregroundRole()).name() == theme.changed

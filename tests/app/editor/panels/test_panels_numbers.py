@@ -12,7 +12,6 @@ from app.editor.number_text import number_of, numbers_of, shown_figure, shown_nu
 from app.editor.panels.fields.number import Scale, scale_of
 from app.editor.panels.panel_area import PanelArea
 from app.editor.session import Session
-from app.editor.theme import DARK
 from core.editing.document import Document
 from core.editing.operations import set_parameter
 from core.errors import ParameterError
@@ -199,7 +198,7 @@ def shared_field(qapp):
     """One field for many numbers."""
     session = Session(LIBRARY)
     session.open(Document(Network(), library=LIBRARY))
-    area = PanelArea(session, None, DARK)
+    area = PanelArea(session, None)
     drop(session, "noise_file")
     area.show()
     yield session, area.panels["node"].body.sections.field("scale")

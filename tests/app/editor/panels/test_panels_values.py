@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.freshness import OLD_AFTER_MS
 from app.editor.panels.readouts import ReadoutsQuery
+from app.editor.theme import DARK
 from app.run.write_rules import read_record
 from core.chain.engine import Engine
 from core.editing.document import Document
@@ -372,13 +373,13 @@ def test_what_is_older_than_the_last_edit_is_marked(qtbot, session, evaluator, t
     qtbot.waitUntil(lambda: readouts.is_old)
     assert title_of(area) == "Read-outs: from before the last edit"
     assert texts(area) == before
-    assert value.palette().color(QPalette.ColorRole.Text).name() == area._theme.faint_text
+    assert value.palette().color(QPalette.ColorRole.Text).name() == DARK.faint_text
     gate.opened.set()
     evaluator.forget("viewer")
     qtbot.waitUntil(lambda: not readouts.is_old)
     assert texts(area) != before
     assert title_of(area) == "Read-outs"
-    assert value.palette().color(QPalette.ColorRole.Text).name() == area._theme.text
+    assert value.palette().color(QPalette.ColorRole.Text).name() == DARK.text
 
 
 def test_an_edit_that_changes_no_read_out_leaves_no_mark(qtbot, session, evaluator, tmp_path):

@@ -8,6 +8,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
 from app.editor.evaluation.queries import Badge
+from app.editor.theme import DARK
 from core.editing.operations import set_parameter
 from panel_hands import drop, field_of, panel_area
 
@@ -97,9 +98,9 @@ def test_the_tooltip_has_the_whole_path(area, session, tmp_path):
 
 def test_a_refused_path_keeps_its_frame(area, session, qtbot):
     line = line_of(area, session, LONG)
-    line.mark("#ff0000")
+    line.mark()
     image = line.grab().toImage()
-    assert QColor(image.pixel(1, image.height() // 2)).name() == "#ff0000"
+    assert QColor(image.pixel(1, image.height() // 2)).name() == DARK.error
 
 
 def test_an_error_with_a_long_name_leaves_the_panel_its_width(area, session):

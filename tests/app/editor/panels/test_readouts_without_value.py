@@ -4,7 +4,6 @@ import html
 
 from app.editor.evaluation.queries import Answer, Passing
 from app.editor.panels.readouts import NONE, ReadoutsView
-from app.editor.theme import DARK
 from core.errors import DataError
 from core.modules.declaration import declaration
 from focal_plane_bench import CAMERA_SHEET, focal_plane_bench
@@ -12,7 +11,7 @@ from nodes.detector.focal_plane import FocalPlane
 
 
 def test_the_reason_stands_in_tooltip_and_description(qtbot, session, tmp_path):
-    view = ReadoutsView(declaration(FocalPlane), "it", None, session, DARK)
+    view = ReadoutsView(declaration(FocalPlane), "it", None, session)
     qtbot.addWidget(view)
     netd = view.values["netd_K"]
 

@@ -26,7 +26,7 @@ def bench(qtbot, opened):
 
 @pytest.fixture
 def strip(bench):
-    return bench.show(FiguresStrip(bench.session, bench.evaluator, DARK), 820, 40)
+    return bench.show(FiguresStrip(bench.session, bench.evaluator), 820, 40)
 
 
 def figures(bench, preferred=None):
@@ -196,7 +196,7 @@ def test_captions_have_the_themes_colour(strip):
 
 def test_nothing_is_left_of_a_closed_strip(bench):
     def used():
-        strip = FiguresStrip(bench.session, bench.evaluator, DARK)
+        strip = FiguresStrip(bench.session, bench.evaluator)
         strip.show()
         bench.settle()
         return strip
@@ -234,7 +234,7 @@ def test_figures_from_before_the_last_edit_are_faint(strip, bench, qtbot):
 )
 def test_a_camera_of_today_shows_its_own_figures(qtbot, opened, network, node, captions):
     bench = ViewerBench(qtbot, opened(network))
-    strip = bench.show(FiguresStrip(bench.session, bench.evaluator, DARK), 900, 40)
+    strip = bench.show(FiguresStrip(bench.session, bench.evaluator), 900, 40)
     engine, plan, work = bench.truth()
     truth = engine.readouts(plan, node, work)
     heads = [head.text() for head, _ in strip._slots]
@@ -250,7 +250,7 @@ def test_a_camera_of_today_shows_its_own_figures(qtbot, opened, network, node, c
 
 def test_a_figure_of_a_clipped_picture_is_a_dash_with_its_reason(qtbot, opened):
     made = ViewerBench(qtbot, opened("mwir_camera"))
-    strip = made.show(FiguresStrip(made.session, made.evaluator, DARK), 820, 40)
+    strip = made.show(FiguresStrip(made.session, made.evaluator), 820, 40)
     camera = next(n for n, node in made.session.network.nodes.items()
                   if node.module == "focal_plane")  # fmt: skip
     assert strip.text("netd_K").endswith("mK")

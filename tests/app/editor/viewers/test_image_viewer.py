@@ -27,7 +27,7 @@ def bench(qtbot, opened):
 
 @pytest.fixture
 def viewer(bench):
-    made = ImageViewer(bench.session, bench.evaluator, DARK, 1)
+    made = ImageViewer(bench.session, bench.evaluator, 1)
     made.look_at(FINAL)
     return bench.show(made)
 
@@ -41,7 +41,7 @@ def told(viewer):
 
 
 def test_without_an_evaluator_nothing_is_shown(qtbot, session):
-    viewer = ImageViewer(session, None, LIGHT, 3)
+    viewer = ImageViewer(session, None, 3)
     qtbot.addWidget(viewer)
     viewer.show()
     viewer.look_at("scene.image")
@@ -149,7 +149,7 @@ def test_the_part_seen_is_a_share_of_both_sides(qtbot, opened):
     assert session.do(set_parameter("scene", "width", 120))
     assert session.do(set_parameter("scene", "height", 48))
     bench = ViewerBench(qtbot, session)
-    viewer = ImageViewer(session, bench.evaluator, DARK, 1)
+    viewer = ImageViewer(session, bench.evaluator, 1)
     viewer.look_at("scene.image")
     bench.show(viewer)
     try:
@@ -166,7 +166,7 @@ def test_the_part_seen_is_a_share_of_both_sides(qtbot, opened):
 
 
 def test_linked_viewers_show_the_same_part(bench, viewer, qtbot):
-    other = ImageViewer(bench.session, bench.evaluator, DARK, 2)
+    other = ImageViewer(bench.session, bench.evaluator, 2)
     other.look_at("scene.image")
     bench.show(other, 400, 300)
     viewer.link_to(other)
@@ -183,7 +183,7 @@ def test_linked_viewers_show_the_same_part(bench, viewer, qtbot):
 def test_the_menu_offers_the_other_viewers(bench, qtbot):
     window = QWidget()
     qtbot.addWidget(window)
-    one, two = (ImageViewer(bench.session, bench.evaluator, DARK, n, window) for n in (1, 2))
+    one, two = (ImageViewer(bench.session, bench.evaluator, n, window) for n in (1, 2))
     one.bar.opening.emit()
     (action,) = one.bar.compare.links.actions()
     assert "2" in action.text()
@@ -252,7 +252,7 @@ def test_state_comes_back(bench, viewer, qtbot):
     viewer.canvas.set_split(0.7)
     bench.settle()
     state = json.loads(json.dumps(viewer.state()))
-    other = ImageViewer(bench.session, bench.evaluator, LIGHT, 2)
+    other = ImageViewer(bench.session, bench.evaluator, 2)
     other.restore(state)
     bench.show(other)
     assert other.choices == viewer.choices
@@ -268,9 +268,9 @@ def test_a_state_of_nonsense_is_put_up_with(bench, viewer):
 
 
 def test_themes(viewer):
-    viewer.set_theme(LIGHT)
+    viewer.setPalette(LIGHT.palette())
     light = viewer.grab().toImage()
-    viewer.set_theme(DARK)
+    viewer.setPalette(DARK.palette())
     dark = viewer.grab().toImage()
     assert light.pixelColor(3, 60).lightness() > 200
     assert dark.pixelColor(3, 60).lightness() < 60
@@ -284,7 +284,7 @@ def test_controls_have_names(viewer):
 
 def test_nothing_is_left_of_a_closed_viewer(bench):
     def used():
-        viewer = ImageViewer(bench.session, bench.evaluator, DARK, 5)
+        viewer = ImageViewer(bench.session, bench.evaluator, 5)
         viewer.look_at(FINAL)
         viewer.show()
         bench.settle()

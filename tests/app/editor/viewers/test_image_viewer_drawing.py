@@ -6,7 +6,6 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, QPointF
 from PySide6.QtGui import QImage
 
-from app.editor.theme import DARK
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.pixels.grey_levels import NAMES, Spread, colour_table, grey_levels
 from app.editor.viewers.pixels.picture_query import Picture
@@ -27,7 +26,7 @@ def bench(qtbot, opened):
 
 @pytest.fixture
 def viewer(bench):
-    made = ImageViewer(bench.session, bench.evaluator, DARK, 1)
+    made = ImageViewer(bench.session, bench.evaluator, 1)
     made.look_at(FINAL)
     return bench.show(made)
 

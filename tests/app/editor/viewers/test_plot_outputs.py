@@ -25,7 +25,7 @@ def bench(qtbot, opened):
 
 @pytest.fixture
 def viewer(bench):
-    viewer = bench.show(PlotViewer(bench.session, bench.evaluator, DARK))
+    viewer = bench.show(PlotViewer(bench.session, bench.evaluator))
     viewer.look_at("budget.noise")
     bench.settle()
     return viewer

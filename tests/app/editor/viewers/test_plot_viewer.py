@@ -34,7 +34,7 @@ def bench(qtbot, opened):
 
 @pytest.fixture
 def viewer(bench):
-    return bench.show(PlotViewer(bench.session, bench.evaluator, DARK))
+    return bench.show(PlotViewer(bench.session, bench.evaluator))
 
 
 def curves(bench, angle=0.0, plan=None):
@@ -48,7 +48,7 @@ def named(found):
 
 def test_an_empty_network_has_nothing_to_plot(session, qtbot):
     bench = ViewerBench(qtbot, session)
-    viewer = bench.show(PlotViewer(session, bench.evaluator, DARK))
+    viewer = bench.show(PlotViewer(session, bench.evaluator))
     title = viewer.status.title
     assert "no transfer function" in title.text()
     assert title.palette().color(title.foregroundRole()).name() == DARK.text  # no error
@@ -257,7 +257,7 @@ def test_what_cannot_be_written_is_told(viewer, tmp_path, session):
     with pytest.raises(ImagechainError, match="cannot write"):
         viewer.export(tmp_path / "nowhere" / "x.csv")
     with pytest.raises(ImagechainError, match="no curves"):
-        PlotViewer(session, None, DARK, viewer).export(tmp_path / "x.csv")
+        PlotViewer(session, None, viewer).export(tmp_path / "x.csv")
 
 
 def test_state_comes_back(bench, viewer):
@@ -266,7 +266,7 @@ def test_state_comes_back(bench, viewer):
     viewer.list.item(0).setCheckState(Qt.CheckState.Unchecked)
     bench.settle()
     state = json.loads(json.dumps(viewer.state()))
-    other = PlotViewer(bench.session, bench.evaluator, LIGHT)
+    other = PlotViewer(bench.session, bench.evaluator)
     other.restore(state)
     bench.show(other)
     assert other.state() == state
@@ -284,7 +284,7 @@ def test_asks_only_while_visible(bench, viewer):
 
 
 def test_themes(viewer):
-    viewer.set_theme(LIGHT)
+    viewer.setPalette(LIGHT.palette())
     assert viewer.canvas.pens["jitter"].color().name() in LIGHT.curves
     assert viewer.canvas.pens["total"].color().name() == LIGHT.text
     assert viewer.grab().toImage().pixelColor(3, 60).lightness() > 200
@@ -307,7 +307,7 @@ def test_what_stands_beside_is_named_so_and_not_shown_at_first(bench, viewer):
 
 def test_nothing_is_left_of_a_closed_viewer(bench):
     def used():
-        viewer = PlotViewer(bench.session, bench.evaluator, DARK)
+        viewer = PlotViewer(bench.session, bench.evaluator)
         viewer.show()
         viewer.set_parts("both")
         bench.settle()

@@ -7,7 +7,6 @@ import pytest
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QImage
 
-from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.picture.spectrum_plot import MEAN, NO_SAMPLE
 from core.editing.document import Document
@@ -37,7 +36,7 @@ def bench(qtbot, session, library, cube, tmp_path):
 
 @pytest.fixture
 def viewer(bench):
-    made = ImageViewer(bench.session, bench.evaluator, DARK, 1)
+    made = ImageViewer(bench.session, bench.evaluator, 1)
     made.look_at(READ)
     return bench.show(made, 640, 480)
 
@@ -350,7 +349,7 @@ def test_what_is_chosen_is_remembered(viewer, bench, cube):
     viewer.bands.bar.slider.setValue(3)
     viewer.bar.display.spectra.setChecked(False)
     state = json.loads(json.dumps(viewer.state()))
-    other = ImageViewer(bench.session, bench.evaluator, LIGHT, 2)
+    other = ImageViewer(bench.session, bench.evaluator, 2)
     other.restore(state)
     bench.show(other)
     assert other.bands.bar.slider.value() == 3
@@ -371,7 +370,7 @@ def test_a_narrower_filter_keeps_the_wavelength(viewer, bench, cube):
 
 def test_a_viewer_with_bands_is_freed(bench, qtbot):
     def make():
-        viewer = ImageViewer(bench.session, bench.evaluator, DARK, 5)
+        viewer = ImageViewer(bench.session, bench.evaluator, 5)
         viewer.look_at(READ)
         viewer.resize(500, 400)
         viewer.show()

@@ -15,7 +15,8 @@ def shown(session, qtbot):
     """A viewer of data that need no network; gives it."""
 
     def show(data, theme=DARK, size=(640, 360)):
-        viewer = PlotViewer(session, None, theme)
+        viewer = PlotViewer(session, None)
+        viewer.setPalette(theme.palette())
         viewer.look_at(PORT)
         qtbot.addWidget(viewer)
         viewer.resize(*size)

@@ -2,7 +2,6 @@
 
 import pytest
 
-from app.editor.theme import DARK
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from region_hands import PictureHand
 from viewer_bench import ViewerBench
@@ -17,7 +16,7 @@ def bench(qtbot, opened):
 
 @pytest.fixture
 def viewer(bench):
-    made = ImageViewer(bench.session, bench.evaluator, DARK, 1)
+    made = ImageViewer(bench.session, bench.evaluator, 1)
     made.look_at("electronics.image")
     return bench.show(made, 900, 700)
 

@@ -7,7 +7,6 @@ from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
-from app.editor.theme import DARK
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from core.editing.operations import Remove, Rename, set_parameter
 from core.network.linked_values import expression
@@ -156,7 +155,7 @@ def test_a_right_click_opens_the_menu(viewer, hand):
 
 
 def test_the_curve_follows_while_it_is_dragged(bench, viewer, hand):
-    plot = PlotViewer(bench.session, bench.evaluator, DARK)
+    plot = PlotViewer(bench.session, bench.evaluator)
     plot.look_at("measured.curve")
     bench.show(plot)
     before = plot.data.series[0].y

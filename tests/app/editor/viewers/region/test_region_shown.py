@@ -108,7 +108,7 @@ def test_on_a_smaller_preview_the_frame_is_where_it_was(bench, viewer, hand):
 @pytest.mark.parametrize("theme", [DARK, LIGHT])
 @pytest.mark.parametrize("picture", ["bright", "dark"])
 def test_the_frame_can_be_told_from_the_picture(bench, viewer, hand, theme, picture):
-    viewer.set_theme(theme)
+    viewer.setPalette(theme.palette())
     levels = (1e6, 2e6) if picture == "dark" else (-2.0, -1.0)
     viewer._choose(levels=levels)
     bench.settle()

@@ -3,7 +3,6 @@
 import pytest
 
 from app.editor.panels.node_panel import NodePanel
-from app.editor.theme import DARK
 from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.run.shipped import shipped_networks
@@ -121,7 +120,7 @@ def bench(qtbot, opened):
 
 
 def test_the_strip_names_the_output_or_says_how_to_mark_it(bench):
-    strip = bench.show(FiguresStrip(bench.session, bench.evaluator, DARK), 1000, 40)
+    strip = bench.show(FiguresStrip(bench.session, bench.evaluator), 1000, 40)
     assert strip.text("output") == "electronics.image"
     bench.do(SECOND)
     assert strip.text("output") == "2 pictures"
@@ -134,7 +133,7 @@ def test_the_strip_names_the_output_or_says_how_to_mark_it(bench):
 
 
 def test_the_figures_of_two_electronics_wait_for_a_mark(bench):
-    strip = bench.show(FiguresStrip(bench.session, bench.evaluator, DARK), 1000, 40)
+    strip = bench.show(FiguresStrip(bench.session, bench.evaluator), 1000, 40)
     params = bench.session.network.nodes["electronics"].params
     wires = (Link("back", "image", "more", "image"), Link("init", "context", "more", "context"))
     bench.do(Add((Placed(Node("more", "electronics_noise", params)),), wires))
@@ -145,7 +144,7 @@ def test_the_figures_of_two_electronics_wait_for_a_mark(bench):
 
 
 def test_the_legend_says_why_there_is_no_total(bench):
-    viewer = bench.show(PlotViewer(bench.session, bench.evaluator, DARK))
+    viewer = bench.show(PlotViewer(bench.session, bench.evaluator))
 
     def texts():
         return [viewer.list.item(row).text() for row in range(viewer.list.count())]
