@@ -20,11 +20,10 @@ from core.editing.operations import ABSENT, Operation, Together, check_plain, se
 from core.errors import FileError, ImagechainError, NetworkError
 from core.modules.declaration import Declaration, Library
 from core.names import shown, thaw
-from core.network.file import read_text, save_network
+from core.network.file import read_text, read_unchanged, save_network
 from core.network.linked_values import expression_text
 from core.network.network import Network, Node
 from core.network.parsing import read_json
-from core.network.unchanged_file import read_unchanged
 
 KEY = "preset:"
 """What the key of a preset begins with; no module's key has a colon."""

@@ -47,17 +47,8 @@ def copied(
 ) -> str:
     """Nodes, the links among them and where they lie, as JSON text.
 
-    Parameters
-    ----------
-    network : Network
-        Where they are.
-    names : iterable of str
-        The nodes.
-    library : mapping
-        Modules by key.
-    value_of : callable, optional
-        The value of a node's parameter; where the network is the inside of a macro, with what is
-        set from outside.
+    `value_of` gives the value of a node's parameter; where the network is the inside of a macro,
+    with what is set from outside.
 
     Raises
     ------
@@ -98,7 +89,7 @@ def pasted(
         The middle of where they are to lie; where they lay when they were copied for None. Where
         there is no room they lie as near as there is.
     sizes : mapping
-        Width and height of the network's nodes, in units of the canvas.
+        Width and height of the network's nodes.
 
     Raises
     ------
@@ -174,12 +165,8 @@ def _with_values_for(part: Network, values: Any, network: Network) -> Network:
 
 def _read(text: str, library: Library) -> tuple[Network, Any]:
     """The nodes, and the values of parameters that follow what was not copied."""
-    strange = NetworkError(f"{SOURCE} holds no copied nodes, and no network")
-    if not text.lstrip("\ufeff \t\r\n").startswith("{"):
-        raise strange  # most often it is just something else: no word of JSON
-    document = read_json(text, SOURCE)
-    if document.get("format") not in (NODES_FORMAT, FORMAT):
-        raise strange
+    strange = "holds no copied nodes, and no network"
+    document = _read_format(text, (NODES_FORMAT, FORMAT), strange)
     document["format"] = FORMAT
     values = document.pop(_VALUES, None)
     part = parse_network(json.dumps(document), library=library, name_of_source=SOURCE)
@@ -190,6 +177,15 @@ def _read(text: str, library: Library) -> tuple[Network, Any]:
     except NetworkError as error:
         raise NetworkError(f"{SOURCE}: {error.message}") from None
     return part, values
+
+
+def _read_format(text: str, formats: Sequence[str], strange: str) -> dict[str, Any]:
+    # Most often it is just something else: then no word of JSON.
+    if text.lstrip("\ufeff \t\r\n").startswith("{"):
+        document: dict[str, Any] = read_json(text, SOURCE)
+        if document.get("format") in formats:
+            return document
+    raise NetworkError(f"{SOURCE} {strange}")
 
 
 def as_new(node: Node) -> Node:
@@ -203,14 +199,11 @@ def as_new(node: Node) -> Node:
 def _points(part: Network) -> dict[str, Point]:
     """Points of the copied nodes; laid out anew where not all have one."""
     points = {name: part.layout[name] for name in part.nodes if name in part.layout}
-    if len(points) == len(part.nodes) and all(_near(point) for point in points.values()):
-        return points
-    laid_out = arranged(replace(part, layout={}), {})
-    return {name: at for name, at in laid_out.items() if at is not None}
-
-
-def _near(point: Point) -> bool:
-    return max(abs(point[0]), abs(point[1])) <= _FARTHEST
+    if len(points) < len(part.nodes) or any(
+        max(abs(x), abs(y)) > _FARTHEST for x, y in points.values()
+    ):
+        return arranged(replace(part, layout={}), {})
+    return points
 
 
 def _centred(points: Mapping[str, Point], at: Point) -> dict[str, Point]:
@@ -269,17 +262,7 @@ class CopiedValues:
 
 @dataclass(frozen=True)
 class PastedValues:
-    """What pasting does.
-
-    Parameters
-    ----------
-    operation : Operation
-        The values' one step; it may change nothing.
-    taken : tuple of str
-        The parameters that it gives a value, as ``NODE.PARAMETER``.
-    left_out : tuple of str
-        The others, each with the reason.
-    """
+    """The values' one step, which may change nothing; the parameters it sets; why not others."""
 
     operation: Operation
     taken: tuple[str, ...]
@@ -289,12 +272,7 @@ class PastedValues:
 def copied_values(node: Node, declared: Declaration | None) -> str:
     """Every value of a node's panel as JSON text, those left at their defaults too.
 
-    Parameters
-    ----------
-    node : Node
-        The node; expressions are copied as such.
-    declared : Declaration or None
-        Its module's; of an unknown module only what is set can be copied.
+    Expressions are copied as such. Of an unknown module only what is set can be copied.
     """
     values: dict[str, Any] = {}
     units: dict[str, str] = {}
@@ -324,15 +302,11 @@ def read_values(text: str) -> CopiedValues:
     NetworkError
         If the text holds no values, in one line.
     """
-    none = NetworkError(f"{SOURCE} holds no values of a node")
-    if not text.lstrip().startswith("{"):
-        raise none  # most often it is just something else: no word of JSON
-    document = read_json(text, SOURCE)
-    if document.get("format") != VALUES_FORMAT:
-        raise none
+    strange = "holds no values of a node"
+    document = _read_format(text, (VALUES_FORMAT,), strange)
     values, units = document.get("values"), document.get("units", {})
     if not isinstance(values, dict) or not values:
-        raise none
+        raise NetworkError(f"{SOURCE} {strange}")
     if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
         raise NetworkError(f"{SOURCE}: the units of values must be texts by parameter")
     return CopiedValues(values, units)

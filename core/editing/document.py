@@ -7,6 +7,7 @@ import os
 import stat
 from collections.abc import Callable, Collection, Hashable
 from dataclasses import replace
+from functools import partial
 from os.path import realpath
 from pathlib import Path
 
@@ -39,8 +40,7 @@ class Document:
     saved : bool
         Whether that file holds it as it is; not so for recovered work and copies.
     stored : str, optional
-        The mark (`core.editing.document`) of what the file held when this was read from it;
-        default of what it holds now.
+        The `mark` of what the file held when this was read from it; default of what it holds now.
     """
 
     def __init__(
@@ -56,9 +56,7 @@ class Document:
         self.history.mark_saved(saved)
         self.library = library
         self.path = path
-        self.stored = GONE
-        if path is not None:
-            self.stored = mark_of(path) if stored is None else stored
+        self.stored = GONE if path is None else mark_of(path) if stored is None else stored
         self._listeners: list[Listener] = []
 
     @property
@@ -78,7 +76,7 @@ class Document:
 
     def text(self) -> str:
         """The text of its network file."""
-        return self._text(self.network)
+        return format_network(self.network, library=self.library)
 
     def listen(self, listener: Listener) -> None:
         """Call `listener` with the networks before and after each change."""
@@ -87,12 +85,7 @@ class Document:
     def do(self, operation: Operation, gesture: Hashable = None) -> bool:
         """Carry an operation out, unless it changes nothing; whether it did.
 
-        Parameters
-        ----------
-        operation : Operation
-            The change.
-        gesture : hashable, optional
-            Operations in a row that share one, such as those of one drag, are one undo step.
+        Operations in a row that share a `gesture`, such as those of one drag, are one undo step.
 
         Raises
         ------
@@ -144,12 +137,7 @@ class Document:
     def save(self, path: Path | None = None, *, over: bool = False) -> None:
         """Write it to a file, which is its own from then on.
 
-        Parameters
-        ----------
-        path : Path, optional
-            Another file than its own.
-        over : bool
-            Whether to write over changes that another program made to its own file.
+        `over` writes over changes that another program made to its own file.
 
         Raises
         ------
@@ -178,10 +166,8 @@ class Document:
 
     def _same(self, one: Network, other: Network) -> bool:
         # To Python 1 is true, and mappings in another order are equal; to a file they are not.
-        return one is other or (one == other and self._text(one) == self._text(other))
-
-    def _text(self, network: Network) -> str:
-        return format_network(network, library=self.library)
+        text = partial(format_network, library=self.library)
+        return one is other or (one == other and text(one) == text(other))
 
     def _tell(self, before: Network) -> None:
         """Call the listeners where another network stands than `before`."""
@@ -197,18 +183,11 @@ def _tidied(network: Network) -> Network:
         for name, at in network.layout.items()
         if name in network.nodes and is_in_reach(*at)
     }
-    inside = {
-        name: body
-        for name, node in network.nodes.items()
-        if node.macro is not None and (body := _tidied(node.macro)) is not node.macro
-    }
-    if inside:
-        nodes = {
-            name: replace(node, macro=inside.get(name, node.macro))
-            for name, node in network.nodes.items()
-        }
-        return replace(network, nodes=nodes, layout=layout)
-    return network if len(layout) == len(network.layout) else replace(network, layout=layout)
+    tidy = network if len(layout) == len(network.layout) else replace(network, layout=layout)
+    for node in network.nodes.values():
+        if node.macro is not None and (body := _tidied(node.macro)) is not node.macro:
+            tidy = tidy.with_node(replace(node, macro=body))
+    return tidy
 
 
 GONE = ""
@@ -246,16 +225,8 @@ def rebased(
 ) -> Operation | None:
     """Make relative file names point at the same files from another folder; None if they do.
 
-    Only of modules in the library is it known which parameters are file names.
-
-    Parameters
-    ----------
-    network, library
-        What is saved.
-    old_folder, new_folder : Path
-        What its file names are relative to, and shall be. They need not exist.
-    typed : collection of (str, str)
-        Nodes and parameters whose full names become relative below the new folder.
+    Only of modules in the library is it known which parameters are file names. The folders need not
+    exist. `typed` are nodes and parameters whose full names become relative below the new folder.
     """
     old, new = (Path(os.path.realpath(folder)) for folder in (old_folder, new_folder))
     if old == new and not typed:

@@ -29,7 +29,8 @@ class History:
     def __init__(self, network: Network) -> None:
         self._states = [State(network)]
         self._at = 0
-        self._saved: int | None = 0
+        self.saved: int | None = 0
+        """The position that is saved; None where no step leads there."""
         self._gesture: Hashable = None
 
     @property
@@ -55,7 +56,7 @@ class History:
     @property
     def modified(self) -> bool:
         """Whether the document differs from its saved state."""
-        return self._saved != self._at
+        return self.saved != self._at
 
     @property
     def position(self) -> int:
@@ -66,11 +67,6 @@ class History:
     def last(self) -> int:
         """The position after all steps, those included that were undone."""
         return len(self._states) - 1
-
-    @property
-    def saved(self) -> int | None:
-        """The position that is saved; None where no step leads there."""
-        return self._saved
 
     def line(self, position: int) -> str:
         """What the step did that leads to a position, in one line; of 0 nothing.
@@ -89,7 +85,7 @@ class History:
 
     def mark_saved(self, saved: bool = True) -> None:
         """Record the present state as the saved one, or that no step leads to the saved one."""
-        self._saved = self._at if saved else None
+        self.saved = self._at if saved else None
         self.end_gesture()
 
     def add(self, network: Network, operation: Operation, gesture: Hashable = None) -> None:
@@ -98,8 +94,8 @@ class History:
         Operations in a row with the same `gesture` become one step.
         """
         del self._states[self._at + 1 :]
-        if self._saved is not None and self._saved > self._at:
-            self._saved = None
+        if self.saved is not None and self.saved > self._at:
+            self.saved = None
         field = operation.path if isinstance(operation, SetField) else ()
         state = State(network, operation.text, field)
         if gesture is not None and gesture == self._gesture:

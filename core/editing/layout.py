@@ -242,7 +242,7 @@ def arranged(
     sizes: Sizes,
     only: Collection[str] | None = None,
     room: tuple[float, float] | None = None,
-) -> dict[str, Point | None]:
+) -> dict[str, Point]:
     """Lay nodes out so that every wire leads to the right and no two nodes overlap.
 
     Parts that no wire joins stand below each other, single nodes in rows under them. The upper left

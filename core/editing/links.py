@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
+from collections.abc import Iterable
 
 from core.errors import NetworkError
 from core.modules.declaration import Declaration, Library, Port
@@ -45,7 +46,8 @@ def misfit(network: Network, library: Library, link: Link) -> str | None:
         return _no_port(link.target, "input", link.input, taking.inputs)
     if output and entry and not set(output.types) & set(entry.types):
         start, end = link.text()
-        return f"{shown(start)} gives {_kinds(output)}, but {shown(end)} takes {_kinds(entry)}"
+        gives, takes = (" or ".join(port.types) for port in (output, entry))
+        return f"{shown(start)} gives {gives}, but {shown(end)} takes {takes}"
     return None
 
 
@@ -62,8 +64,11 @@ def check_new_wires(before: Network, after: Network, library: Library) -> None:
     for name, node in after.nodes.items():
         former = before.nodes.get(name)
         if node.macro is not None and node is not former:
-            inside = former.macro if former is not None else None
-            _check_inside(inside or Network(), node.macro, library, name)
+            inside = (former.macro if former is not None else None) or Network()
+            try:
+                check_new_wires(inside, node.macro, library)
+            except NetworkError as error:
+                raise NetworkError(f"inside of {shown(name)}: {error.message}") from None
     old = set(before.links)
     new = [link for link in after.links if link not in old]
     if not new:
@@ -81,25 +86,16 @@ def check_new_wires(before: Network, after: Network, library: Library) -> None:
         raise cycle_error(loops[0])
 
 
-def _check_inside(before: Network, after: Network, library: Library, macro: str) -> None:
-    try:
-        check_new_wires(before, after, library)
-    except NetworkError as error:
-        raise NetworkError(f"inside of {shown(macro)}: {error.message}") from None
-
-
 def way_between(network: Network, start: str, end: str) -> tuple[str, ...] | None:
     """The shortest way along links from one node to another, both included."""
     came_from = {start: start}
-    border = [start]
+    border = deque([start])
     while border and end not in came_from:
-        ahead = []
-        for name in border:
-            for follower in network.followers[name]:
-                if follower not in came_from:
-                    came_from[follower] = name
-                    ahead.append(follower)
-        border = ahead
+        name = border.popleft()
+        for follower in network.followers[name]:
+            if follower not in came_from:
+                came_from[follower] = name
+                border.append(follower)
     if end not in came_from:
         return None
     way = [end]
@@ -108,10 +104,10 @@ def way_between(network: Network, start: str, end: str) -> tuple[str, ...] | Non
     return tuple(reversed(way))
 
 
-def reached_from(network: Network, starts: set[str]) -> set[str]:
+def reached_from(network: Network, starts: Iterable[str]) -> set[str]:
     """These nodes and all that their links lead to."""
     reached = set(starts)
-    rest = list(starts)
+    rest = list(reached)
     while rest:
         fresh = [name for name in network.followers[rest.pop()] if name not in reached]
         reached.update(fresh)
@@ -129,7 +125,3 @@ def _no_port(node: str, side: str, port: str, ports: tuple[Port, ...]) -> str:
     names = [candidate.name for candidate in ports]
     listed = f"it has {', '.join(names)}" if names else "it has none"
     return f"{shown(node)} has no {side} {shown(port)}{close(port, names) or f': {listed}'}"
-
-
-def _kinds(port: Port) -> str:
-    return " or ".join(port.types)

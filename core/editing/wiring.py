@@ -35,7 +35,7 @@ Output = tuple[str, str]
 
 MAGNITUDE, PHASE = "magnitude", "phase"
 PARTNER = {MAGNITUDE: PHASE, PHASE: MAGNITUDE}
-_FEW = ("context", "pupil")  # of these a network has few, and every module takes the same
+_FEW = ("context", "pupil")  # a network has few, every module takes the same, no chain goes on
 
 
 def outputs_of(network: Network, library: Library, kind: str) -> list[Output]:
@@ -58,16 +58,8 @@ def side_links(
 ) -> list[Link]:
     """Links for the node's empty context and pupil inputs, where there is one candidate.
 
-    Parameters
-    ----------
-    network, library
-        Where it stands.
-    node : str
-        The node.
-    taken : iterable of str
-        Inputs that are not empty.
-    followers : iterable of str
-        Nodes that it feeds, or will: what comes after them is no candidate.
+    `taken` are the inputs that are not empty. What comes after the node and its `followers` is no
+    candidate.
     """
     module = declared(network, library, node)
     if module is None:
@@ -218,12 +210,10 @@ def _ends(
     module = declared(network, library, node)
     if module is None:
         return None
-    giving, taking = (declared(network, library, end) for end in (link.source, link.target))
-    given = giving.output(link.output) if giving else None
+    taking = declared(network, library, link.target)
     wanted = taking.input(link.input) if taking else None
-    kinds = given.types if given else wanted.types if wanted else ()
     linked = {wire.input for wire in network.links_into(node)}
-    for kind in kinds:
+    for kind in _types(network, library, link):
         entry, output = port_of(module.inputs, kind), port_of(module.outputs, kind)
         fits = wanted is None or kind in wanted.types
         if fits and entry and output and entry.name not in linked:
@@ -273,19 +263,8 @@ class Candidate:
 def fitting(library: Library, types: Collection[str], side: Side) -> tuple[Candidate, ...]:
     """Modules with a port on that side for a wire of one of these types, in the library's order.
 
-    Parameters
-    ----------
-    library : mapping
-        Modules by key.
-    types : collection of str
-        The types of the wire's loose end.
-    side : "input" or "output"
-        The side of the ports looked for: inputs take a wire from an output, outputs give one.
-
-    Returns
-    -------
-    tuple of Candidate
-        One for each port that fits.
+    `side` is that of the ports looked for: inputs take a wire from an output, outputs give one.
+    There is a candidate for each port that fits.
     """
     wanted = set(types)
     candidates = []
@@ -319,17 +298,8 @@ def wired_to(
 ) -> tuple[str, Operation]:
     """A new node of a candidate wired to a loose end, and its other inputs where they are certain.
 
-    Parameters
-    ----------
-    network, library
-        Where it is to be added.
-    end : (node, port, side)
-        The port that the loose wire leaves from. Of an input that has a link, the new node comes
-        between if it passes that on, else its link takes the place.
-    candidate : Candidate
-        What is added.
-    at : (x, y), optional
-        Its point on the canvas.
+    Where the end is an input that has a link, the new node comes between if it passes that on, else
+    its link takes the place.
 
     Raises
     ------
@@ -347,10 +317,10 @@ def wired_to(
         between = inserted(grown, library, old, name) if old else None
         if between is not None and link in between.apply(grown).links:
             return name, Together((adding, between), adding.text)
-    return name, Together((adding, wired_along(grown, library, link, name)), adding.text)
+    return name, Together((adding, _wired_along(grown, library, link, name)), adding.text)
 
 
-def wired_along(network: Network, library: Library, link: Link, node: str) -> Rewire:
+def _wired_along(network: Network, library: Library, link: Link, node: str) -> Rewire:
     """A link to or from a node that has no wires, and those of its other inputs that are certain.
 
     Raises
@@ -389,21 +359,14 @@ def _spectrum(
     network: Network, library: Library, link: Link, node: str, kind: str, *, required: bool
 ) -> tuple[str, str] | None:
     """The output that a new node takes its magnitude or phase from."""
-    if link.target == node and _brings(network, library, link, PARTNER[kind]):
+    module = declared(network, library, link.target)
+    drawn_to = module.input(link.input) if module else None
+    if link.target == node and drawn_to is not None and drawn_to.types == (PARTNER[kind],):
         return end_beside(network, library, (link.source, link.output), kind)
     if not required:
         return None
     every = [end for end in outputs_of(network, library, kind) if end[0] != node]
     return every[0] if len(every) == 1 else None
-
-
-def _brings(network: Network, library: Library, link: Link, kind: str) -> bool:
-    target: Declaration | None = declared(network, library, link.target)
-    port = target.input(link.input) if target else None
-    return port is not None and port.types == (kind,)
-
-
-_BESIDE_THE_CHAIN = ("context", "pupil")  # a module goes on from these only for lack of others
 
 
 def continued(
@@ -414,17 +377,6 @@ def continued(
     An output that leads to one node gives its wire: the new node comes between. Else it is a branch
     of its own. A module that takes nothing from the node, but gives what an empty input of it
     needs, feeds it.
-
-    Parameters
-    ----------
-    network, library
-        Where it is to be added.
-    node : str
-        The node to go on from.
-    module : str
-        Key of the new node's module.
-    at : (x, y), optional
-        Its point on the canvas.
 
     Raises
     ------
@@ -449,17 +401,13 @@ def wires_behind(network: Network, library: Library, node: str, new: str) -> Ope
         between = inserted(network, library, onward[0], new) if len(onward) == 1 else None
         if between is not None:
             return between
-        try:
-            return wired_along(network, library, Link(node, output, new, entry), new)
-        except NetworkError:
-            continue  # the next pair may do
+        if wiring := _wired(network, library, Link(node, output, new, entry), new):
+            return wiring
     linked = {link.input for link in network.links_into(node)}
     empty = tuple(port for port in known.inputs if port.required and port.name not in linked)
     for output, entry in _pairs(added.outputs, empty):
-        try:
-            return wired_along(network, library, Link(new, output, node, entry), new)
-        except NetworkError:
-            continue
+        if wiring := _wired(network, library, Link(new, output, node, entry), new):
+            return wiring
     return None
 
 
@@ -470,34 +418,30 @@ def wires_from_open_end(
 
     An output is open where no other node carries its kind of value on: a viewer or a file that
     takes it leaves it open. Nothing that is wired already changes.
-
-    Parameters
-    ----------
-    network, library
-        Where both are.
-    node : str
-        The node to go on from.
-    new : str
-        The node without wires.
     """
     known, added = declared(network, library, node), declared(network, library, new)
     if known is None or added is None:
         return None
     for output, entry in _pairs(known.outputs, added.inputs):
-        if not _is_open(network, library, node, output):
-            continue
-        try:
-            return wired_along(network, library, Link(node, output, new, entry), new)
-        except NetworkError:
-            continue  # the next pair may do
+        link = Link(node, output, new, entry)
+        open_end = _is_open(network, library, node, output)
+        if open_end and (wiring := _wired(network, library, link, new)):
+            return wiring
     return None
+
+
+def _wired(network: Network, library: Library, link: Link, node: str) -> Operation | None:
+    try:
+        return _wired_along(network, library, link, node)
+    except NetworkError:
+        return None  # another pair of ports may do
 
 
 def _is_open(network: Network, library: Library, node: str, output: str) -> bool:
     known = declared(network, library, node)
     port = known.output(output) if known is not None else None
     kinds = set(port.types) if port is not None else set()
-    if kinds <= set(_BESIDE_THE_CHAIN):
+    if kinds <= set(_FEW):
         return True
     for link in network.links:
         if (link.source, link.output) == (node, output):
@@ -510,7 +454,7 @@ def _is_open(network: Network, library: Library, node: str, output: str) -> bool
 def _pairs(outputs: tuple[Port, ...], inputs: tuple[Port, ...]) -> Iterator[tuple[str, str]]:
     """Outputs and the inputs they fit: what every module takes last, needed inputs first."""
     fitting = [
-        (output.types[0] in _BESIDE_THE_CHAIN, not entry.required, output.name, entry.name)
+        (output.types[0] in _FEW, not entry.required, output.name, entry.name)
         for output in outputs
         for entry in inputs
         if set(output.types) & set(entry.types)
@@ -556,10 +500,9 @@ def _ways(
     for link in network.links:
         if link.source in gone and link.target not in gone:
             start = _origin(network, library, gone, (link.source, link.output), only_one=only_one)
-            if start is not None and start[0] != link.target:
-                past = Link(*start, link.target, link.input)
-                if misfit(network, library, past) is None:
-                    new.append(past)
+            past = Link(*start, link.target, link.input) if start is not None else None
+            if past and past.source != past.target and misfit(network, library, past) is None:
+                new.append(past)
     return tuple(new)
 
 

@@ -6,6 +6,7 @@ import json
 import math
 import stat
 from collections.abc import Mapping
+from functools import lru_cache
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -21,15 +22,6 @@ from core.network.network import EXPRESSION, Network, Node
 from core.network.parsing import FORMAT, LARGEST, parse_network
 from core.network.validation import check_network
 
-__all__ = [
-    "format_network",
-    "load_network",
-    "parse_network",
-    "read_network",
-    "read_text",
-    "save_network",
-]
-
 
 def load_network(
     path: str | PathLike[str],
@@ -40,14 +32,7 @@ def load_network(
 ) -> Network:
     """Open a network file: all of it, or an error. It runs no code and reads no other file.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    library : mapping
-        Modules by key.
-    keep_unknown, unfinished : bool
-        As for `core.network.validation.problems`.
+    `keep_unknown` and `unfinished` as for `core.network.validation.problems`.
 
     Raises
     ------
@@ -66,6 +51,38 @@ def load_network(
 def read_network(path: str | PathLike[str], *, library: Library) -> Network:
     """Open a network file without checking it against the library; errors as `load_network`."""
     return parse_network(read_text(path), library=library, name_of_source=fspath(path))
+
+
+def read_unchanged(path: Path, *, library: Library) -> Network:
+    """As `read_network`; a file whose inode, size and time are as before is not read again.
+
+    Every window lists all networks and presets that come with the program: to parse them takes
+    longer than all else on its first page. What cannot be read is tried again the next time.
+    """
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return read_network(path, library=library)  # which says in one line why it cannot
+    stamp = found.st_ino, found.st_size, found.st_mtime_ns
+    return _read(path, stamp, _SameLibrary(library))
+
+
+class _SameLibrary:
+    """A library as a key: it is compared by identity, since a mapping has no hash."""
+
+    def __init__(self, library: Library) -> None:
+        self.library = library
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _SameLibrary) and other.library is self.library
+
+    def __hash__(self) -> int:
+        return id(self.library)
+
+
+@lru_cache(maxsize=256)  # files, of which a person's own presets are most
+def _read(path: Path, _stamp: tuple[int, int, int], same: _SameLibrary) -> Network:
+    return read_network(path, library=same.library)
 
 
 def read_text(path: str | PathLike[str]) -> str:
@@ -153,7 +170,9 @@ def _macro(body: Network, library: Library) -> dict[str, Any]:
 
 def _lines(value: Any, newline: str, encode: Any) -> str:
     if type(value) in SCALARS:
-        return _scalar(value, encode)
+        # The same text as `encode` gives, which sets up a whole encoder for every number.
+        plain_number = type(value) is int or (type(value) is float and math.isfinite(value))
+        return repr(value) if plain_number else str(encode(value))
     inner = newline + "  "
     if isinstance(value, Mapping) and value and value.keys() != {EXPRESSION}:
         rows = [f"{encode(name)}: {_lines(item, inner, encode)}" for name, item in value.items()]
@@ -165,12 +184,6 @@ def _lines(value: Any, newline: str, encode: Any) -> str:
             "[" + inner + f",{inner}".join(_lines(v, inner, encode) for v in value) + newline + "]"
         )
     return str(encode(thaw(value)))
-
-
-def _scalar(value: Any, encode: Any) -> str:
-    """The same text as `encode` gives, which sets up a whole encoder for every number."""
-    plain_number = type(value) is int or (type(value) is float and math.isfinite(value))
-    return repr(value) if plain_number else str(encode(value))
 
 
 def _node(node: Node, library: Library) -> dict[str, Any]:

@@ -25,25 +25,13 @@ from core.network.expression_grammar import (
     rewritten,
 )
 from core.network.macro import SEPARATOR, expanded
-from core.network.network import EXPRESSION, Network, Node, cycles, topological
+from core.network.network import EXPRESSION, Network, Node, cycles, topological, way_round
 
 _Place = tuple[str, str]  # node and parameter
 
 
 class LinkError(ParameterError):
-    """An expression that gives no allowed value: parameter, expression, why, and what is allowed.
-
-    Parameters
-    ----------
-    parameter : Parameter
-        What it is to set.
-    raw : object
-        The expression as the network has it.
-    why : str
-        What is wrong with it.
-    node : str, optional
-        The node of the parameter.
-    """
+    """An expression that gives no allowed value, why, and what is allowed."""
 
     def __init__(
         self, parameter: Parameter, raw: object, why: str, *, node: str | None = None
@@ -113,17 +101,9 @@ def with_values(
     """The network with the value of every expression in its place.
 
     A network without expressions is returned as it is. Those of modules that are not in the
-    library, and of parameters that their module has not, stay: validation reports them.
-
-    Parameters
-    ----------
-    network : Network
-        As it was written.
-    library : mapping
-        Modules by key.
-    known : callable, optional
-        A node of an earlier call, by its id: one that is equal is taken again, so that it is not
-        planned anew.
+    library, and of parameters that their module has not, stay: validation reports them. `known`
+    gives a node of an earlier call, by its id: one that is equal is taken again, so that it is not
+    planned anew.
     """
     if not any(node.linked for node in (*network.nodes.values(), *network.aside.values())):
         return ResolvedNetwork(network)
@@ -214,10 +194,6 @@ def references_in(raw: Mapping[str, Any]) -> tuple[Reference, ...]:
         return ()
 
 
-def _references(node: Node) -> list[Reference]:
-    return [one for name in node.linked for one in references_in(node.params[name])]
-
-
 def naming(network: Network, names: Collection[str]) -> list[tuple[str, str]]:
     """Node and parameter of every expression that names one of these nodes, in order.
 
@@ -239,9 +215,10 @@ def following(network: Network, node: str) -> set[str]:
     """
     followers: dict[str, set[str]] = {}
     for follower in network.nodes.values():
-        for reference in _references(follower):
-            leader, _ = network.parameter_behind(reference.node, reference.parameter)
-            followers.setdefault(leader, set()).add(follower.id)
+        for name in follower.linked:
+            for reference in references_in(follower.params[name]):
+                leader, _ = network.parameter_behind(reference.node, reference.parameter)
+                followers.setdefault(leader, set()).add(follower.id)
     reached: set[str] = set()
     waiting = [node]
     while waiting:
@@ -263,14 +240,12 @@ class _Survey:
         self.faults: dict[_Place, LinkError] = {}
 
     def by_node(self) -> dict[str, dict[str, Any]]:
-        """Values by node and parameter."""
         nodes: dict[str, dict[str, Any]] = {}
         for (name, parameter), value in self.values.items():
             nodes.setdefault(name, {})[parameter] = value
         return nodes
 
     def read(self) -> None:
-        """Parse them all."""
         for node in self.nodes.values():
             for name in node.linked:
                 place = (node.id, name)
@@ -284,7 +259,6 @@ class _Survey:
                     self._refuse(place, error.message)
 
     def refuse_cycles(self) -> None:
-        """Refuse the expressions on a way that comes round to itself."""
         self.followers: dict[_Place, list[_Place]] = {place: [] for place in self.parsed}
         for place, parsed in self.parsed.items():
             for reference in parsed.references:
@@ -293,15 +267,11 @@ class _Survey:
                     self.followers[leader].append(place)
         graph: Any = self.followers
         for loop in cycles(graph):
-            names = [f"{shown(node)}.{name}" for node, name in map(tuple, loop)]
-            if len(names) > 12:
-                names = [*names[:11], "…", names[-1]]
-            way = " → ".join([*names, names[0]])
+            way = way_round(f"{shown(node)}.{name}" for node, name in map(tuple, loop))
             for node, name in map(tuple, loop):
                 self._refuse((node, name), f"it follows itself: {way}; give one of them a value")
 
     def evaluate(self) -> None:
-        """Compute each after those it names."""
         graph: Any = self.followers
         ordered: Any = topological(graph)
         for place in dict.fromkeys((*ordered, *self.parsed)):  # then those behind a cycle

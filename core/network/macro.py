@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any
 
 from core.errors import NetworkError, ParameterError
@@ -41,14 +42,8 @@ def with_face(body: Network, face: Interface) -> Network:
 def opened(node: Node, *, linked: bool = True) -> Network:
     """The inside of a macro with the values that its node gives to exposed parameters.
 
-    It is made once for a node, so that nodes which no edit touched stay the same objects.
-
-    Parameters
-    ----------
-    node : Node
-        The macro.
-    linked : bool
-        With the node's expressions as well, though what they name lies around the macro.
+    Its expressions among them if `linked`, though what they name lies around the macro. It is made
+    once for a node, so that nodes which no edit touched stay the same objects.
     """
     assert node.macro is not None
     made: dict[bool, Network] = vars(node).setdefault("_opened", {})
@@ -131,21 +126,26 @@ def declared_node(node: Node, library: Library) -> Declaration | None:
 
 def _declared_macro(node: Node, body: Network, library: Library) -> Declaration:
     face = face_of_macro(body)
+    ends = (*chain(*face.inputs.values()), *face.outputs.values(), *face.parameters.values())
     inner = {
         name: declared_node(body.nodes[name], library)
-        for name in {end[0] for end in _ends(face)}
+        for name in {end[0] for end in ends}
         if name in body.nodes
     }
     inputs = []
     for name, ends in face.inputs.items():
-        ports = [port for end in ends if (port := _port(inner.get(end[0]), end[1], True))]
-        types = [kind for kind in (ports[0].types if ports else ()) if _all_take(ports, kind)]
+        ports = [port for end in ends if (port := _port(inner, end, entry=True))]
+        types = [
+            kind
+            for kind in (ports[0].types if ports else ())
+            if all(kind in port.types for port in ports)
+        ]
         if types:
             inputs.append(Port(name, tuple(types), any(port.required for port in ports)))
     outputs = [
         Port(name, port.types)
         for name, end in face.outputs.items()
-        if (port := _port(inner.get(end[0]), end[1], False))
+        if (port := _port(inner, end, entry=False))
     ]
     parameters = [
         parameter
@@ -172,21 +172,11 @@ def _declared_macro(node: Node, body: Network, library: Library) -> Declaration:
     )
 
 
-def _ends(face: Interface) -> Iterator[End]:
-    for ends in face.inputs.values():
-        yield from ends
-    yield from face.outputs.values()
-    yield from face.parameters.values()
-
-
-def _port(declared: Declaration | None, name: str, entry: bool) -> Port | None:
+def _port(inner: Mapping[str, Declaration | None], end: End, *, entry: bool) -> Port | None:
+    declared = inner.get(end[0])
     if declared is None:
         return None
-    return declared.input(name) if entry else declared.output(name)
-
-
-def _all_take(ports: list[Port], kind: str) -> bool:
-    return all(kind in port.types for port in ports)
+    return declared.input(end[1]) if entry else declared.output(end[1])
 
 
 def _parameter(name: str, body: Network, inner: Declaration | None, end: End) -> Parameter | None:
@@ -324,11 +314,11 @@ def interface_of(extra: Mapping[str, Any], where: str = "macro") -> Interface:
             raise NetworkError(f"{where}.{INPUTS}.{shown(name)} names no inner input")
         inputs[name] = tuple(_end(each, f"{where}.{INPUTS}.{shown(name)}") for each in several)
     outputs, parameters = (
-        {name: _end(entry, f"{where}.{kind}.{shown(name)}") for name, entry in entries}
-        for kind, entries in (
-            (OUTPUTS, _entries(extra, OUTPUTS, where)),
-            (PARAMETERS, _entries(extra, PARAMETERS, where)),
-        )
+        {
+            name: _end(entry, f"{where}.{kind}.{shown(name)}")
+            for name, entry in _entries(extra, kind, where)
+        }
+        for kind in (OUTPUTS, PARAMETERS)
     )
     return Interface(inputs, outputs, parameters)
 
@@ -358,23 +348,14 @@ def _end(entry: Any, where: str) -> End:
 # Writing macros out: the plain network that a network with macros stands for.
 #
 # Whatever computes works on the plain network: a node inside of ``camera`` is called
-# ``camera/blur``
-# there, in expressions too; wires go from inner node to inner node, and of the macros nothing is
-# left
-# but other names for their ports and parameters.
+# ``camera/blur`` there, in expressions too; wires go from inner node to inner node, and of the
+# macros nothing is left but other names for their ports and parameters.
 
 
 def expanded(network: Network, library: Library) -> Network:
     """The plain network; a network without macros is given back as it is.
 
     What a macro's fields name that is not there is left out: `core.network.validation` finds it.
-
-    Parameters
-    ----------
-    network : Network
-        The document.
-    library : mapping
-        Modules by key: a disabled macro passes on by the types of its ports.
     """
     if not has_macros(network):
         return network
@@ -478,44 +459,38 @@ def _level(network: Network, library: Library) -> _Level:
     return level
 
 
+def _inside(node: Node, end: End) -> End:
+    return f"{node.id}{SEPARATOR}{end[0]}", end[1]
+
+
 def _add_macro(level: _Level, node: Node, library: Library) -> None:
     body = opened(node, linked=False)
     face, inside = face_of_macro(body), _level(body, library)
-
-    def outer(end: End) -> End:
-        return f"{node.id}{SEPARATOR}{end[0]}", end[1]
-
-    prefix = f"{node.id}{SEPARATOR}"
     for inner in inside.nodes.values():
         plain = _within(node, inner)
         level.nodes[plain.id] = plain
-    level.links += [_prefixed(link, prefix) for link in inside.links]
+    level.links += [_prefixed(link, f"{node.id}{SEPARATOR}") for link in inside.links]
     for name, ends in face.inputs.items():
         level.inputs[node.id, name] = tuple(
-            outer(target) for end in ends for target in inside.targets(end)
+            _inside(node, target) for end in ends for target in inside.targets(end)
         )
-    for name, end in face.outputs.items():
+    named = {(node.id, name): end for name, end in face.outputs.items()}
+    named |= {_inside(node, end): end for end in inside.outputs}  # names of macros inside stay
+    for outer, end in named.items():
         if (source := inside.source(end)) != ("", ""):
-            level.outputs[node.id, name] = outer(source)
-    for end in inside.outputs:  # names of macros inside stay names
-        if (source := inside.source(end)) != ("", ""):
-            level.outputs[outer(end)] = outer(source)
+            level.outputs[outer] = _inside(node, source)
     _add_parameters(level, node, inside)
 
 
 def _add_parameters(level: _Level, node: Node, inside: _Level) -> None:
     """What a macro's parameters stand for; its expressions name what lies around it."""
-
-    def outer(end: End) -> End:
-        return f"{node.id}{SEPARATOR}{end[0]}", end[1]
-
     for inner in inside.aside.values():
         plain = _within(node, inner)
         level.aside[plain.id] = plain
     for name, end in face_of_macro(opened(node)).parameters.items():
-        level.parameters[node.id, name] = outer(inside.parameters.get(end, end))
+        level.parameters[node.id, name] = _inside(node, inside.parameters.get(end, end))
     for end, behind in inside.parameters.items():
-        level.parameters[outer(end)] = outer(behind)
+        level.parameters[_inside(node, end)] = _inside(node, behind)
     for name in node.linked:
         place, parameter = level.parameters.get((node.id, name), ("", ""))
         for nodes in (level.nodes, level.aside):
@@ -534,15 +509,11 @@ def _within(macro: Node, inner: Node) -> Node:
         return plain
     made: dict[str, Node] = vars(plain).setdefault("_within", {})
     if macro.id not in made:
-
-        def moved(node: str, parameter: str) -> End:
-            return f"{macro.id}{SEPARATOR}{node}", parameter
-
         expressions = {}
         for name in plain.linked:
             raw = plain.params[name]
             if isinstance(raw[EXPRESSION], str):
-                text = rewritten(raw[EXPRESSION], moved)
+                text = rewritten(raw[EXPRESSION], lambda *end: _inside(macro, end))
                 expressions[name] = {**raw, EXPRESSION: text}
         made[macro.id] = replace(plain, params={**plain.params, **expressions})
     return made[macro.id]

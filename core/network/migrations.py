@@ -7,12 +7,14 @@ from dataclasses import replace
 from typing import Any
 
 from core.errors import NetworkError
-from core.modules.declaration import Library, Module, declaration
+from core.modules.declaration import Declaration, Library, Module, declaration
 from core.network.macro import End, interface_of
 from core.network.network import Link, Network, Node
 
 Document = dict[str, Any]
 Migration = Callable[[Document], Document]
+Known = Callable[[Declaration, str], object]
+"""The input, output or parameter of a name, if there is one."""
 
 # Append only: the first entry turns version 1 into 2, and so on. An entry gets a document of which
 # only format and version have been checked, and leaves alone what is not as it expects.
@@ -68,29 +70,21 @@ def _inside(node: Node, library: Library) -> Node:
     except NetworkError:  # reported where the network is checked
         return replace(node, macro=body)
     new = face.mapped(
-        lambda end: (_input_end(end, modules.get(end[0])),),
-        lambda end: (_output_end(end, modules.get(end[0])),),
-        lambda end: (_parameter_end(end, modules.get(end[0])),),
+        lambda end: (_new_name(end, modules.get(end[0]), Declaration.input),),
+        lambda end: (_new_name(end, modules.get(end[0]), Declaration.output),),
+        lambda end: (_new_name(end, modules.get(end[0]), Declaration.parameter),),
     )
     extra = body.extra if new == face else {**body.extra, **new.fields()}
     return replace(node, macro=replace(body, extra=extra))
 
 
-def _input_end(end: End, module: type[Module] | None) -> End:
-    link = _link(Link("", "", *end), None, module)
-    return link.target, link.input
-
-
-def _output_end(end: End, module: type[Module] | None) -> End:
-    link = _link(Link(*end, "", ""), module, None)
-    return link.source, link.output
-
-
-def _parameter_end(end: End, module: type[Module] | None) -> End:
-    if module is None or declaration(module).parameter(end[1]):
+def _new_name(end: End, module: type[Module] | None, known: Known) -> End:
+    """A node and the name that its port or parameter has now."""
+    renamed = {} if module is None else _renamed(module)
+    if module is None or not renamed or known(declaration(module), end[1]):
         return end
-    new = _renamed(module).get(end[1], end[1])
-    return (end[0], new) if declaration(module).parameter(new) else end
+    new = renamed.get(end[1], end[1])
+    return (end[0], new) if known(declaration(module), new) else end
 
 
 def _current_keys(library: Library) -> dict[str, str]:
@@ -124,10 +118,6 @@ def _node(node: Node, keys: Mapping[str, str], library: Library) -> Node:
 
 
 def _link(link: Link, source: type[Module] | None, target: type[Module] | None) -> Link:
-    if source is not None and _renamed(source) and not declaration(source).output(link.output):
-        new = _renamed(source).get(link.output, link.output)
-        link = replace(link, output=new) if declaration(source).output(new) else link
-    if target is not None and _renamed(target) and not declaration(target).input(link.input):
-        new = _renamed(target).get(link.input, link.input)
-        link = replace(link, input=new) if declaration(target).input(new) else link
-    return link
+    start = _new_name((link.source, link.output), source, Declaration.output)
+    end = _new_name((link.target, link.input), target, Declaration.input)
+    return Link(*start, *end)

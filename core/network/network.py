@@ -56,11 +56,6 @@ class Node(_Frozen):
         The name its noise is drawn under, where that is not its id.
     macro : Network or None
         The inside of a macro: nodes, links and layout, `name` its title, its interface in `extra`.
-
-    Raises
-    ------
-    NetworkError
-        If the id is not allowed, or the module and the inside do not go together.
     """
 
     id: str
@@ -305,13 +300,7 @@ class Network(_Frozen):
         return changed
 
     def with_seed(self, seed: int) -> Network:
-        """With another seed.
-
-        Raises
-        ------
-        ParameterError
-            If it is not allowed.
-        """
+        """With another seed; a `ParameterError` if it is not allowed."""
         return replace(self, seed=seed)
 
 
@@ -345,9 +334,15 @@ def check_seed(seed: object) -> None:
 
 def cycle_error(loop: tuple[str, ...]) -> NetworkError:
     """The error for links that form a cycle, placed on its first node."""
-    names = loop if len(loop) <= 12 else (*loop[:11], "…", loop[-1])
-    way = " → ".join((*names, loop[0]))
+    way = way_round(loop)
     return NetworkError(f"the links form a cycle: {way}; take one of them away", node=loop[0])
+
+
+def way_round(loop: Iterable[str]) -> str:
+    """A cycle in one line, from its first name to that again."""
+    names = tuple(loop)
+    short = names if len(names) <= 12 else (*names[:11], "…", names[-1])
+    return " → ".join((*short, names[0]))
 
 
 def with_marks(network: Network, marked: Collection[str], extra: Mapping[str, Any]) -> Network:

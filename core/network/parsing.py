@@ -32,16 +32,7 @@ def parse_network(text: str, *, library: Library, name_of_source: str = "network
     """Read a network from the text of its file. It runs no code and reads no other file.
 
     Whether modules, values and links fit the library is checked by `core.network.validation`:
-    modules that are not in it stay as they are.
-
-    Parameters
-    ----------
-    text : str
-        The whole file.
-    library : mapping
-        Modules by key; used to bring old names up to date.
-    name_of_source : str
-        What errors call the file.
+    modules that are not in it stay as they are. Errors call the file by `name_of_source`.
 
     Raises
     ------
@@ -72,16 +63,11 @@ def _version(document: dict[str, Any]) -> int:
 
 
 def _network(document: dict[str, Any]) -> Network:
-    nodes = _field(document, "nodes", dict, "")
-    links = _field(document, "links", list, "", [])
-    layout = _field(document, "layout", dict, "", {})
     return Network(
         name=_field(document, "name", str, "", ""),
         description=_field(document, "description", str, "", ""),
         seed=_field(document, "seed", int, "", 0),
-        nodes={name: _node(name, value, f"nodes.{name}") for name, value in nodes.items()},
-        links=tuple(_link(f"link {number}", value) for number, value in enumerate(links, 1)),
-        layout={name: _point(name, value, "layout") for name, value in layout.items()},
+        **_graph(document, "", 0),
         extra=_others(document, NETWORK_FIELDS),
     )
 
@@ -93,25 +79,30 @@ def _macro(value: Any, where: str, level: int) -> Network:
     """The inside of a macro: the fields of a network, and what it shows of them."""
     checked_depth(level, where)
     _expect(value, dict, where)
+    graph, extra = _graph(value, where, level), _others(value, _MACRO_FIELDS)
+    interface_of(extra, where)
+    name = _field(value, "title", str, where, "")
+    description = _field(value, "description", str, where, "")
+    return Network(name, description, **graph, extra=extra)
+
+
+def _graph(value: dict[str, Any], where: str, level: int) -> dict[str, Any]:
     nodes = _field(value, "nodes", dict, where)
     links = _field(value, "links", list, where, [])
     layout = _field(value, "layout", dict, where, {})
-    extra = _others(value, _MACRO_FIELDS)
-    interface_of(extra, where)
-    return Network(
-        name=_field(value, "title", str, where, ""),
-        description=_field(value, "description", str, where, ""),
-        nodes={
-            name: _node(name, inner, f"{where}.nodes.{name}", level)
-            for name, inner in nodes.items()
+    head, link_head = (f"{where}.", f"{where}, ") if where else ("", "")
+    return {
+        "nodes": {
+            name: _node(name, node, f"{head}nodes.{name}", level) for name, node in nodes.items()
         },
-        links=tuple(_link(f"{where}, link {number}", link) for number, link in enumerate(links, 1)),
-        layout={name: _point(name, point, f"{where}.layout") for name, point in layout.items()},
-        extra=extra,
-    )
+        "links": tuple(
+            _link(f"{link_head}link {number}", link) for number, link in enumerate(links, 1)
+        ),
+        "layout": {name: _point(name, point, f"{head}layout") for name, point in layout.items()},
+    }
 
 
-def _node(name: str, value: Any, where: str, level: int = 0) -> Node:
+def _node(name: str, value: Any, where: str, level: int) -> Node:
     check_id(name)
     _expect(value, dict, where)
     for other in _others(value, NODE_FIELDS):
@@ -255,18 +246,14 @@ def _constant(text: str) -> float:
 
 
 def _walk(data: Any) -> None:
-    """Check depth and texts; by a list, so that the caller's own depth does not matter."""
-    rest = [(data, 1)]
+    """Check texts; by a list, so that the caller's own depth does not matter."""
+    rest = [data]
     while rest:
-        value, depth = rest.pop()
-        if depth > DEEPEST:
-            raise NetworkError(f"nested more than {DEEPEST} deep")
+        value = rest.pop()
         if isinstance(value, dict):
-            for name in value:
-                _check_text(name)
-            rest.extend((item, depth + 1) for item in value.values())
+            rest += [*value, *value.values()]
         elif isinstance(value, list):
-            rest.extend((item, depth + 1) for item in value)
+            rest += value
         elif isinstance(value, str):
             _check_text(value)
 

@@ -266,33 +266,18 @@ def macro_problems(
 ) -> list[ImagechainError]:
     """Every fault of the macros themselves; those of the nodes inside are not among them.
 
-    Parameters
-    ----------
-    network : Network
-        The document.
-    library : mapping
-        Modules by key; one that is not in it may have any ports and parameters.
-    unfinished : bool
-        Accept wires from a disabled macro that has nothing to pass on to them.
+    A module that is not in the library may have any ports and parameters. `unfinished` accepts
+    wires from a disabled macro that has nothing to pass on to them.
     """
     if not has_macros(network):
         return []
     faults: list[ImagechainError] = [*_one_name_twice(network)]
-    for where, level in _levels(network):
-        faults += [_placed(error, where) for error in _at_level(level, library, unfinished)]
+    inside = ((f"{name}{SEPARATOR}", node.macro) for name, node in macros_in(network))
+    for where, level in (("", network), *inside):
+        for error in _at_level(level or Network(), library, unfinished):
+            error.node = f"{where}{error.node}" if error.node is not None else where[:-1] or None
+            faults.append(error)
     return faults
-
-
-def _levels(network: Network) -> Iterator[tuple[str, Network]]:
-    yield "", network
-    for name, node in macros_in(network):
-        if node.macro is not None:
-            yield f"{name}{SEPARATOR}", node.macro
-
-
-def _placed(error: ImagechainError, where: str) -> ImagechainError:
-    error.node = f"{where}{error.node}" if error.node is not None else where[:-1] or None
-    return error
 
 
 def _at_level(level: Network, library: Library, unfinished: bool) -> Iterator[ImagechainError]:

@@ -15,8 +15,9 @@ from core.editing.document import rebased
 from core.editing.operations import ABSENT, set_parameter
 from core.errors import FileError
 from core.modules.declaration import Library
-from core.network.file import format_network, parse_network, save_network
+from core.network.file import format_network, save_network
 from core.network.network import Network
+from core.network.parsing import parse_network
 from nodes.files.arrays import npy_header, whole_npy, write_npy
 from nodes.files.frames.frame_series import FrameSeries
 from nodes.files.frames.frame_writing import envi_header_text, header_beside_frames

@@ -5,9 +5,8 @@ import os
 import pytest
 
 from core.errors import FileError
-from core.network.file import read_network, save_network
+from core.network.file import read_network, read_unchanged, save_network
 from core.network.network import Network, Node
-from core.network.unchanged_file import read_unchanged
 from nodes.library import standard_library
 
 LIBRARY = standard_library()

@@ -9,8 +9,9 @@ from app.run.shipped import find_network, shipped_networks
 from core.editing.document import Document, mark
 from core.errors import ParameterError
 from core.modules.declaration import Library, declaration, where_absent
-from core.network.file import parse_network, read_text
+from core.network.file import read_text
 from core.network.macro import unfolded
+from core.network.parsing import parse_network
 from core.network.validation import NetworkProblems, problems
 
 NETWORK_SUFFIX = ".json"

@@ -31,7 +31,7 @@ from core.chain.engine import Plan
 from core.chain.wires import Curve, Image, Table
 from core.errors import ImagechainError
 from core.modules.declaration import Library
-from core.network.unchanged_file import read_unchanged
+from core.network.file import read_unchanged
 
 COLUMNS = 3
 FIRST = "first_steps"  # stands before the others
