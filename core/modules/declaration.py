@@ -36,7 +36,7 @@ from typing import (
     get_type_hints,
 )
 
-from core.evaluation.recipes import Recipe
+from core.evaluation.recipes import Recipe, Step
 from core.modules.panel_sections import Caution, Section, complete
 from core.modules.parameters import Formula, Kind, Param, Parameter, coerce_all
 
@@ -54,6 +54,10 @@ class NodeContext:
     seed: int = 0
     folder: Path = Path()
     noise: str = ""
+
+    def step(self, function: Callable[..., Any], *inputs: Recipe, **parameters: Any) -> Step:
+        """A step of this node: to it belongs an error that the function raises."""
+        return Step.of(function, *inputs, node=self.node, **parameters)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from core.chain.wires import Curve, Header, Image, Table
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe
 from core.modules.declaration import NodeContext, readout
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
@@ -28,7 +28,7 @@ from nodes.analysis.camera_sampling import (
     sampled,
     swath_m,
 )
-from nodes.shared.module_ports import figure
+from nodes.shared.module_ports import table_figure
 
 
 class CameraOutputs(NamedTuple):
@@ -111,22 +111,16 @@ class CameraGeometry(
         check_horizon(camera=camera)
         self._check_inside(camera, ground)
         laid: dict[str, Any] = {"camera": camera, "ground": ground}
-        footprints = Step.of(laid_footprints, node=here.node, strips=self.strips, **laid)
-        coverage = Step.of(covered, footprints, node=here.node)
+        footprints = here.step(laid_footprints, strips=self.strips, **laid)
+        coverage = here.step(covered, footprints)
         inputs: tuple[Recipe, ...] = (image.recipe, footprints)
         filled: dict[str, Any] = {}
         if self.outside == "fill":
             inputs, filled = (*inputs, coverage), {"fill": self.fill_value}
         kind = {"between_samples": self.interpolation}
-        picture = Step.of(sampled, *inputs, node=here.node, **kind, **filled)
-        table = Step.of(
-            geometry_table,
-            image.recipe,
-            footprints,
-            node=here.node,
-            strips=self.strips,
-            **kind,
-            **laid,
+        picture = here.step(sampled, *inputs, **kind, **filled)
+        table = here.step(
+            geometry_table, image.recipe, footprints, strips=self.strips, **kind, **laid
         )
         along = camera.step_y_mrad
         if camera.kind != "framing":
@@ -143,7 +137,7 @@ class CameraGeometry(
         return CameraOutputs(
             seen,
             seen.with_recipe(coverage, unit="", band_um=None),
-            Curve(Step.of(ground_curve, node=here.node, camera=camera)),
+            Curve(here.step(ground_curve, camera=camera)),
             Table(table),
         )
 
@@ -225,10 +219,11 @@ class CameraGeometry(
         """Lines of the frame."""
         return outputs.image.rows
 
-    @readout()
-    def footprint_error(self, outputs: CameraOutputs) -> Recipe:
-        """Largest change by four times as many strips, a share of the scene's range."""
-        return Step.of(figure, outputs.table.recipe, name="footprint_error")
+    footprint_error = table_figure(
+        "footprint_error",
+        "",
+        "Largest change by four times as many strips, a share of the scene's range.",
+    )
 
 
 def _sample(camera: Camera, share: float) -> tuple[float, float]:

@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Table
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
+from core.evaluation.recipes import Recipe, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Formula, Param
 from core.transfer.factors import Edges, Grid
 from core.transfer.mirrored import MeanFree, mirrored_spectrum
 from core.transfer.periodic import periodic_spectrum
 from nodes.input_output.sample_unit import blocks
-from nodes.shared.module_ports import figure
+from nodes.shared.module_ports import table_figure
 
 Array = NDArray[Any]
 
@@ -70,8 +70,8 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
                 f"{reference.columns} × {reference.rows}: only equal sizes compare"
             )
         pair = (image.recipe, reference.recipe)
-        table = Step.of(compared, *pair, unit=image.unit, node=here.node)
-        difference = Step.of(subtracted, *pair, node=here.node)
+        table = here.step(compared, *pair, unit=image.unit)
+        difference = here.step(subtracted, *pair)
         return CompareOutputs(
             Table(table), image.with_recipe(difference), Curve(self._ratio(image, reference, here))
         )
@@ -85,32 +85,21 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
             "unit": "cyc/mrad" if known else "cycles/sample",
         }
         if self.average == "axes":
-            return Step.of(axes_ratio, image.recipe, reference.recipe, node=here.node, **settings)
+            return here.step(axes_ratio, image.recipe, reference.recipe, **settings)
         transform = mirrored_spectrum if self.edges == "reflect" else periodic_spectrum
-        spectra = [
-            Step.of(transform, picture.recipe, node=here.node) for picture in (image, reference)
-        ]
-        return Step.of(radial_ratio, *spectra, node=here.node, **settings)
+        spectra = [here.step(transform, picture.recipe) for picture in (image, reference)]
+        return here.step(radial_ratio, *spectra, **settings)
 
-    @readout()
-    def rmse(self, outputs: CompareOutputs) -> Recipe:
-        """Root mean square difference, in the image's unit."""
-        return Step.of(figure, outputs.table.recipe, name="rmse")
-
-    @readout()
-    def max_error(self, outputs: CompareOutputs) -> Recipe:
-        """Largest difference, in the image's unit."""
-        return Step.of(figure, outputs.table.recipe, name="max_error")
-
-    @readout("dB")
-    def psnr_dB(self, outputs: CompareOutputs) -> Recipe:  # noqa: N802
-        """Peak signal to noise ratio; none for equal pictures or a constant reference."""
-        return Step.of(figure, outputs.table.recipe, name="psnr_dB")
-
-    @readout()
-    def mean_difference(self, outputs: CompareOutputs) -> Recipe:
-        """Mean of image less reference, in the image's unit."""
-        return Step.of(figure, outputs.table.recipe, name="mean_difference")
+    rmse = table_figure("rmse", "", "Root mean square difference, in the image's unit.")
+    max_error = table_figure("max_error", "", "Largest difference, in the image's unit.")
+    psnr_dB = table_figure(
+        "psnr_dB",
+        "dB",
+        "Peak signal to noise ratio; none for equal pictures or a constant reference.",
+    )
+    mean_difference = table_figure(
+        "mean_difference", "", "Mean of image less reference, in the image's unit."
+    )
 
 
 @ends_lineage

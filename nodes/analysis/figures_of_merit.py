@@ -8,7 +8,6 @@ from typing import Annotated, Literal, NamedTuple
 
 from core.chain.wires import Context, Curve, Image, Table
 from core.errors import DataError
-from core.evaluation.recipes import Step
 from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
@@ -280,33 +279,31 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         sensor = {"stages": passed.part("mtf"), "grid": grid, "observer": self._observer(context)}
         band_um = given_band(self.cut_on_um, self.cut_off_um, known)
         self._refuse_reflected(known.band_um or band_um)
-        seen = Step.of(
+        seen = here.step(
             sensitivity,
             NoiseOf(image, node, uniform=True),
             *passed.levels,
-            node=node,
             gain=passed.gain,
             gain_before=passed.gain_before,
             band_um=band_um,
             background_K=self.background_K,
         )
-        threshold_step = Step.of(thresholds, seen, node=node, **sensor)
+        threshold_step = here.step(thresholds, seen, **sensor)
         task = replace(self._task(grid), air=_air(image, context), band_um=band_um)
-        reached = Step.of(acquisition, threshold_step, seen, node=node, task=task, grid=grid)
-        table = Step.of(
+        reached = here.step(acquisition, threshold_step, seen, task=task, grid=grid)
+        table = here.step(
             merit_table,
             seen,
             threshold_step,
             reached,
-            node=node,
             grid=grid,
             unit=image.unit,
             frames=self._frames(),
         )
         return MeritOutputs(
-            Curve(Step.of(mrtd_curve, threshold_step, node=node)),
-            Curve(Step.of(mdtd_curve, seen, node=node, **sensor)),
-            Curve(Step.of(probability_curve, reached, node=node)),
+            Curve(here.step(mrtd_curve, threshold_step)),
+            Curve(here.step(mdtd_curve, seen, **sensor)),
+            Curve(here.step(probability_curve, reached)),
             Table(table),
         )
 

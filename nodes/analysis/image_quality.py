@@ -129,15 +129,14 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         """Plan edge, noise and figures as values of their own."""
         image = with_interval(image, context)
         passed, grid, node = transfer_of(image), image.grid(), here.node
-        edge = Step.of(edge_quality, node=node, stages=passed.part("mtf"), grid=grid)
+        edge = here.step(edge_quality, stages=passed.part("mtf"), grid=grid)
         if self.snr is not None:
-            snr: Recipe = Step.of(typed_snr, node=node, snr=self.snr)
+            snr: Recipe = here.step(typed_snr, snr=self.snr)
         else:
-            snr = Step.of(
+            snr = here.step(
                 signal_over_noise,
                 NoiseOf(image, node, uniform=True),
                 *passed.levels,
-                node=node,
                 gain=passed.gain,
                 gain_before=passed.gain_before,
             )
@@ -147,8 +146,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
             self.noise_gain,
             self.overshoot,
         )
-        table = Step.of(quality_table, edge, snr, node=node, grid=grid, view=view)
-        return QualityOutputs(Curve(Step.of(edge_curve, edge, node=node)), Table(table))
+        table = here.step(quality_table, edge, snr, grid=grid, view=view)
+        return QualityOutputs(Curve(here.step(edge_curve, edge)), Table(table))
 
     @warning
     def band(self, image: Image, context: Context) -> Caution | None:

@@ -12,9 +12,9 @@ from core.chain.back_transformed import back_transform
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Context, Curve, Image, Magnitude, Phase, Table
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout
+from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.platform_motion import line_intervals_mrad, view_angles_rad
@@ -24,7 +24,7 @@ from core.transfer.product import Product
 from core.transfer.scan_lines import ScanChain
 from nodes.analysis.compare_images import subtracted
 from nodes.shared.context_defaults import given, one_source
-from nodes.shared.module_ports import figure
+from nodes.shared.module_ports import table_figure
 
 # Steps of Line by Line: the frame of mixed sampling, and how far the whole-image way is off.
 
@@ -262,10 +262,9 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         chain = self._chain(magnitude, phase)
         angles = self._view_angles(chain)
         intervals = self._intervals(chain, context, angles)
-        filtered = Step.of(
+        filtered = here.step(
             mixed,
             source.recipe,
-            node=here.node,
             factors=(*magnitude.factors, *phase.factors),
             grid=magnitude.grid,
             edges=magnitude.edges,
@@ -275,20 +274,19 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             nodes=self.nodes,
             tolerance=self.tolerance,
         )
-        picture = Step.of(picture_of, filtered, node=here.node)
+        picture = here.step(picture_of, filtered)
         pair = (picture, whole.recipe)
         places = {"scan": self.scan, "view_angles_rad": angles}
         return LineOutputs(
             whole.with_recipe(picture),
             whole,
-            whole.with_recipe(Step.of(subtracted, *pair, node=here.node)),
-            Curve(Step.of(by_view_angle, *pair, node=here.node, **places)),
+            whole.with_recipe(here.step(subtracted, *pair)),
+            Curve(here.step(by_view_angle, *pair, **places)),
             Table(
-                Step.of(
+                here.step(
                     difference_table,
                     filtered,
                     *pair,
-                    node=here.node,
                     unit=source.unit,
                     intervals_mrad=intervals,
                     **places,
@@ -357,40 +355,29 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
                 )
         return velocity / turns_per_s
 
-    @readout("%")
-    def rms_percent(self, outputs: LineOutputs) -> Recipe:
-        """Rms difference from the whole-image way, of the picture's range."""
-        return Step.of(figure, outputs.table.recipe, name="rms_percent")
-
-    @readout("%")
-    def max_percent(self, outputs: LineOutputs) -> Recipe:
-        """Largest difference from the whole-image way, of the picture's range."""
-        return Step.of(figure, outputs.table.recipe, name="max_percent")
-
-    @readout("deg")
-    def max_view_deg(self, outputs: LineOutputs) -> Recipe:
-        """View angle from nadir at which the difference is largest."""
-        return Step.of(figure, outputs.table.recipe, name="max_view_deg")
-
-    @readout("mrad")
-    def interval_nadir_mrad(self, outputs: LineOutputs) -> Recipe:
-        """Largest interval in flight, nearest nadir."""
-        return Step.of(figure, outputs.table.recipe, name="interval_nadir_mrad")
-
-    @readout("mrad")
-    def interval_edge_mrad(self, outputs: LineOutputs) -> Recipe:
-        """Smallest interval in flight, farthest from nadir."""
-        return Step.of(figure, outputs.table.recipe, name="interval_edge_mrad")
-
-    @readout()
-    def scale_nodes(self, outputs: LineOutputs) -> Recipe:
-        """Intervals at which planar factors were taken; 0 where all factors separate."""
-        return Step.of(figure, outputs.table.recipe, name="scale_nodes")
-
-    @readout("%")
-    def error_percent(self, outputs: LineOutputs) -> Recipe:
-        """Estimated error of the blend, of the picture's range."""
-        return Step.of(figure, outputs.table.recipe, name="error_percent")
+    rms_percent = table_figure(
+        "rms_percent", "%", "Rms difference from the whole-image way, of the picture's range."
+    )
+    max_percent = table_figure(
+        "max_percent", "%", "Largest difference from the whole-image way, of the picture's range."
+    )
+    max_view_deg = table_figure(
+        "max_view_deg", "deg", "View angle from nadir at which the difference is largest."
+    )
+    interval_nadir_mrad = table_figure(
+        "interval_nadir_mrad", "mrad", "Largest interval in flight, nearest nadir."
+    )
+    interval_edge_mrad = table_figure(
+        "interval_edge_mrad", "mrad", "Smallest interval in flight, farthest from nadir."
+    )
+    scale_nodes = table_figure(
+        "scale_nodes",
+        "",
+        "Intervals at which planar factors were taken; 0 where all factors separate.",
+    )
+    error_percent = table_figure(
+        "error_percent", "%", "Estimated error of the blend, of the picture's range."
+    )
 
 
 def _source(context: Context, magnitude: Magnitude, phase: Phase) -> Image:

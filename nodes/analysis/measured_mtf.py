@@ -260,19 +260,13 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
             "target": self.target,
         }
         if self.method == "slanted_edge":
-            measured = Step.of(
-                measured_slanted,
-                image.recipe,
-                node=here.node,
-                window=self.window,
-                samples=self.samples,
-                **settings,
+            measured = here.step(
+                measured_slanted, image.recipe, window=self.window, samples=self.samples, **settings
             )
         else:
-            measured = Step.of(
+            measured = here.step(
                 measured_rows,
                 image.recipe,
-                node=here.node,
                 clip_left=self.clip_left_px,
                 clip_right=self.clip_right_px,
                 **settings,
@@ -282,13 +276,11 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         both = [measured]
         if behind is not None:
             differences = self.method == "row_average" and self.target == "edge"
-            both.append(
-                Step.of(expected, measured, node=here.node, differences=differences, **behind)
-            )
+            both.append(here.step(expected, measured, differences=differences, **behind))
         return MeasuredOutputs(
-            Curve(Step.of(curve_of, *both, node=here.node, **shown)),
-            Curve(Step.of(spread_of, measured, node=here.node, unit=image.unit)),
-            Table(Step.of(table_of, *both, node=here.node, unit=image.unit, **shown)),
+            Curve(here.step(curve_of, *both, **shown)),
+            Curve(here.step(spread_of, measured, unit=image.unit)),
+            Table(here.step(table_of, *both, unit=image.unit, **shown)),
         )
 
     def _where(self, image: Image) -> Rectangle:

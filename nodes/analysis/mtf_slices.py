@@ -75,10 +75,9 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
         """Plan the curves."""
         part: Part = transfer.part if isinstance(transfer, Transfer) else "mtf"
         if isinstance(transfer, Transfer) and transfer.own is not None:
-            recipe = Step.of(
+            recipe = here.step(
                 own_slices,
                 transfer.own,
-                node=here.node,
                 lines=self._lines(),
                 part=part,
                 samples=self.samples,
@@ -86,9 +85,8 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
                 marks=self._marks(transfer),
             )
         else:
-            recipe = Step.of(
+            recipe = here.step(
                 slices,
-                node=here.node,
                 lines=self._lines(),
                 stages=stages_of(transfer.factors),
                 part=part,

@@ -109,13 +109,12 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
             clean = noise_free(image.recipe)
             simulated = FrameNoise(image.recipe, clean, self.frames, node=here.node)
             predicted = (*predicted, simulated)
-        node = here.node
         if image is None:
-            bars = Step.of(bars_of_file, *predicted, node=node, unit=unit)
-            table = Step.of(table_of_file, *predicted, node=node, unit=unit)
+            bars = here.step(bars_of_file, *predicted, unit=unit)
+            table = here.step(table_of_file, *predicted, unit=unit)
         else:
-            bars = Step.of(bars_of, *predicted, node=node, unit=unit)
-            table = Step.of(table_of, *predicted, node=node, unit=unit)
+            bars = here.step(bars_of, *predicted, unit=unit)
+            table = here.step(table_of, *predicted, unit=unit)
         return NoiseOutputs(Curve(bars), Table(table))
 
     sigma_tvh = _figure("sigma_tvh", "Random noise, predicted.")
@@ -162,7 +161,7 @@ def frames_in_file(path: Path, here: NodeContext, image: Image | None) -> tuple[
         )
     if known.path != file:
         stamps += stamps_of(known.path)
-    return Step.of(measured_in_file, node=here.node, path=file, stamps=stamps), known.unit or ""
+    return here.step(measured_in_file, path=file, stamps=stamps), known.unit or ""
 
 
 @lru_cache(maxsize=64)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from core.chain.wires import Curve, Image, Table
-from core.evaluation.recipes import Step
 from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
@@ -74,19 +73,18 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     def run(self, image: Image, here: NodeContext) -> BudgetOutputs:
         """Plan both budgets."""
         node, grid, passed = here.node, image.grid(), transfer_of(image)
-        noise = Step.of(noise_shares, NoiseOf(image, node), node=node, kind=self.noise)
-        blur = Step.of(
+        noise = here.step(noise_shares, NoiseOf(image, node), kind=self.noise)
+        blur = here.step(
             blur_shares,
-            node=node,
             stages=passed.part("mtf"),
             frequency=(self.frequency * grid.nyquist_x, self.frequency * grid.nyquist_y),
             before=unknown_before(passed),
         )
         noise_kind = {"kind": self.noise, "unit": image.unit}
         return BudgetOutputs(
-            Curve(Step.of(noise_bars, noise, node=node, show=self.show, **noise_kind)),
-            Curve(Step.of(blur_bars, blur, node=node, show=self.show)),
-            Table(Step.of(budget_table, noise, blur, node=node, **noise_kind)),
+            Curve(here.step(noise_bars, noise, show=self.show, **noise_kind)),
+            Curve(here.step(blur_bars, blur, show=self.show)),
+            Table(here.step(budget_table, noise, blur, **noise_kind)),
         )
 
     sigma = table_figure("sigma", "", "All noise together.", unit_of="image")

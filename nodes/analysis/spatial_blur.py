@@ -16,7 +16,7 @@ from core.errors import DataError
 from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout
+from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.scratch import is_on_disk
@@ -30,7 +30,7 @@ from nodes.analysis.impulse_response import (
     impulse_responses,
 )
 from nodes.shared.context_defaults import one_source
-from nodes.shared.module_ports import figure
+from nodes.shared.module_ports import table_figure
 
 Array = NDArray[Any]
 MOST_MULTIPLICATIONS = 1e12  # about a quarter of an hour
@@ -95,37 +95,32 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
             magnitude, phase, wanted="scene to convolve", refusal="no convolution combines"
         )
         factors = (*magnitude.factors, *phase.factors)
-        kernels = Step.of(
+        kernels = here.step(
             impulse_responses,
-            node=here.node,
             factors=factors,
             grid=magnitude.grid,
             edges=magnitude.edges,
             cut=Cut(self.truncation, self.half_width_px, self.error),
         )
-        picture = Step.of(
+        picture = here.step(
             blurred,
             source.recipe,
             kernels,
-            node=here.node,
             edges=magnitude.edges,
             plane=bool(Product(factors).planar),
         )
         return SpatialOutputs(
             back_transform(magnitude, phase).with_recipe(picture),
-            Curve(Step.of(response, kernels, node=here.node, grid=magnitude.grid)),
-            Table(Step.of(kernel_table, kernels, node=here.node)),
+            Curve(here.step(response, kernels, grid=magnitude.grid)),
+            Table(here.step(kernel_table, kernels)),
         )
 
-    @readout()
-    def taps(self, outputs: SpatialOutputs) -> Recipe:
-        """Multiplications a sample."""
-        return Step.of(figure, outputs.table.recipe, name="taps")
-
-    @readout()
-    def error_bound(self, outputs: SpatialOutputs) -> Recipe:
-        """Largest error by cutting kernels short, a share of the departure from the mean."""
-        return Step.of(figure, outputs.table.recipe, name="error_bound")
+    taps = table_figure("taps", "", "Multiplications a sample.")
+    error_bound = table_figure(
+        "error_bound",
+        "",
+        "Largest error by cutting kernels short, a share of the departure from the mean.",
+    )
 
 
 def _convolution(image: Recipe, kernels: Recipe, *, edges: Edges, plane: bool) -> Filtering:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from core.chain.band_stack import AttenuatedBands, BandStack
 from core.chain.wires import Context, Image, Table
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe
 from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
@@ -123,7 +123,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     def run(self, image: Image, here: NodeContext, context: Context | None = None) -> PathOutputs:
         """Plan the mean over the band, and the picture behind the path."""
-        factor, node = _factor(image.unit), here.node
+        factor = _factor(image.unit)
         air = self.air(image, here, context)
         band = image.band_um
         if band is None and not (air.is_grey and air.air_K is None and not air.radiance):
@@ -135,26 +135,28 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             air.require_covered(*band)
             air = air.within_band(*band)
         if image.bands is not None:
-            return self._by_bands(image, image.bands, air, node)
+            return self._by_bands(image, image.bands, air, here)
         how: dict[str, Any] = {"air": air, "band_um": band, "source_K": self._source()}
-        scene = self._scene(image, air, factor, node)
-        over = Step.of(steps.path_over_band, *scene, node=node, **how)
-        table = Table(Step.of(steps.path_table, over, *scene, node=node, **how))
+        scene = self._scene(image, air, factor, here)
+        over = here.step(steps.path_over_band, *scene, **how)
+        table = Table(here.step(steps.path_table, over, *scene, **how))
         if air.is_clear:
             return PathOutputs(image, table)
-        made = Step.of(steps.through_air, image.recipe, over, node=node, factor=factor)
+        made = here.step(steps.through_air, image.recipe, over, factor=factor)
         return PathOutputs(image.with_recipe(made, air=(*image.air, air)), table)
 
-    def _by_bands(self, image: Image, bands: BandStack, air: AirPath, node: str) -> PathOutputs:
+    def _by_bands(
+        self, image: Image, bands: BandStack, air: AirPath, here: NodeContext
+    ) -> PathOutputs:
         """The same of each band, by its own transmission."""
         gain, offset = path_of_bands(air, bands.centres_um, bands.widths_um)
         light = {"weights": bands.whole, "gain": gain, "offset": offset}
-        over = Step.of(steps.path_over_bands, bands.means(), node=node, **light)
+        over = here.step(steps.path_over_bands, bands.means(), **light)
         how = {"air": air, "band_um": image.band_um, "source_K": None}
-        table = Table(Step.of(steps.path_table, over, node=node, **how))
+        table = Table(here.step(steps.path_table, over, **how))
         if air.is_clear:
             return PathOutputs(image, table)
-        stack = AttenuatedBands.of(bands, gain=gain, offset=offset, node=node)
+        stack = AttenuatedBands.of(bands, gain=gain, offset=offset, node=here.node)
         made = stack.picture(stack.whole)
         return PathOutputs(image.with_recipe(made, bands=stack, air=(*image.air, air)), table)
 
@@ -190,7 +192,9 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     def _source(self) -> float:
         return SUNLIGHT_K if self.source_K is None else self.source_K
 
-    def _scene(self, image: Image, air: AirPath, factor: float, node: str) -> tuple[Recipe, ...]:
+    def _scene(
+        self, image: Image, air: AirPath, factor: float, here: NodeContext
+    ) -> tuple[Recipe, ...]:
         """The scene's temperature, where it weights the band."""
         band = image.band_um
         if band is None or air.is_grey or self.source_K is not None:
@@ -198,7 +202,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         if band[0] < SHORTEST_THERMAL_UM:
             return ()
         how = {"factor": factor, "band_um": band}
-        return (Step.of(steps.scene_temperature, image.recipe, node=node, **how),)
+        return (here.step(steps.scene_temperature, image.recipe, **how),)
 
     @warning
     def unused(self, given: frozenset[str]) -> Caution | None:

@@ -98,40 +98,40 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     def run(self, image: Image, here: NodeContext) -> LightOutputs:
         """Plan the radiance of each sample."""
-        share, light, node = _share(image.unit), self._light(here), here.node
+        share, light = _share(image.unit), self._light(here)
         if image.bands is not None:
-            made = self._of_cube(image, image.bands, light, share, node)
+            made = self._of_cube(image, image.bands, light, share, here)
         else:
-            made = self._of_picture(image, self.band_of(image), light, share, node)
-        table = Step.of(light_table, node=node, light=light, band_um=made.band_um)
+            made = self._of_picture(image, self.band_of(image), light, share, here)
+        table = here.step(light_table, light=light, band_um=made.band_um)
         return LightOutputs(made, Table(table))
 
     def _of_picture(
-        self, image: Image, band: Band, light: Sunlight, share: float, node: str
+        self, image: Image, band: Band, light: Sunlight, share: float, here: NodeContext
     ) -> Image:
         """The radiance of surfaces that reflect all wavelengths alike."""
         low, high = band
         if self.bands == 1:
             white = share * light.over_band(low, high) / math.pi
-            made: Recipe = Step.of(reflected, image.recipe, node=node, white=white)
+            made: Recipe = here.step(reflected, image.recipe, white=white)
             return image.with_recipe(made, unit="W/m²/sr", band_um=band)
         ends = np.linspace(low, high, self.bands + 1).tolist()
         centres = tuple((a + b) / 2.0 for a, b in pairwise(ends))
         widths = (float((high - low) / self.bands),) * self.bands
         stack = GreyBands(
-            centres, widths, image.recipe, _white(light, centres, widths, share), node
+            centres, widths, image.recipe, _white(light, centres, widths, share), here.node
         )
         made = stack.picture(stack.whole)
         return image.with_recipe(made, unit="W/m²/sr", band_um=band, bands=stack)
 
     def _of_cube(
-        self, image: Image, bands: BandStack, light: Sunlight, share: float, node: str
+        self, image: Image, bands: BandStack, light: Sunlight, share: float, here: NodeContext
     ) -> Image:
         """The radiance of a cube of reflectances, in its own bands."""
         centres, widths = bands.centres_um, bands.widths_um
         white = _white(light, centres, widths, share)
         none = (0.0,) * bands.count
-        stack = AttenuatedBands(centres, widths, bands, white, none, node, density=True)
+        stack = AttenuatedBands(centres, widths, bands, white, none, here.node, density=True)
         made = stack.picture(stack.whole)
         return image.with_recipe(made, unit="W/m²/sr", band_um=stack.band_um, bands=stack)
 

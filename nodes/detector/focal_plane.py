@@ -117,98 +117,90 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             efficiency = collection.weights.efficiency
             light = counted_photons(image, efficiency)
             known = [radiance_per_photon(image, efficiency, node)]
-        seen = Step.of(picture_range, light, node=node)
-        levels = Step.of(electron_levels, seen, *known, node=node, collection=collection)
-        table = Step.of(
-            figures,
-            levels,
-            node=node,
-            collection=collection,
-            reading=reading,
-            area_cm2=self.area_cm2(context),
+        seen = here.step(picture_range, light)
+        levels = here.step(electron_levels, seen, *known, collection=collection)
+        table = here.step(
+            figures, levels, collection=collection, reading=reading, area_cm2=self.area_cm2(context)
         )
 
         def deviates(name: str, *, fixed: bool = False) -> Recipe:
             stream = self.stream(here, name, fixed=fixed)
-            return Step.of(unit_deviates, node=node, stream=stream, shape=image.shape)
+            return here.step(unit_deviates, stream=stream, shape=image.shape)
 
-        mean = Step.of(steps.expected_electrons, light, levels, node=node)
+        mean = here.step(steps.expected_electrons, light, levels)
         patterns = [deviates("prnu", fixed=True)] if self.prnu_percent else []
         patterns += [deviates("dsnu", fixed=True)] if self.dsnu_e else []
         spread = {"prnu_percent": self.prnu_percent, "dsnu_e": self.dsnu_e}
-        collected = Step.of(
+        collected = here.step(
             steps.collected,
             mean,
             deviates("shot"),
             *patterns,
-            node=node,
             frames=self.frames_averaged,
             **spread,
         )
         well = {"full_well_e": self.full_well_e}
-        electrons = Step.of(
+        electrons = here.step(
             steps.read_out,
-            self._bent(collected, levels, node),
-            Step.of(clipping_level, levels, node=node, reading=reading),
+            self._bent(collected, levels, here),
+            here.step(clipping_level, levels, reading=reading),
             *([deviates("read")] if self.read_noise_e else []),
-            node=node,
             sigma_e=self.read_noise_e / self.frames_averaged**0.5,
             **well,
         )
         if self.bad_pixel_percent:
-            bad = Step.of(
+            bad = here.step(
                 steps.bad_pixels,
-                node=node,
                 stream=self.stream(here, "bad pixels", fixed=True),
                 shape=image.shape,
                 percent=self.bad_pixel_percent,
             )
             hot = {"hot_e": self._hot_e(reading)}
-            electrons = Step.of(steps.with_bad_pixels, electrons, bad, levels, node=node, **hot)
+            electrons = here.step(steps.with_bad_pixels, electrons, bad, levels, **hot)
         numbers = {"gain_e_per_dn": reading.gain_e_per_dn, "offset_dn": self.offset_dn}
-        saturated = Step.of(
-            steps.saturated_pixels, electrons, node=node, bits=self.bits, **numbers, **well
-        )
-        clean = self._bent(mean, levels, node)
-        noise = Step.of(steps.less_expected, electrons, clean, node=node)
-        count = Step.of(steps.count_of, saturated, node=node)
+        saturated = here.step(steps.saturated_pixels, electrons, bits=self.bits, **numbers, **well)
+        clean = self._bent(mean, levels, here)
+        noise = here.step(steps.less_expected, electrons, clean)
+        count = here.step(steps.count_of, saturated)
         image = replace(image, band_um=collection.weights.band_um)
         return FocalPlaneOutputs(
-            image=self._given_in(image, electrons, levels, numbers, node),
+            image=self._given_in(image, electrons, levels, numbers, here),
             electrons=image.with_recipe(electrons, unit="e-"),
             noise=image.with_recipe(noise, unit="e-"),
             saturated=image.with_recipe(saturated, unit=""),
-            table=Table(Step.of(steps.with_saturated, table, count, node=node)),
+            table=Table(here.step(steps.with_saturated, table, count)),
         )
 
-    def _bent(self, electrons: Recipe, levels: Recipe, node: str) -> Recipe:
+    def _bent(self, electrons: Recipe, levels: Recipe, here: NodeContext) -> Recipe:
         if not self.nonlinearity_percent:
             return electrons
-        return Step.of(
+        return here.step(
             steps.bent,
             electrons,
             levels,
-            node=node,
             full_well_e=self.full_well_e,
             nonlinearity_percent=self.nonlinearity_percent,
         )
 
     def _given_in(
-        self, image: Image, electrons: Recipe, levels: Recipe, numbers: dict[str, float], node: str
+        self,
+        image: Image,
+        electrons: Recipe,
+        levels: Recipe,
+        numbers: dict[str, float],
+        here: NodeContext,
     ) -> Image:
         """The digitized picture in the units wanted."""
         if self.bits:
-            made = Step.of(steps.digitized, electrons, node=node, bits=self.bits, **numbers)
+            made = here.step(steps.digitized, electrons, bits=self.bits, **numbers)
             if self.units == "dn":
                 return image.with_recipe(made, unit="DN")
-            electrons = Step.of(steps.electrons_of_counts, made, node=node, **numbers)
+            electrons = here.step(steps.electrons_of_counts, made, **numbers)
         elif self.units == "dn":
-            return image.with_recipe(
-                Step.of(steps.counted, electrons, node=node, **numbers), unit="DN"
-            )
+            return image.with_recipe(here.step(steps.counted, electrons, **numbers), unit="DN")
         if self.units == "electrons":
             return image.with_recipe(electrons, unit="e-")
-        back = Step.of(steps.radiance_of_electrons, electrons, levels, node=node)
+        back = here.step(steps.radiance_of_electrons, electrons, levels)
         return image.with_recipe(back)
 
     def _hot_e(self, reading: ReadOut) -> float | None:

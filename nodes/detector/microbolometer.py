@@ -155,7 +155,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     def run(self, image: Image, context: Context, here: NodeContext) -> BolometerOutputs:
         """Plan the lag, the patterns and the noise."""
-        node = here.node
         band = given_band(self.cut_on_um, self.cut_off_um, context)
         white = self._white(context, band)
         flicker = 0.0
@@ -164,14 +163,13 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
                 white_sigma=white, corner_Hz=self.corner_Hz, band=self._flicker_band()
             )
         grid = with_interval(image, context).grid()
-        factors = self._along_the_scan(context, node)
-        slow = self._lagging(self._scanned(image, context, factors, node), node)
+        factors = self._along_the_scan(context, here)
+        slow = self._lagging(self._scanned(image, context, factors, here), here)
         made = self._uneven(slow, image, band, here)
         made = self._noisy(made, image, white, flicker, here)
-        table = Step.of(
+        table = here.step(
             steps.figures,
             image.recipe,
-            node=node,
             band=band,
             white=white,
             flicker=flicker,
@@ -179,7 +177,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             offset=self._offset(band),
             kept=self._kept(),
         )
-        noise = Step.of(steps.less, made, slow, node=node)
+        noise = here.step(steps.less, made, slow)
         mtf, ptf = (tuple(f for f in factors if f.part == part) for part in ("mtf", "ptf"))
         return BolometerOutputs(
             image=image.with_recipe(made),
@@ -220,33 +218,33 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     def _kept(self) -> float:
         return share_kept(time_constant_s=self.time_constant_s, frame_rate_Hz=self.frame_rate_Hz)
 
-    def _along_the_scan(self, context: Context, node: str) -> tuple[Separable, ...]:
+    def _along_the_scan(self, context: Context, here: NodeContext) -> tuple[Separable, ...]:
         velocity = context.scan_velocity_mrad_per_s
         if not velocity or not self.time_constant_s:
             return ()
         law = {"scan_velocity_mrad_per_s": velocity, "time_constant_s": self.time_constant_s}
         return (
-            *separable(lowpass_mtf, x=law, label=self.title, node=node),
-            *separable(lowpass_ptf, x=law, part="ptf", label=self.title, node=node),
+            *separable(lowpass_mtf, x=law, label=self.title, node=here.node),
+            *separable(lowpass_ptf, x=law, part="ptf", label=self.title, node=here.node),
         )
 
     def _scanned(
-        self, image: Image, context: Context, factors: tuple[Separable, ...], node: str
+        self, image: Image, context: Context, factors: tuple[Separable, ...], here: NodeContext
     ) -> Recipe:
         if not factors:
             return image.recipe
         grid = with_interval(image, context).grid()
         how = {"factors": factors, "grid": grid, "edges": context.edges}
-        return Step.of(steps.lagged_lines, image.recipe, node=node, **how)
+        return here.step(steps.lagged_lines, image.recipe, **how)
 
-    def _lagging(self, picture: Recipe, node: str) -> Recipe:
+    def _lagging(self, picture: Recipe, here: NodeContext) -> Recipe:
         """With the frames before it, where these are others."""
         kept = self._kept()
         if not kept or at_frame(picture, -1).key == picture.key:
             return picture
         weights = lag_weights(kept=kept, most=_MOST_FRAMES)
         before = [at_frame(picture, -age) for age in range(1, len(weights))]
-        return Step.of(steps.lagged_frames, picture, *before, node=node, weights=weights)
+        return here.step(steps.lagged_frames, picture, *before, weights=weights)
 
     def _uneven(
         self, picture: Recipe, image: Image, band: tuple[float, float], here: NodeContext
@@ -258,11 +256,10 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         ]
         if not fields:
             return picture
-        return Step.of(
+        return here.step(
             steps.with_pattern_of_pixels,
             picture,
             *fields,
-            node=here.node,
             response=self.response_percent / 100.0,
             offset=self._offset(band),
         )
@@ -275,10 +272,9 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             stream, band = self.stream(here, "1/f", fixed=True), self._flicker_band()
             waves = waves_of_all_frames(stream=stream, shape=image.shape, band=band, node=here.node)
             fields.append(
-                Step.of(
+                here.step(
                     flicker_deviates,
                     *waves,
-                    node=here.node,
                     stream=stream,
                     number=FrameNumber(),
                     shape=image.shape,
@@ -288,18 +284,11 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             )
         if not fields:
             return picture
-        return Step.of(
-            steps.with_temporal_noise,
-            picture,
-            *fields,
-            node=here.node,
-            white=white,
-            flicker=flicker,
-        )
+        return here.step(steps.with_temporal_noise, picture, *fields, white=white, flicker=flicker)
 
     def _deviates(self, name: str, image: Image, here: NodeContext, *, fixed: bool = False) -> Step:
         stream = self.stream(here, name, fixed=fixed)
-        return Step.of(unit_deviates, node=here.node, stream=stream, shape=image.shape)
+        return here.step(unit_deviates, stream=stream, shape=image.shape)
 
     @warning
     def unit(self, image: Image) -> Caution | None:

@@ -114,9 +114,9 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         seen = seen_by_camera(image.recipe)
         if self.method == "none" or seen is None:
             gain, offset = (
-                Step.of(constant, shape=image.shape, value=value, node=node) for value in (1.0, 0.0)
+                here.step(constant, shape=image.shape, value=value) for value in (1.0, 0.0)
             )
-            table = Table(Step.of(no_figures, node=node))
+            table = Table(here.step(no_figures))
             return CorrectedOutputs(
                 image, image.with_recipe(gain, unit=""), image.with_recipe(offset), table
             )
@@ -146,25 +146,22 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         )
         two = self.method == "two_point"
         gain = (
-            Step.of(gain_map, low, high, node=node)
+            here.step(gain_map, low, high)
             if two
-            else Step.of(constant, shape=image.shape, value=1.0, node=node)
+            else here.step(constant, shape=image.shape, value=1.0)
         )
-        offset = Step.of(offset_map, low, gain, node=node, two=two)
+        offset = here.step(offset_map, low, gain, two=two)
         if self.drift_K:
             stream = self.stream(here, "drift", fixed=True)
-            deviates = Step.of(unit_deviates, node=node, stream=stream, shape=image.shape)
-            offset = Step.of(
-                drifted, offset, low, high, deviates, node=node, share=self._drift_share()
-            )
-        made = Step.of(
+            deviates = here.step(unit_deviates, stream=stream, shape=image.shape)
+            offset = here.step(drifted, offset, low, high, deviates, share=self._drift_share())
+        made = here.step(
             corrected,
             image.recipe,
             gain,
             offset,
             low,
             high,
-            node=node,
             two=two,
             frames=self.reference_frames,
             drift_share=self._drift_share(),
@@ -174,7 +171,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
             image.with_recipe(made),
             image.with_recipe(gain, unit=""),
             image.with_recipe(offset),
-            Table(Step.of(figures, low, high, node=node, kelvin=kelvin, unit=image.unit)),
+            Table(here.step(figures, low, high, kelvin=kelvin, unit=image.unit)),
         )
 
     def _drift_share(self) -> float:

@@ -122,15 +122,14 @@ class SpectralResponse(
             stack = AttenuatedBands.of(image.bands, gain=gain, node=node)
             made = stack.picture(stack.whole)
             return ImageOutput(image.with_recipe(made, bands=stack, responses=passed))
-        counted = Step.of(
+        counted = here.step(
             mean_response,
             image.recipe,
-            node=node,
             response=response,
             band_um=band,
             source_K=self._source(band),
         )
-        dimmed = Step.of(weighted, image.recipe, counted, node=node)
+        dimmed = here.step(weighted, image.recipe, counted)
         return ImageOutput(image.with_recipe(dimmed, responses=passed))
 
     def response(self, band: Band, here: NodeContext) -> ResponseCurve:

@@ -225,14 +225,13 @@ class ElectronicsNoise(
         """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
         node = here.node
         image = summed_within(image, self.cut_on_um, self.cut_off_um)
-        seen = Step.of(statistics, image.recipe, node=node)
+        seen = here.step(statistics, image.recipe)
         detector = self._detector(context)
-        known = Step.of(detector_figures, seen, node=node, detector=detector)
-        table = Step.of(
+        known = here.step(detector_figures, seen, detector=detector)
+        table = here.step(
             figures,
             seen,
             known,
-            node=node,
             detector=detector,
             amplifier_snr=self.amplifier_snr,
             snr_reference=self.snr_reference,
@@ -269,7 +268,7 @@ class ElectronicsNoise(
             quantization_error=image.with_recipe(plan.difference(final, shaped)),
             mtf=Transfer(grid, "mtf", parts["mtf"], label=self.title, pixel_mrad=image.pixel_mrad),
             ptf=Transfer(grid, "ptf", parts["ptf"], label=self.title, pixel_mrad=image.pixel_mrad),
-            table=Table(Step.of(steps.with_quantization, table, final, shaped, node=node)),
+            table=Table(here.step(steps.with_quantization, table, final, shaped)),
         )
 
     @warning

@@ -14,7 +14,7 @@ from core.chain.random_fields import FrameNumber
 from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
+from core.evaluation.recipes import Recipe, ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout, warning
@@ -134,7 +134,7 @@ class Noise3DSource(
                 continue
             stream = self.stream(here, f"sigma_{name}", fixed=name in _FIXED)
             shape = (rows if "v" in name else 1, columns if "h" in name else 1)
-            fields.append(Step.of(unit_deviates, node=here.node, stream=stream, shape=shape))
+            fields.append(here.step(unit_deviates, stream=stream, shape=shape))
             names.append(name)
             sizes.append(size)
         if self.corner_Hz:
@@ -142,11 +142,11 @@ class Noise3DSource(
             names.append(_FLICKER)
             sizes.append(self._flicker_sigma())
         sigmas = tuple(sizes)
-        noise = Step.of(summed, *fields, node=here.node, sigmas=sigmas, shape=image.shape)
+        noise = here.step(summed, *fields, sigmas=sigmas, shape=image.shape)
         if not names:
             return NoiseOutputs(image, image.with_recipe(noise))
         how = {"names": tuple(names), "sigmas": sigmas}
-        total = Step.of(with_components, image.recipe, noise, node=here.node, **how)
+        total = here.step(with_components, image.recipe, noise, **how)
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(noise))
 
     @warning
@@ -191,9 +191,8 @@ class Noise3DSource(
         )
 
     def _flicker(self, image: Image, here: NodeContext) -> Recipe:
-        return Step.of(
+        return here.step(
             flicker_deviates,
-            node=here.node,
             stream=self.stream(here, "1/f", fixed=True),
             number=FrameNumber(),
             shape=image.shape,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, pointwise
+from core.evaluation.recipes import Recipe, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Formula, Param
@@ -55,7 +55,7 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
         noise = read_step(source, band=self.band, scale=self.scale, node=here.node)
         if self.scale == 0.0:
             return NoiseOutputs(image, image.with_recipe(noise))
-        total = Step.of(with_file, image.recipe, noise, node=here.node)
+        total = here.step(with_file, image.recipe, noise)
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(noise))
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
+from core.evaluation.recipes import Recipe, ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
@@ -84,10 +84,10 @@ class PeriodicNoise(
             values[f"{name}_rad"] = math.radians(values.pop(f"{name}_deg"))
         if self.amplitude == 0.0:
             # No interval is needed where there is nothing to draw.
-            flat = Step.of(silence, rows=image.rows, columns=image.columns, node=here.node)
+            flat = here.step(silence, rows=image.rows, columns=image.columns)
             return NoiseOutputs(image, image.with_recipe(flat))
-        pattern = Step.of(drawn, node=here.node, grid=image.grid(), **values)
-        total = Step.of(with_pattern, image.recipe, pattern, node=here.node)
+        pattern = here.step(drawn, grid=image.grid(), **values)
+        total = here.step(with_pattern, image.recipe, pattern)
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(pattern))
 
 

@@ -15,15 +15,15 @@ from core.chain.realize import asked_for, realize, spectrum
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Magnitude, Phase, Table, Transfer
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
+from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from nodes.input_output.sample_unit import histogram, statistics
-from nodes.shared.module_ports import figure
+from nodes.shared.module_ports import table_figure
 from nodes.shared.shared_warnings import is_radiance, is_temperature
 
 Array = NDArray[Any]
@@ -92,20 +92,13 @@ class ExamineImage(
             recipe, unit = image.recipe, image.unit
             band = image.band_um if is_radiance(unit) else None
         else:
-            recipe = Step.of(realized, *asked_for(image), node=here.node, value=image)
-        table = Step.of(
-            figures,
-            recipe,
-            node=here.node,
-            unit=unit,
-            band_um=band,
-            probe_x=self.probe_x,
-            probe_y=self.probe_y,
+            recipe = here.step(realized, *asked_for(image), value=image)
+        table = here.step(
+            figures, recipe, unit=unit, band_um=band, probe_x=self.probe_x, probe_y=self.probe_y
         )
-        curve = Step.of(
+        curve = here.step(
             displayed_histogram,
             recipe,
-            node=here.node,
             display=self.display,
             bins=self.bins,
             label=_label(image),
@@ -132,25 +125,10 @@ class ExamineImage(
             "convert it to W/m²/sr: by scale and unit on Read Image, by units on Focal Plane",
         )
 
-    @readout(unit_of="image")
-    def minimum(self, outputs: ExamineOutputs) -> Recipe:
-        """Least sample."""
-        return Step.of(figure, outputs.table.recipe, name="minimum")
-
-    @readout(unit_of="image")
-    def maximum(self, outputs: ExamineOutputs) -> Recipe:
-        """Greatest sample."""
-        return Step.of(figure, outputs.table.recipe, name="maximum")
-
-    @readout(unit_of="image")
-    def mean(self, outputs: ExamineOutputs) -> Recipe:
-        """Mean of the samples."""
-        return Step.of(figure, outputs.table.recipe, name="mean")
-
-    @readout(unit_of="image")
-    def sigma(self, outputs: ExamineOutputs) -> Recipe:
-        """Standard deviation of the samples."""
-        return Step.of(figure, outputs.table.recipe, name="sigma")
+    minimum = table_figure("minimum", "", "Least sample.", unit_of="image")
+    maximum = table_figure("maximum", "", "Greatest sample.", unit_of="image")
+    mean = table_figure("mean", "", "Mean of the samples.", unit_of="image")
+    sigma = table_figure("sigma", "", "Standard deviation of the samples.", unit_of="image")
 
 
 @ends_lineage

@@ -156,8 +156,8 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
         """How it is drawn: what does not depend on temperatures is a step of its own."""
         sources = self._named(*SOURCES)
         if (shares := self._shares(here)) is not None:
-            return Step.of(shown, shares, node=here.node, **sources)
-        return Step.of(drawn, node=here.node, **self._named(*DRAWING), **sources)
+            return here.step(shown, shares, **sources)
+        return here.step(drawn, **self._named(*DRAWING), **sources)
 
     def _stack(self, here: NodeContext) -> SceneBands:
         """The bands."""
@@ -174,7 +174,7 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
         if not in_two_steps(kind=self.kind, width=self.width, height=self.height):
             return None
         names = (*SIZE, *GEOMETRY[self.kind])
-        return Step.of(shares_drawn, node=here.node, **self._named(*names))
+        return here.step(shares_drawn, **self._named(*names))
 
     def _named(self, *names: str) -> dict[str, Any]:
         values = self.values()

@@ -64,18 +64,18 @@ class RelativeMotionMTF(
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the smear."""
         x, y = self.blur_x_mrad(context), self.blur_y_mrad(context)
-        return self.mtf_outputs(magnitude, *self._factors(x, y, here.node))
+        return self.mtf_outputs(magnitude, *self._factors(x, y, here))
 
-    def _factors(self, x: float, y: float, node: str) -> tuple[Factor, ...]:
+    def _factors(self, x: float, y: float, here: NodeContext) -> tuple[Factor, ...]:
         if self.model == "line" and x and y:
             law = Law.of(line_motion_mtf, blur_x_mrad=x, blur_y_mrad=y)
-            return (Planar(law, symmetric=False, label=self.title, node=node),)
+            return (Planar(law, symmetric=False, label=self.title, node=here.node),)
         return separable(
             motion_mtf,
             x={"blur_mrad": x} if x else None,
             y={"blur_mrad": y} if y else None,
             label=self.title,
-            node=node,
+            node=here.node,
         )
 
     @warning

@@ -9,7 +9,7 @@ from typing import Annotated, NamedTuple
 
 from core.chain.results import CameraSheet
 from core.chain.wires import Image, Table
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe
 from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
@@ -112,13 +112,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             interval_x_mrad=x,
             interval_y_mrad=y,
         )
-        table = Step.of(
-            camera_figures,
-            node=here.node,
-            sheet=sheet,
-            interval_x_mrad=x,
-            interval_y_mrad=y,
-            band_um=image.band_um,
+        table = here.step(
+            camera_figures, sheet=sheet, interval_x_mrad=x, interval_y_mrad=y, band_um=image.band_um
         )
         return CameraOutputs(image, Table(table))
 

@@ -147,9 +147,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
                 raise ParameterError(
                     name, size, f"at least the aperture's diameter {extent:g}", unit="samples"
                 )
-        samples = Step.of(
-            _sampled, node=here.node, shape=shape, rows=self.size_y, columns=self.size_x
-        )
+        samples = here.step(_sampled, shape=shape, rows=self.size_y, columns=self.size_x)
         return PupilOutput(self._pupil(samples, self.size_y, self.size_x, shape, radius))
 
     def _from_file(self, here: NodeContext) -> Pupil:
@@ -164,24 +162,26 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         }
         opening, wavefront = given.get("path"), given.get("wavefront_path")
         if opening is not None and wavefront is None:
-            return self._of_opening(opening, here.node)
+            return self._of_opening(opening, here)
         assert wavefront is not None
-        return self._of_map(wavefront, opening, here.node)
+        return self._of_map(wavefront, opening, here)
 
-    def _of_opening(self, opening: LensSource, node: str) -> Pupil:
+    def _of_opening(self, opening: LensSource, here: NodeContext) -> Pupil:
         """A transmission, or a complex one, which has its wavefront with it."""
-        samples = Step.of(loaded_opening, node=node, **opening.reading)
+        samples = here.step(loaded_opening, **opening.reading)
         pupil = self._pupil(
             samples, opening.samples.rows, opening.samples.columns, None, self.radius
         )
         if not opening.samples.is_complex:
             return pupil
-        wavefront = Step.of(loaded_phase, node=node, **opening.reading)
+        wavefront = here.step(loaded_phase, **opening.reading)
         return replace(
             pupil, wavefront=wavefront, wavefront_um=self.map_wavelength_um, wrapped=True
         )
 
-    def _of_map(self, wavefront: LensSource, opening: LensSource | None, node: str) -> Pupil:
+    def _of_map(
+        self, wavefront: LensSource, opening: LensSource | None, here: NodeContext
+    ) -> Pupil:
         """A map, over what is open of the other file, or over all that it is known of."""
         size = wavefront.samples.rows, wavefront.samples.columns
         if wavefront.samples.is_complex or (opening is not None and opening.samples.is_complex):
@@ -197,7 +197,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         factor, wavelength_um = map_scale(
             self.wavefront_unit, self.map_wavelength_um or wavefront.samples.wavelength_um
         )
-        known = Step.of(loaded_map, node=node, factor=factor, **wavefront.reading)
+        known = here.step(loaded_map, factor=factor, **wavefront.reading)
         inputs: tuple[Step, ...] = (known,)
         if opening is not None:
             if (opening.samples.rows, opening.samples.columns) != size:
@@ -206,11 +206,11 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
                     f"samples and {wavefront.file.name} {size[1]} × {size[0]}: give files of one "
                     "size"
                 )
-            inputs = (known, Step.of(loaded_opening, node=node, **opening.reading))
-        samples = Step.of(known_opening, *inputs, node=node, name=wavefront.file.name)
+            inputs = (known, here.step(loaded_opening, **opening.reading))
+        samples = here.step(known_opening, *inputs, name=wavefront.file.name)
         return replace(
             self._pupil(samples, *size, None, self.radius),
-            wavefront=Step.of(known_waves, known, node=node),
+            wavefront=here.step(known_waves, known),
             wavefront_um=wavelength_um,
         )
 

@@ -220,9 +220,9 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
             kelvin = source_temperature(self.source_K, magnitude, band, here.node)
         if not isinstance(kelvin, Recipe):
             kelvin = Step.of(number, value=kelvin)
-        weights = Step.of(
-            _weights_by_light, kelvin, node=here.node, spectrum=spectrum, wavelengths_um=places,
-            weights=shares,
+        weights = here.step(
+            _weights_by_light, kelvin, spectrum=spectrum, wavelengths_um=places,
+            weights=shares
         )  # fmt: skip
         return replace(scale, wavelengths_um=places, weights=weights)
 

@@ -84,26 +84,21 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
             if self.percent == 0:
                 noise: Recipe = Step.of(_nothing, rows=image.rows, columns=image.columns)
                 return NoiseOutputs(image, image.with_recipe(noise))
-            noise = Step.of(
+            noise = here.step(
                 published_noise,
                 image.recipe,
-                node=here.node,
                 sigma_px=self.width_px,
                 percent=self.percent,
                 stream=stream,
             )
-            noisy = Step.of(added, image.recipe, noise, node=here.node)
+            noisy = here.step(added, image.recipe, noise)
         else:
             if self.photons_per_unit is None:
                 raise ParameterError("photons_per_unit", None, "the mode `photon` needs it")
-            noisy = Step.of(
-                photon_counts,
-                image.recipe,
-                node=here.node,
-                photons_per_unit=self.photons_per_unit,
-                stream=stream,
+            noisy = here.step(
+                photon_counts, image.recipe, photons_per_unit=self.photons_per_unit, stream=stream
             )
-            noise = Step.of(_difference, noisy, image.recipe, node=here.node)
+            noise = here.step(_difference, noisy, image.recipe)
         return NoiseOutputs(image.with_recipe(noisy), image.with_recipe(noise))
 
     @warning

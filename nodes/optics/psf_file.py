@@ -114,11 +114,11 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
                     f"{source.file.name} has {source.samples.bands} bands: 0 to "
                     f"{source.samples.bands - 1}",
                 )
-            blur, shift = self._factors(source, context, here.node)
+            blur, shift = self._factors(source, context, here)
         return otf_outputs(self.apply, magnitude, phase, blur=blur, shift=shift, label=self.title)
 
     def _factors(
-        self, source: LensSource, context: Context, node: str
+        self, source: LensSource, context: Context, here: NodeContext
     ) -> tuple[tuple[Planar], tuple[Planar]]:
         if source.samples.is_complex:
             raise DataError(
@@ -131,9 +131,8 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
                 "cut the picture about the point"
             )
         x, y = self._pitches(source, context)
-        psf = Step.of(
+        psf = here.step(
             _point_spread,
-            node=node,
             background=self.background,
             keep_centroid=self.centroid == "kept",
             **source.reading,
@@ -143,7 +142,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
             "symmetric": False,
             "cutoff": (0.5 / x, 0.5 / y),
             "label": self.title,
-            "node": node,
+            "node": here.node,
         }
         return (Planar(law, take="modulus", **how),), (Planar(law, take="phase", **how),)
 

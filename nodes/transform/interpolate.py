@@ -12,7 +12,7 @@ from core.chain.linear_change import Axis, Linear, PlaceDependent
 from core.chain.noise_power import NoisePower, Operator
 from core.chain.step_lineage import picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, Step, in_parts
+from core.evaluation.recipes import Recipe, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
@@ -75,10 +75,9 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
         width, height = self.width or image.columns, self.height or image.rows
         if (height, width) == image.shape:
             return ImageOutput(image)
-        recipe = Step.of(
+        recipe = here.step(
             resampled,
             image.recipe,
-            node=here.node,
             old=image.shape,
             new=(height, width),
             order=self.order,

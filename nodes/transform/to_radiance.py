@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from core.chain.wires import Image
 from core.errors import DataError
-from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext
 from core.modules.parameters import Formula
 from nodes.shared.module_ports import ImageOutput
@@ -44,11 +43,10 @@ class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Tran
                 "Read Image"
             )
         surface = self.surface(image)
-        made = Step.of(
+        made = here.step(
             radiance_of_temperature,
             image.recipe,
             *self.shares(image, emissivity),
-            node=here.node,
             surface=surface,
             unit=image.unit.strip(),
         )

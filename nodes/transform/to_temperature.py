@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from core.chain.wires import Image
 from core.errors import DataError
-from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext
 from core.modules.parameters import Formula
 from core.physics.radiometry.radiance_units import radiance_unit
@@ -34,11 +33,10 @@ class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", gr
     def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
         """Plan the conversion."""
         surface = self.surface(image)
-        made = Step.of(
+        made = here.step(
             temperature_of_radiance,
             image.recipe,
             *self.shares(image, emissivity),
-            node=here.node,
             surface=surface,
             factor=_factor(image.unit),
         )
