@@ -71,6 +71,22 @@ class Law:
         """Recipes among the bound arguments."""
         return tuple(value for _, value in self.parameters if isinstance(value, Recipe))
 
+    @property
+    def terms(self) -> int:
+        """Values that one frequency is summed from, about: of bound laws, or as a function says."""
+        bound = dict(self.parameters)
+        laws = [
+            law
+            for value in bound.values()
+            if isinstance(value, tuple)
+            for law in value
+            if isinstance(law, Law)
+        ]
+        if laws:
+            return sum(law.terms for law in laws)
+        count = getattr(self.function, "terms", None)
+        return count(**bound) if count else 1
+
     def check(self, *frequencies: str) -> None:
         """Have the function check its bound arguments now, at frequency zero.
 

@@ -25,9 +25,11 @@ Array = NDArray[Any]
 Vector = NDArray[np.float64]
 Method = Literal["nodes", "direct"]
 MOST_NODES = 32
-MOST_EVALUATIONS = 1e11  # about an hour
+MOST_EVALUATIONS = 1e11  # of terms, by direct sums: about an hour
+MOST_TRIED = 1e9  # terms of the transfer function where a blend is judged: about a minute
 BLOCK_SAMPLES = 1 << 18
 FREQUENCIES = 24  # along the scan and in flight, at which blended factors are tried
+SPARSE = slice(5, None, 6)  # of these, at which most numbers of nodes fail already
 LAW_NODES = (4, 8, 12, 16, 24, 32)  # tried in turn
 LEAST_COLUMNS = 64  # narrower blocks are copied in pieces shorter than a line of the cache
 
@@ -86,7 +88,8 @@ def filter_mixed(
     Raises
     ------
     DataError
-        If direct sums would take too long, or a transfer function cannot be evaluated.
+        If direct sums or the judging of a blend would take too long, or a transfer function cannot
+        be evaluated.
     """
     frame = np.ascontiguousarray(image.T) if chain.turned else image
     direct = method == "direct" and bool(chain.product.planar)
@@ -145,11 +148,12 @@ def _summed(lines: ScanLines, intervals_mrad: Vector) -> Parts:
 
 def _require_an_end(chain: ScanChain, intervals_mrad: Vector) -> None:
     rows, columns = chain.shape
-    groups = len(np.unique(intervals_mrad))
-    if rows * columns * groups > MOST_EVALUATIONS:
+    groups, terms = len(np.unique(intervals_mrad)), chain.product.terms
+    if rows * columns * groups * terms > MOST_EVALUATIONS:
+        of_each = f" of {terms:,} terms each" if terms > 1 else ""
         raise DataError(
-            f"{groups} intervals on {rows * columns:,} frequencies would take too long by direct "
-            f"sums (at most {MOST_EVALUATIONS:g} together): take method = nodes"
+            f"{groups} intervals on {rows * columns:,} frequencies{of_each} would take too long by "
+            f"direct sums (at most {MOST_EVALUATIONS:g} together): take method = nodes"
         )
 
 
@@ -163,7 +167,10 @@ def _blended(
     if last == float(intervals_mrad.max()):
         return Blend(tuple(lines.unscanned(part) for part in lines.with_planar(last)), 1)
     if nodes is None:
-        nodes = _enough(lines, intervals_mrad, tolerance)
+        nodes, error = _enough(lines, intervals_mrad, tolerance)
+    else:
+        _require_few_terms(lines, nodes, 2 * nodes + 1)
+        error = _error(lines, intervals_mrad, nodes)
     at = scale_nodes_mrad(intervals_mrad=intervals_mrad, count=nodes)
     weights = scale_weights(nodes_mrad=at, intervals_mrad=intervals_mrad)
     at_last = scale_weights(nodes_mrad=at, intervals_mrad=[last])[:, 0]
@@ -176,24 +183,44 @@ def _blended(
             part_alone = lines.unscanned(part)
             gap[index] -= part_alone * lines.real.type(share)
             parts[index] += np.multiply(part_alone, row, out=part_alone)
-    return Blend(tuple(parts), nodes, tuple(gap), _error(lines, intervals_mrad, nodes))
+    return Blend(tuple(parts), nodes, tuple(gap), error)
 
 
-def _enough(lines: ScanLines, intervals_mrad: Vector, tolerance: float) -> int:
+def _enough(lines: ScanLines, intervals_mrad: Vector, tolerance: float) -> tuple[int, float]:
     """Least number of nodes whose blend of the transfer function keeps to the tolerance."""
-    for count in range(1, MOST_NODES):
-        if _error(lines, intervals_mrad, count) <= tolerance:
-            return count
-    return MOST_NODES
+    for count in range(1, MOST_NODES + 1):
+        # All numbers so far on few frequencies, this one on all.
+        _require_few_terms(lines, count, 2 * count + 1 + count * (count + 2) // 36)
+        if count < MOST_NODES:
+            few = _error(lines, intervals_mrad, count, SPARSE)
+            if few > 2.0 * tolerance + 1e-12:  # beyond doubt for all that rounding does
+                continue
+        error = _error(lines, intervals_mrad, count)
+        if error <= tolerance:
+            break
+    return count, error
 
 
-def _error(lines: ScanLines, intervals_mrad: Vector, count: int) -> float:
+def _require_few_terms(lines: ScanLines, count: int, planes: int) -> None:
+    terms = lines.chain.product.terms
+    frequencies = FREQUENCIES * (FREQUENCIES if lines.symmetric else 2 * FREQUENCIES - 1)
+    if planes * frequencies * terms > MOST_TRIED:
+        raise DataError(
+            f"a blend of {count} intervals is judged by {planes * frequencies * terms:.2g} terms, "
+            f"{terms:,} at each frequency (at most {MOST_TRIED:g}): take fewer nodes or method = "
+            "direct, or less defocus, fewer bands or wavelengths in the planar factors"
+        )
+
+
+def _error(
+    lines: ScanLines, intervals_mrad: Vector, count: int, some: slice = slice(None)
+) -> float:
     """Largest error of the whole transfer function between the nodes, on some frequencies."""
     work, chain = lines.work, lines.chain
-    scan = np.linspace(0.0, float(np.abs(lines.scan).max()), FREQUENCIES)
-    flight = np.linspace(0.0, 0.5, FREQUENCIES)
+    scan = np.linspace(0.0, float(np.abs(lines.scan).max()), FREQUENCIES)[some]
+    flight = np.linspace(0.0, 0.5, FREQUENCIES)[some]
     if not lines.symmetric:
-        flight = np.concatenate([flight, -flight[1:]])
+        flight = np.concatenate([flight, -flight[flight > 0.0]])
     nodes = scale_nodes_mrad(intervals_mrad=intervals_mrad, count=count)
     tried = _between(intervals_mrad, count)
     weights = scale_weights(nodes_mrad=nodes, intervals_mrad=tried)

@@ -35,6 +35,11 @@ class Product:
         return all(f.symmetric and f.take == "real" for f in self.planar)
 
     @property
+    def terms(self) -> int:
+        """Values that the planar factors sum for a frequency, about."""
+        return sum(factor.law.terms for factor in self.planar)
+
+    @property
     def has_phase_x(self) -> bool:
         """Whether some factor shifts phases across."""
         return any(f.part == "ptf" and f.x is not None for f in self.separable)

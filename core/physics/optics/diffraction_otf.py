@@ -160,6 +160,19 @@ def diffraction_otf(
     return np.where(radii == 0.0, 1.0, total)
 
 
+def _terms(*, aperture: Aperture, cut_on_um: float, wavelengths: int, **_: object) -> int:
+    """Values that one frequency is summed from, about."""
+    inner, waves = aperture.obscuration_ratio, abs(aperture.defocus_waves)
+    if not waves:
+        return max(1, wavelengths)
+    rate = 8.0 * np.pi * waves * aperture.reference_um / cut_on_um
+    panels = int(rate * (1.0 + inner) / _PHASE_PER_PANEL) + 2
+    return max(1, wavelengths) * panels * _NODES * (5 if inner else 1)
+
+
+diffraction_otf.terms = _terms  # type: ignore[attr-defined]
+
+
 def wavelengths_needed(
     aperture: Aperture, spectrum: Spectrum, tolerance: float
 ) -> tuple[int, float]:

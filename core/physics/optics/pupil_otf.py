@@ -175,6 +175,15 @@ def defocused_disc_otf(
     )
 
 
+def _terms(*, w20_waves: float, wavelengths_um: tuple[float, ...], **_: object) -> int:
+    """Values that one frequency of the defocused disc is summed from, about."""
+    panels = int(2.0 * np.pi * abs(w20_waves) / _PHASE_PER_PANEL) + 2
+    return len(wavelengths_um) * panels * _NODES
+
+
+defocused_disc_otf.terms = _terms  # type: ignore[attr-defined]
+
+
 def sampled_pupil_otf(
     *,
     xi: ArrayLike,
