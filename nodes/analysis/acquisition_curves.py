@@ -51,31 +51,11 @@ _MEANINGS = {
 class Task:
     """What is to be acquired, through which air, how hard it is, and on what display.
 
-    Parameters
-    ----------
-    size_m, delta_K : float
-        Critical dimension and temperature difference of the target.
-    extinction_per_km : float
-        Of the path, where the picture has come through none.
-    n50 : tuple of float
-        Cycles of detection, recognition and identification.
-    v50 : float
-        TTP value of the task.
-    scene_contrast_K : float
-        Difference that the display shows as its mean luminance.
-    luminance_cd_m2, display_deg, magnification : float
-        The display.
-    range_max_km : float or None
-        Where the curve ends; None: where the easiest task has become unlikely.
-    ttp_threshold : TtpForm
-        The threshold that TTP values are sums over.
-    seconds_per_frame, seconds_fixed : float
-        Time over which the eye sees temporal noise as one picture, and fixed patterns; 0 for those
-        if they do not count.
-    air : tuple of AirPath
-        The path that the picture has come through.
-    band_um : (float, float)
-        Of the radiance.
+    `extinction_per_km` holds where the picture has come through no `air`; `n50` are the cycles of
+    detection, recognition and identification; `scene_contrast_K` is shown as the display's mean
+    luminance; without `range_max_km` the curve ends where the easiest task has become unlikely.
+    Over `seconds_per_frame` the eye sees temporal noise as one picture, over `seconds_fixed` fixed
+    patterns (0: they do not count).
     """
 
     size_m: float

@@ -24,17 +24,10 @@ _LINES = (Line.at(0.0), Line.at(90.0))
 
 @dataclass(frozen=True)
 class NoiseShare:
-    """One source's noise in the picture, and its shares of the variance of all that count.
+    """One source's noise in the picture, and its shares (0 to 1) of the variance of all that count.
 
-    Parameters
-    ----------
-    node, name : str
-        The node that adds it, and what it is there.
-    temporal, fixed : float or None
-        Its deviation from frame to frame and of its fixed pattern, in the picture's unit; None of
-        a kind that it has not.
-    share_temporal, share_fixed : float
-        Shares, 0 to 1, that these have of the variance.
+    `temporal` is its deviation from frame to frame and `fixed` that of its pattern, in the
+    picture's unit; None of a kind that it has not.
     """
 
     node: str
@@ -100,13 +93,7 @@ class BlurShares:
 
 @ends_lineage
 def noise_shares(work: Work, noise: ImageNoise, *, kind: Kind) -> NoiseShares:
-    """Sources of the noises of a kind, one entry for each, and their shares.
-
-    Raises
-    ------
-    DataError
-        If noise cannot be followed to the picture.
-    """
+    """Sources of the noises of a kind, one entry for each, and their shares."""
     noise.require_known()
     variances: dict[tuple[str, str], dict[bool, float]] = {}
     for term in noise.terms:

@@ -142,13 +142,7 @@ class CameraGeometry(
         )
 
     def _check_inside(self, camera: Camera, ground: Ground) -> None:
-        """Refuse a scene that is too small.
-
-        Raises
-        ------
-        DataError
-            If the camera sees past the scene's borders and `outside` does not allow it.
-        """
+        """Refuse a scene that is too small."""
         if self.outside == "fill":
             return
         bounds, (half_x, half_y) = ground_bounds(camera=camera), ground.reach_m

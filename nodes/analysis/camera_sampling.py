@@ -266,13 +266,7 @@ class CameraSettings(Module):
     ] = 0.0
 
     def camera(self, image: Image) -> Camera:
-        """The camera, with what is left empty taken from the scene or worked out.
-
-        Raises
-        ------
-        ParameterError
-            If the size of a sample does not follow, or follows twice.
-        """
+        """The camera, with what is left empty taken from the scene or worked out."""
         columns, rows = self.columns or image.columns, self.rows or image.rows
         step_x = self._step_x(columns)
         step_y = step_x
@@ -333,13 +327,7 @@ class CameraSettings(Module):
         return velocity / rate
 
     def ground(self, image: Image) -> Ground:
-        """The scene on the ground.
-
-        Raises
-        ------
-        ParameterError
-            If its sampling is not known, or its size is no number.
-        """
+        """The scene on the ground."""
         x, y = self.ground_interval_m, self.ground_interval_y_m or self.ground_interval_m
         if x is None and image.interval_x_mrad is not None:
             x = image.interval_x_mrad / 1000.0 * self.altitude_m

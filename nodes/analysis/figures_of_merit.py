@@ -408,13 +408,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
 
 def _air(image: Image, context: Context) -> tuple[AirPath, ...]:
-    """The path that the picture has come through; its range of Init & Trans where it has none.
-
-    Raises
-    ------
-    DataError
-        If no range is known for which the transmission holds.
-    """
+    """The path that the picture has come through; its range of Init & Trans where it has none."""
     paths = tuple(
         air if air.range_m else replace(air, range_m=context.range_m) for air in image.air
     )

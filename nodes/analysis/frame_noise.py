@@ -27,15 +27,7 @@ MEANINGS = {
 
 @dataclass(frozen=True, eq=False)
 class FrameNoise(Recipe):
-    """Measures the components of a picture's noise over its first frames.
-
-    Parameters
-    ----------
-    picture, clean : Recipe
-        The picture, and the same without noise.
-    frames : int
-        How many, 2 or more.
-    """
+    """Measures the components of a picture's noise over its first frames, against `clean`."""
 
     picture: Recipe
     clean: Recipe

@@ -222,13 +222,7 @@ def signal_over_noise(
     gain: float | None,
     gain_before: float,
 ) -> float | Unseen:
-    """Mean of the scene's share of the picture over the temporal noise; infinite without noise.
-
-    Raises
-    ------
-    DataError
-        If noise cannot be followed to the picture, or there is no signal.
-    """
+    """Mean of the scene's share of the picture over the temporal noise; infinite without noise."""
     seen.require_known()
     if gain is None:
         raise DataError("gain_model literal scales the picture by the gain error; take per_pixel")

@@ -22,17 +22,7 @@ Truncation = Literal["half_width", "error", "none"]
 
 @dataclass(frozen=True)
 class Cut:
-    """Where kernels end.
-
-    Parameters
-    ----------
-    truncation : "half_width", "error" or "none"
-        After so many samples, where an error allows it, or at the frame's size.
-    half_width_px : int
-        Samples kept on either side of the middle.
-    error : float
-        What all kernels together may cost, as in `Kernels.error_bound`.
-    """
+    """Where kernels end; `error` is what all together may cost, as in `Kernels.error_bound`."""
 
     truncation: Truncation
     half_width_px: int
@@ -41,16 +31,10 @@ class Cut:
 
 @dataclass(frozen=True)
 class Kernel:
-    """One pass of the convolution.
+    """One pass of the convolution: weights, of one row or column for a pass along one axis.
 
-    Parameters
-    ----------
-    taps : ndarray, shape (rows, columns)
-        Weights; one row or one column for a pass along one axis.
-    before_y, before_x : int
-        Row and column of the tap at lag 0.
-    dropped, whole : float
-        Sums of the moduli of the taps cut off, and of all.
+    The tap at lag 0 is at (`before_y`, `before_x`); `dropped` and `whole` are sums of the moduli of
+    the taps cut off, and of all.
     """
 
     taps: Vector
@@ -96,11 +80,6 @@ def impulse_responses(
     Separable factors give a row and a column. Others give one kernel in two dimensions; it takes
     the separable ones in if it is not even in x and in y, since only an even kernel leaves a
     mirrored frame mirrored for the next pass.
-
-    Raises
-    ------
-    DataError
-        If a transfer function cannot be evaluated.
     """
     product = Product(factors)
     period_y, period_x = _period(grid.rows, edges), _period(grid.columns, edges)

@@ -381,13 +381,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
 
 
 def _source(context: Context, magnitude: Magnitude, phase: Phase) -> Image:
-    """The one frame that was scanned.
-
-    Raises
-    ------
-    DataError
-        If there is none, or the wires belong to different images or transforms.
-    """
+    """The one frame that was scanned."""
     source = one_source(magnitude, phase, wanted="frame to scan", refusal="no scanner sees")
     if context.grid != magnitude.grid or context.edges != magnitude.edges:
         raise DataError("context and magnitude stem from different Init & Trans: link the same")

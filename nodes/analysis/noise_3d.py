@@ -134,16 +134,7 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
 
 
 def frames_in_file(path: Path, here: NodeContext, image: Image | None) -> tuple[Recipe, str]:
-    """Recipe of the noise of the frames in a file, and their unit, empty where it names none.
-
-    Raises
-    ------
-    FileError
-        The file is missing, damaged or of an unknown format.
-    DataError
-        It holds a single frame, or its frames are not those of the picture that predicts their
-        noise: of another size or unit.
-    """
+    """Recipe of the noise of the frames in a file, and their unit, empty where it names none."""
     file = readable_file((here.folder / path).absolute())
     stamps = stamps_of(file, header_beside(file))
     known = _described(file, stamps)
@@ -172,15 +163,7 @@ def _described(path: Path, stamps: tuple[Stamp, ...]) -> FrameFile:
 
 @ends_lineage
 def measured_in_file(work: Work, *, path: Path, stamps: tuple[Stamp, ...]) -> MeasuredNoise:
-    """Components of the noise; all that stays from frame to frame counts as a pattern.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, or is another one than was planned with.
-    DataError
-        Its frames have a single row or column, or samples that are not finite.
-    """
+    """Components of the noise; all that stays from frame to frame counts as a pattern."""
     check_unchanged(path, stamps)
     file = _described(path, stamps)
     cube = NoiseCube(file.rows, file.columns)

@@ -133,13 +133,7 @@ def _convolution(image: Recipe, kernels: Recipe, *, edges: Edges, plane: bool) -
 @in_blocks(lambda plane, **_: not plane)  # which is cut from a kernel of the frame's size
 @picture_step(linear=_convolution)
 def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges, plane: bool) -> Array:
-    """The frame convolved; `plane`: by a kernel in two dimensions among others.
-
-    Raises
-    ------
-    DataError
-        If the kernels are so large that it would not end.
-    """
+    """The frame convolved; `plane`: by a kernel in two dimensions among others."""
     if kernels.taps * image.size > MOST_MULTIPLICATIONS:
         raise DataError(
             f"{kernels.taps:,} taps on {image.size:,} samples would take too long (at most "

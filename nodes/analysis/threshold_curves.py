@@ -63,20 +63,8 @@ class Sensitivity:
 class Observer:
     """How bars and targets are looked at.
 
-    Parameters
-    ----------
-    model : Model
-        Which MRTD.
-    sampled_x, sampled_y : bool
-        Directions in which the sensor samples; along a scan it does not.
-    snr_threshold : float
-        Signal to noise ratio of a resolved target.
-    frames : float
-        Frames that the eye averages.
-    window : Window
-        Over what it averages a small target.
-    eye_limit_mrad : float or None
-        Largest angle over which it averages.
+    The sensor does not sample along a scan. `frames` are averaged by the eye, over a target's
+    `window` or up to `eye_limit_mrad`.
     """
 
     model: Model
@@ -318,21 +306,9 @@ class Unseen:
 
 
 def unseen(gain: float, levels: Sequence[LevelChange], consequence: str) -> Unseen | None:
-    """Whether a picture follows the scene; None where it does.
+    """Why a picture does not follow the scene, and what cannot be had of it; None where it does.
 
-    Parameters
-    ----------
-    gain : float
-        From the scene to the picture.
-    levels : sequence of LevelChange
-        Of which one may have the reason.
-    consequence : str
-        What cannot be had of the picture.
-
-    Raises
-    ------
-    DataError
-        If it does not, and none of the changes says why.
+    `gain` is that from the scene to the picture, of whose `levels` one may have the reason.
     """
     if gain > 0.0:
         return None

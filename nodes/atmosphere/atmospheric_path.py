@@ -161,13 +161,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         return PathOutputs(image.with_recipe(made, bands=stack, air=(*image.air, air)), table)
 
     def air(self, image: Image, here: NodeContext, context: Context | None) -> AirPath:
-        """The path as the parameters have it.
-
-        Raises
-        ------
-        ParameterError
-            If a range is needed, and none is known.
-        """
+        """The path as the parameters have it."""
         given: dict[str, Any] = {"range_m": self._range(image, context), "air_K": self.air_K}
         if self.model == "modtran":
             assert self.path is not None

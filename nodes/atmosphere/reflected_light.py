@@ -149,13 +149,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         )
 
     def band_of(self, image: Image) -> Band:
-        """The band here, else the image's.
-
-        Raises
-        ------
-        ParameterError
-            If no band is known, or it is empty.
-        """
+        """The band here, else the image's."""
         of_image = image.band_um or (None, None)
         low = of_image[0] if self.cut_on_um is None else self.cut_on_um
         high = of_image[1] if self.cut_off_um is None else self.cut_off_um
@@ -270,14 +264,8 @@ def reflected(work: Work, image: Array, *, white: float) -> Array:
 class GreyBands(BandStack):
     """Bands of surfaces that reflect all wavelengths alike.
 
-    Parameters
-    ----------
-    image : Recipe
-        Makes the reflectances.
-    white : tuple of float
-        Radiance of a white surface in every band, W/m²/sr/µm.
-    node : str, optional
-        Node an error belongs to.
+    `image` makes the reflectances; `white` is the radiance of a white surface in every band,
+    W/m²/sr/µm.
     """
 
     image: Recipe

@@ -42,20 +42,9 @@ _TOLERANCE = {"single": 1e-8, "double": 2e-14}  # of electrons, below the sample
 class Collection:
     """What makes the mean number of electrons of a radiance.
 
-    Parameters
-    ----------
-    weights : PhotonWeights
-        Photons of a radiance that the detector counts.
-    scene_m2_s_sr : float
-        Area, time and solid angle of the exit pupil, stages included.
-    housing_m2_s_sr : float
-        The same of the housing past the cold shield.
-    optics_transmission : float
-        Of the optics; what is missing to 1 they emit.
-    optics_K, housing_K : float or None
-        None where nothing is emitted.
-    dark_e : float
-        Electrons of the dark current.
+    `scene_m2_s_sr` is area, time and solid angle of the exit pupil, stages included, and
+    `housing_m2_s_sr` the same of the housing past the cold shield; optics and housing of None K
+    emit nothing.
     """
 
     weights: PhotonWeights
@@ -133,27 +122,11 @@ def picture_range(work: Work, image: Array) -> PictureRange:
 
 @dataclass(frozen=True)
 class ElectronLevels:
-    """Electrons of a picture, and of its mean.
+    """Electrons of a picture, and of its mean by where they come from.
 
-    Parameters
-    ----------
-    conversion : Conversion
-        Electrons of the scene's radiances.
-    seen : PictureRange
-        The radiances.
-    scene_K : float or None
-        Brightness temperature of the mean, where that means anything.
-    signal_e, optics_e, housing_e, dark_e : float
-        Electrons of the mean by where they come from.
-    slope : float
-        Electrons per W/m²/sr at the mean.
-    radiance_per_photon : float or None
-        Mean radiance over the mean of the photons counted, of a picture that comes as such photons,
-        as its spectrum is known.
-    electrons_per_K : float or None
-        Electrons per kelvin of the scene, where it has a brightness temperature.
-    band_um : (float, float)
-        Of the radiance.
+    `scene_K` is the brightness temperature of the mean, where that means anything; `slope`
+    electrons per W/m²/sr there. Of a picture that comes as photons counted, whose spectrum is
+    known, `radiance_per_photon` is the mean radiance over their mean.
     """
 
     conversion: Conversion

@@ -381,14 +381,9 @@ def uniform_like(work: Work, picture: Array, *, radiance: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class MeanFrame(Recipe):
-    """Mean of several frames, in double. A sequence leaves it as it is: it is taken once.
+    """Mean of several frames of a picture, in double, the first of them number `start`.
 
-    Parameters
-    ----------
-    picture : Recipe
-        Frame 0.
-    start, frames : int
-        Number of the first of them, and how many.
+    A sequence leaves it as it is: it is taken once.
     """
 
     picture: Recipe

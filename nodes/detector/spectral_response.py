@@ -256,13 +256,6 @@ def counted_weights(bands: BandStack, efficiency: QuantumEfficiency) -> Row:
 
     λ_b/(hc)·∫ QE dλ over the part of each band that the filter lets through: the radiance of a band
     is the same all over it, and so is the energy of its photons.
-
-    Raises
-    ------
-    DataError
-        For bands that are no radiance.
-    ParameterError
-        If the filter lets no band through.
     """
     if not bands.density:
         raise DataError("the picture's bands are no radiance per µm: no photons can be counted")

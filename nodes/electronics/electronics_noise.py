@@ -421,13 +421,7 @@ class ElectronicsNoise(
 
 
 def weights_within(bands: BandStack, low_um: float | None, high_um: float | None) -> Row:
-    """Weights of the bands between two wavelengths; one at an end counts by its part within.
-
-    Raises
-    ------
-    ParameterError
-        If no band lies there.
-    """
+    """Weights of the bands between two wavelengths; one at an end counts by its part within."""
     first, last = bands.band_um
     low, high = low_um or first, high_um or last
     weights = []

@@ -31,22 +31,9 @@ _PER_WAVENUMBER = 1e4  # dν = 1e4/λ² dλ, ν in cm⁻¹ and λ in µm
 
 @dataclass(frozen=True)
 class FileBands(BandStack):
-    """Bands of an ENVI file.
+    """Bands of an ENVI file, in the state (`stamps`) in which the network was planned with it.
 
-    Parameters
-    ----------
-    file : Path
-        The data file or its header.
-    stamps : tuple
-        State of the files when the network was planned.
-    places : tuple of int
-        Index in the file of every band.
-    factors : tuple of float
-        What its samples are multiplied by.
-    missing : "refuse", "mean" or "zero"
-        What stands for samples that are not finite.
-    node : str, optional
-        Node an error belongs to.
+    `places` are their indices in the file, `factors` what their samples are multiplied by.
     """
 
     file: Path
@@ -111,16 +98,9 @@ class FileBands(BandStack):
 
 @dataclass(frozen=True)
 class ChosenBands:
-    """The bands of a cube that count, by wavelength.
+    """The bands of a cube that count, by wavelength: where they are in it, and their shares of it.
 
-    Parameters
-    ----------
-    places : tuple of int
-        Index in the cube of every band.
-    centres_um, widths_um : tuple of float
-        Wavelength of every band, and its share of the spectrum.
-    factors : tuple of float
-        What its samples are multiplied by.
+    Samples are multiplied by `factors`.
     """
 
     places: tuple[int, ...]
@@ -138,19 +118,7 @@ def file_bands(
     missing: Missing,
     node: str,
 ) -> FileBands:
-    """The bands of a file, in W/m²/sr/µm where they are radiance.
-
-    Parameters
-    ----------
-    source : Source
-        The file.
-    missing : "refuse", "mean" or "zero"
-        What stands for samples that are not finite.
-    node : str
-        Node an error belongs to.
-
-    Others, and errors, as `chosen_bands`; or the file is no ENVI file.
-    """
+    """The bands of a file, in W/m²/sr/µm where they are radiance; see `chosen_bands`."""
     info = source.info
     if info.kind != "envi":
         raise FileError(_no_wavelengths(info))
@@ -184,24 +152,8 @@ def chosen_bands(
 ) -> ChosenBands:
     """The bands of a cube that count, and the factors that make W/m²/sr/µm of its radiance.
 
-    Parameters
-    ----------
-    info : PictureInfo
-        What is known of the cube.
-    unit : RadianceUnit or None
-        Of the samples times `scale`; None where they are no radiance.
-    scale : float
-        Factor on the samples.
-    interval_um : (float, float) or None
-        Wavelengths that count; None for all. A band at an end counts by its part within, about the
-        middle of that part.
-
-    Raises
-    ------
-    FileError
-        There is not a wavelength for every band.
-    ParameterError
-        No band lies in the interval.
+    `unit` is that of the samples times `scale`, None where they are no radiance. Of `interval_um` a
+    band at an end counts by its part within, about the middle of that part.
     """
     if info.wavelengths_um is None:
         raise FileError(_no_wavelengths(info))

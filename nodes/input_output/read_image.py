@@ -171,13 +171,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         return tuple(names.index(name) for name in "RGB")
 
     def of_samples(self, held: HeldSamples, node: str) -> ImageOutput:
-        """The picture of samples in memory: that of a file which says no more of them.
-
-        Raises
-        ------
-        ParameterError
-            `bands` does not go with the samples.
-        """
+        """The picture of samples in memory: that of a file which says no more of them."""
         info = held.info
         cube = info.wavelengths_um is not None
         if cube != (self.bands == "all"):
@@ -415,19 +409,7 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class HeldBands(BandStack):
-    """Bands of a cube in memory.
-
-    Parameters
-    ----------
-    held : HeldSamples
-        The cube.
-    places : tuple of int
-        Index in it of every band.
-    factors : tuple of float
-        What its samples are multiplied by.
-    node : str, optional
-        Node an error belongs to.
-    """
+    """Bands of a cube in memory, as `FileBands` of one in a file."""
 
     held: HeldSamples
     places: tuple[int, ...]

@@ -48,28 +48,11 @@ def is_spectral(info: PictureInfo) -> bool:
 def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool) -> SampleUnit:
     """Unit of the samples of a file after `scale`.
 
-    The file's own unit holds where it gives one and the scale is 1, else the typed one. Radiance
-    comes out in W/m²/sr, W/m²/sr/µm, W/m²/sr/cm⁻¹ or the same in photons/s; every other unit is a
-    name that stays as it is. Photons do not become watts: each has its own wavelength.
-
-    Parameters
-    ----------
-    info
-        What is known of the file.
-    typed
-        The `unit` parameter; empty or `DEFAULT_UNIT` leaves the choice to the file.
-    scale
-        The `scale` parameter; other than 1 it has turned the samples into the typed unit.
-    integrated
-        Whether spectral bands were summed up, each times its width in µm.
-
-    Raises
-    ------
-    FileError
-        The file's unit is not understood, or is of photons and none is typed; or there is none, of
-        a cube of bands.
-    ParameterError
-        The typed unit is not understood, or is of another kind of quantity than the file's.
+    The file's own unit holds where it gives one and the scale is 1, else the typed one; empty or
+    `DEFAULT_UNIT` leaves the choice to the file. Radiance comes out in W/m²/sr, W/m²/sr/µm,
+    W/m²/sr/cm⁻¹ or the same in photons/s; every other unit is a name that stays as it is. Photons
+    do not become watts: each has its own wavelength. `integrated`: bands were summed up, each times
+    its width in µm.
     """
     own = _typed(typed)
     chosen = bool(typed) and own != RadianceUnit(1.0)
@@ -102,13 +85,6 @@ def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUni
 
     As in `sample_unit` the file's own unit holds where it gives one and the scale is 1. A radiance
     typed without a share of wavelength is per µm.
-
-    Raises
-    ------
-    FileError
-        The file's unit is not understood, or there is none.
-    ParameterError
-        The typed unit is not understood, or is of another kind of quantity than the file's.
     """
     own = _typed(typed)
     chosen = bool(typed) and own != RadianceUnit(1.0)
@@ -237,15 +213,7 @@ def blocks(samples: Array, check: Callable[[], None]) -> Iterator[NDArray[np.flo
 
 
 def statistics(samples: Array, *, for_each: ForEach = in_turn) -> Statistics:
-    """Statistics of a real array of any shape that is not empty.
-
-    Parameters
-    ----------
-    samples : ndarray
-        The samples.
-    for_each : callable
-        Calls a function on every block, in any order: `Work.for_each`.
-    """
+    """Statistics of a real array of any shape that is not empty."""
     low, high = float(samples.min()), float(samples.max())
     # Relative to the minimum: the sum of large equal samples would round their mean.
     mean = low + _sum_of(samples, lambda block: float(np.sum(block)), low, for_each) / samples.size

@@ -46,15 +46,7 @@ class Source:
 
 
 def picture_source(path: Path | None, here: NodeContext) -> Source:
-    """Find and describe the file of a `path` parameter, relative to the network's folder.
-
-    Raises
-    ------
-    ParameterError
-        No path is given.
-    FileError
-        The file is missing, damaged or of an unknown format.
-    """
+    """Find and describe the file of a `path` parameter, relative to the network's folder."""
     if path is None:
         raise ParameterError("path", None, "a picture file, relative to the network file's folder")
     # Not resolved: an ENVI header lies beside the link, not beside what the link points to.
@@ -108,15 +100,7 @@ def read_scaled(
     missing: Missing,
     offset: float = 0.0,
 ) -> NDArray[np.floating]:
-    """Samples in the evaluation's precision.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, or is another one than was planned with.
-    DataError
-        Samples that are not finite, or not any more after scaling.
-    """
+    """Samples in the evaluation's precision."""
     samples = _stored(work, file, stamps, band, interval_um)
     if missing == "refuse":
         check_finite(samples, str(file), advice=_ADVICE)
@@ -208,11 +192,6 @@ def scaled_samples(
     """Samples times a factor, plus an offset, in the evaluation's precision.
 
     `name` is what they are called.
-
-    Raises
-    ------
-    DataError
-        Samples that are not finite any more.
     """
     scaled: NDArray[Any] = work.empty(samples.shape)
     step = max(1, _BLOCK_SAMPLES // samples.shape[1])
@@ -249,16 +228,8 @@ _SHAPES = "allowed is (rows, columns), or (bands, rows, columns) with their wave
 class HeldSamples:
     """Samples that nobody can change any more, named by their content.
 
-    Parameters
-    ----------
-    samples : ndarray
-        (rows, columns), or (bands, rows, columns); float32 or float64, C order, read-only.
-    name : str
-        What they are called in messages.
-    wavelengths_um : tuple of float or None
-        Middle of every band; None of a picture without bands.
-    widths_um : tuple of float or None
-        Width of every band; None where it reaches half-way to its neighbours.
+    (rows, columns), or (bands, rows, columns) with the middle of every band and perhaps its width;
+    float32 or float64, C order, read-only. `name` is what they are called in messages.
     """
 
     samples: Samples
@@ -274,13 +245,7 @@ class HeldSamples:
         wavelengths_um: tuple[float, ...] | None = None,
         widths_um: tuple[float, ...] | None = None,
     ) -> HeldSamples:
-        """A copy: float32 as it is, all other real numbers as float64.
-
-        Raises
-        ------
-        DataError
-            The array is no picture, or cube, of finite real numbers.
-        """
+        """A copy: float32 as it is, all other real numbers as float64."""
         if array.dtype.kind not in "buif":
             raise DataError(f"{name} has samples of type {array.dtype}: allowed are real numbers")
         if array.ndim != (2 if wavelengths_um is None else 3) or array.size == 0:

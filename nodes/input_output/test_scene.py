@@ -207,19 +207,9 @@ Parameters = tuple[tuple[str, Any], ...]
 
 @dataclass(frozen=True)
 class SceneBands(BandStack):
-    """Bands of a test scene.
+    """Bands of a test scene, by the `spectra` of its surfaces and textures.
 
-    Parameters
-    ----------
-    spectra : Recipe
-        Those of its surfaces and textures.
-    shares : Recipe or None
-        Where they are seen; None where the scene is drawn anew for each sum.
-    drawing : tuple of (name, value)
-        Kind, size and geometry, as `nodes.scenes.draw.draw_radiances` takes them, of a scene that
-        is drawn anew.
-    node : str, optional
-        Node an error belongs to.
+    `shares` say where they are seen; without, it is drawn anew for each sum, as `drawing` says.
     """
 
     spectra: Recipe

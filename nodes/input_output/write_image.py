@@ -116,13 +116,7 @@ class WriteImage(
             raise ParameterError("dtype", self.dtype, allowed)
 
     def target(self, here: NodeContext) -> Path:
-        """The file, with the suffix of its format.
-
-        Raises
-        ------
-        ParameterError
-            No path, a suffix of no known format, or of another one than chosen.
-        """
+        """The file, with the suffix of its format."""
         if self.path is None:
             allowed = "a file name, relative to the network file's folder"
             raise ParameterError("path", None, allowed)
@@ -239,18 +233,9 @@ _TOUCHING = 1e-9  # of the wavelength, by which bands that touch may overlap by 
 
 @dataclass(frozen=True)
 class Cube:
-    """The bands of a picture, as they are written.
+    """The bands of a picture, as they are written; of a `region` alone, where one is given.
 
-    Parameters
-    ----------
-    image : Image
-        A picture with bands.
-    dtype : dtype
-        float32 or float64.
-    metadata : mapping
-        What is known of the picture: field of view, focal length; of its unit, the bands'.
-    region : Region, optional
-        Rows and columns that are written, all if not given.
+    `metadata` is what is known of the picture beside its bands' unit.
     """
 
     image: Image
@@ -279,15 +264,7 @@ class Cube:
         return FrameSeries(bands.count, *shape, self.dtype.newbyteorder("<"), header, "bands")
 
     def write(self, path: Path, work: Work, *, name: str) -> None:
-        """Write the data file: what is in memory at a time is a few bands.
-
-        Raises
-        ------
-        DataError
-            A sample is not finite; `name` is what the picture is called there.
-        FileError
-            The file cannot be written; what was there is as it was.
-        """
+        """Write the data file: what is in memory at a time is a few bands."""
         dtype = self.series.dtype
         with atomic_file(path) as temporary, temporary.open("wb") as file:
             for several in work.one_by_one(self._recipes(), forgetting=True):

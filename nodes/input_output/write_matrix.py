@@ -52,13 +52,7 @@ class WriteMatrix(
         self.target(here)
 
     def target(self, here: NodeContext) -> Path:
-        """The file.
-
-        Raises
-        ------
-        ParameterError
-            No path, or a suffix that is not one of text.
-        """
+        """The file."""
         if self.path is None:
             allowed = "a file name, relative to the network file's folder"
             raise ParameterError("path", None, allowed)

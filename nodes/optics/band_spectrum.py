@@ -54,11 +54,6 @@ def source_temperature(
 
     `source_K` where it is given; below 2.5 µm sunlight's 5800 K; else that of the black body which
     gives the picture's mean radiance, or its mean where the picture is in kelvin.
-
-    Raises
-    ------
-    ParameterError
-        For a thermal band without a picture, or of one that is neither radiance nor kelvin.
     """
     if source_K is not None:
         return source_K

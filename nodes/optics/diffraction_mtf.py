@@ -210,13 +210,7 @@ class DiffractionMTF(
         return magnitude.image.bands
 
     def aperture_of(self, context: Context) -> Aperture:
-        """The aperture here, else of Camera, else by F-number and focal length.
-
-        Raises
-        ------
-        ParameterError
-            If none of them is known.
-        """
+        """The aperture here, else of Camera, else by F-number and focal length."""
         diameter = self.aperture_mm or _of_context(context)
         if diameter is None:
             raise ParameterError(

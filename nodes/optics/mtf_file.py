@@ -348,26 +348,14 @@ class LensSource:
 
 
 def lens_source(path: Path, here: NodeContext, *, band: int = 0) -> LensSource:
-    """Find and describe a file, relative to the network's folder.
-
-    Raises
-    ------
-    FileError
-        The file is missing, damaged or of an unknown format.
-    """
+    """Find and describe a file, relative to the network's folder."""
     file = readable_file((here.folder / path).absolute())
     stamps = stamps_of(file, header_beside(file))
     return LensSource(file, stamps, band, _described(file, stamps, band))
 
 
 def stored_samples(*, file: Path, stamps: tuple[Stamp, ...], band: int) -> NDArray[Any]:
-    """The samples, of the file as it was described.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, or is another one than was planned with.
-    """
+    """The samples, of the file as it was described."""
     check_unchanged(file, stamps)
     return read_lens_samples(file, band)
 

@@ -56,18 +56,9 @@ class PupilScale:
 
 @dataclass(frozen=True)
 class PupilLaw(WavelengthLaw):
-    """The OTF of a pupil at every wavelength by itself.
+    """The OTF of a pupil at every wavelength by itself, on a scale of one.
 
-    Parameters
-    ----------
-    pupil : Pupil
-        The pupil.
-    scale : PupilScale
-        Size of its samples, and the wavelength of its wavefront.
-    interpolation : str
-        Of the sampled pupil's autocorrelation; None for the closed form.
-    node : str
-        Node an error belongs to.
+    `interpolation` is that of the sampled pupil's autocorrelation, None for the closed form.
     """
 
     pupil: Pupil
@@ -183,13 +174,7 @@ def sampled_factors(
 
 
 def correlations(pupil: Pupil, scale: PupilScale, node: str) -> Step:
-    """Recipe of the autocorrelations: one for the band, or one a wavelength with a wavefront.
-
-    Raises
-    ------
-    DataError
-        If a wavefront known modulo a wave is to hold at another wavelength than its own.
-    """
+    """Recipe of the autocorrelations: one for the band, or one a wavelength with a wavefront."""
     ratios: tuple[float, ...] = (1.0,)
     if pupil.aberrated:
         ratios = tuple(scale.mean_um / wavelength for wavelength in scale.wavelengths_um)

@@ -21,19 +21,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def cell_edges(*, count: int, start: int = 0, stop: int | None = None) -> FloatArray:
-    """Edges of samples `start` to `stop` of `count` samples that fill 0 to 1.
-
-    Parameters
-    ----------
-    count : int
-        Samples in the whole axis.
-    start, stop : int
-        Half-open range of samples; all of them when left out.
-
-    Returns
-    -------
-    ndarray, shape (stop - start + 1,)
-    """
+    """Edges of samples `start` to `stop`, or all, of `count` samples that fill 0 to 1."""
     return np.arange(start, (count if stop is None else stop) + 1, dtype=np.float64) / count
 
 
@@ -76,20 +64,9 @@ def half_plane_coverage(
     normal_y: float,
     offset: float,
 ) -> FloatArray:
-    """Share of each sample inside the half plane normal_x·x + normal_y·y > offset.
+    """Share of each sample inside the half plane normal_x·x + normal_y·y > offset, (rows, columns).
 
-    Parameters
-    ----------
-    x_edges, y_edges : ndarray, shape (columns + 1,), (rows + 1,)
-        Borders of the samples.
-    normal_x, normal_y : float
-        Normal of the edge, not both 0; any length.
-    offset : float
-        Position of the edge along the normal.
-
-    Returns
-    -------
-    ndarray, shape (rows, columns)
+    The edges are the samples' borders; the normal may have any length but 0.
     """
     x_mid = 0.5 * (x_edges[1:] + x_edges[:-1])
     y_mid = 0.5 * (y_edges[1:] + y_edges[:-1])
@@ -132,18 +109,10 @@ def ellipse_coverage(
     radius_x: npt.ArrayLike,
     radius_y: npt.ArrayLike,
 ) -> FloatArray:
-    """Share of each sample inside an ellipse with axes along x and y.
+    """Share of each sample inside an ellipse with axes along x and y, (…, rows, columns).
 
-    Parameters
-    ----------
-    x_edges, y_edges : ndarray, shape (..., columns + 1), (..., rows + 1)
-        Borders of the samples, of each ellipse's own where there are several.
-    centre_x, centre_y, radius_x, radius_y : float or ndarray, shape (...)
-        Centre and half axes, in the unit of the edges.
-
-    Returns
-    -------
-    ndarray, shape (..., rows, columns)
+    Centre and half axes are in the unit of the edges; of several ellipses each has edges of its
+    own.
     """
     u = (x_edges - np.asarray(centre_x)[..., None]) / np.asarray(radius_x)[..., None]
     v = (y_edges - np.asarray(centre_y)[..., None]) / np.asarray(radius_y)[..., None]
@@ -170,16 +139,7 @@ def ellipse_coverage(
 def star_coverage(x_edges: FloatArray, y_edges: FloatArray, *, spokes: int) -> FloatArray:
     """Share of each sample inside the sectors of a star about the origin, cos(spokes·θ) > 0.
 
-    Parameters
-    ----------
-    x_edges, y_edges : ndarray, shape (columns + 1,), (rows + 1,)
-        Borders of the samples, which must have unit size.
-    spokes : int
-        Number of sectors, at least 1.
-
-    Returns
-    -------
-    ndarray, shape (rows, columns)
+    The samples must have unit size.
     """
     cuts = np.unique(np.append(y_edges, np.clip(0.0, y_edges[0], y_edges[-1])))
     upper = cuts[cuts >= 0.0]
@@ -323,21 +283,11 @@ def radiance_of(mix: Mix, radiances: Radiances) -> float:
 
 @dataclass(frozen=True)
 class Texture:
-    """How strong a texture is drawn.
+    """How strong a texture is drawn; `name` stands for that, like a surface's for its radiance.
 
-    Parameters
-    ----------
-    name : str
-        Stands for its strength, like a surface's for its radiance.
-    amplitude : Mix
-        Strength as given, before it is limited.
-    reach : float
-        Largest value of the texture at strength 1.
-    limit : float
-        The texture stays within this share of the least radiance among `surfaces`, so that no
-        radiance falls below 0.
-    surfaces : tuple of str
-        The surface that it is on.
+    `amplitude` is the strength as given, and `reach` the texture's largest value at strength 1. It
+    stays within the share `limit` of the least radiance among the `surfaces` that it is on, so that
+    no radiance falls below 0.
     """
 
     name: str

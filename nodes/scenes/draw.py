@@ -75,11 +75,6 @@ def draw_scene(
     -------
     ndarray, shape (height, width)
         Radiance [W m⁻² sr⁻¹].
-
-    Raises
-    ------
-    ParameterError
-        If a parameter is out of range; it names the value and what is allowed.
     """
     sources = {
         "cut_on_um": cut_on_um,

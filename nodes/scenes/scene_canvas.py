@@ -284,13 +284,7 @@ BATCH_SAMPLES = 1 << 14
 
 
 class Ellipses:
-    """Ellipses with axes along x and y.
-
-    Parameters
-    ----------
-    centre_x, centre_y, radius_x, radius_y : ndarray, shape (count,)
-        Centres and half axes.
-    """
+    """Ellipses with axes along x and y."""
 
     def __init__(
         self,
@@ -316,18 +310,7 @@ class Ellipses:
     def shares(
         self, x_edges: FloatArray, y_edges: FloatArray
     ) -> Iterator[tuple[int, tuple[slice, slice], FloatArray]]:
-        """Share of the samples around each ellipse that it covers.
-
-        Parameters
-        ----------
-        x_edges, y_edges : ndarray, shape (columns + 1,), (rows + 1,)
-            Borders of the samples.
-
-        Yields
-        ------
-        index, (rows, columns), ndarray
-            Those that touch the samples, in order.
-        """
+        """Index, (rows, columns) and share of the samples around each ellipse that touches them."""
         left, right = _spans(self._low_x, self._high_x, x_edges)
         top, low = _spans(self._low_y, self._high_y, y_edges)
         touching = np.flatnonzero((left < right) & (top < low))

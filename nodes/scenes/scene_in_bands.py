@@ -52,11 +52,6 @@ def scene_spectra(
         How many, of equal width.
     emissivity, sun_elevation_deg
         As for `surface_spectra`; of the scenes of black targets they change nothing.
-
-    Raises
-    ------
-    ParameterError
-        If a number is out of range.
     """
     kelvins = {"temperature_K": temperature_K, "delta_K": delta_K}
     check_radiometry(cut_on_um=cut_on_um, cut_off_um=cut_off_um, **kelvins)

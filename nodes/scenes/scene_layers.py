@@ -24,16 +24,9 @@ Indices = npt.NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Tiles:
-    """Tiles that show equally many surfaces.
+    """Tiles that show equally many surfaces: where they lie, counted in tiles, and which these are.
 
-    Parameters
-    ----------
-    rows, columns : ndarray, shape (tiles,)
-        Where they lie, counted in tiles.
-    surfaces : ndarray, shape (tiles, surfaces)
-        Which surfaces they show.
-    shares : ndarray, shape (tiles, surfaces, samples)
-        Their shares in the tiles' samples.
+    `surfaces` has the shape (tiles, surfaces), `shares` (tiles, surfaces, samples).
     """
 
     rows: Indices
@@ -44,21 +37,7 @@ class Tiles:
 
 @dataclass(frozen=True)
 class Layers:
-    """Shares of surfaces.
-
-    Parameters
-    ----------
-    shape : (int, int)
-        Rows and columns of the picture.
-    tile : (int, int)
-        Rows and columns of a tile.
-    names : tuple of str
-        The surfaces, and the textures.
-    textures : tuple of Texture
-        How strong the textures are.
-    tiles : tuple of Tiles
-        All tiles of the picture.
-    """
+    """Shares of surfaces, and of textures, in all tiles of a picture."""
 
     shape: tuple[int, int]
     tile: tuple[int, int]

@@ -52,11 +52,6 @@ def surface_spectra(
     -------
     dict of str to ndarray
         (bands,) by surface name [W m⁻² sr⁻¹ µm⁻¹].
-
-    Raises
-    ------
-    ParameterError
-        If delta_K puts a surface at or below 0 K, or a number is out of range.
     """
     warm = surface_temperatures(temperature_K=temperature_K, delta_K=delta_K)
     names = [*SURFACES, *ALIKE]
@@ -359,11 +354,6 @@ def surface_radiance(
     -------
     dict of str to float
         Radiance [W m⁻² sr⁻¹] by surface name.
-
-    Raises
-    ------
-    ParameterError
-        If delta_K puts a surface at or below 0 K.
     """
     temperatures = surface_temperatures(temperature_K=temperature_K, delta_K=delta_K)
     emissivity = np.array([share for _, share in SURFACES.values()])

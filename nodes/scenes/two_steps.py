@@ -66,11 +66,6 @@ def draw_shares(
         Draws some rows at a time, perhaps in threads.
     **geometry
         What `GEOMETRY` names, as for `draw_scene`.
-
-    Raises
-    ------
-    ParameterError
-        If a parameter is out of range.
     """
     frame_dtype = check_frame(kind, width, height, dtype)
     if kind in DRAWN:
@@ -111,11 +106,6 @@ def with_radiance(
     -------
     ndarray, shape (height, width)
         Radiance [W m⁻² sr⁻¹], of the shares' type: what `draw_scene` draws, but for rounding.
-
-    Raises
-    ------
-    ParameterError
-        If a parameter is out of range.
     """
     sources = {
         "cut_on_um": cut_on_um,

@@ -9,13 +9,7 @@ from core.errors import DataError, ParameterError
 
 
 def given(name: str, own: float | None, context: Context, *, unit: str) -> float:
-    """The module's own value, else the context's of the same name.
-
-    Raises
-    ------
-    ParameterError
-        If neither is given.
-    """
+    """The module's own value, else the context's of the same name."""
     if own is not None:
         return own
     value = getattr(context, name)
@@ -25,13 +19,7 @@ def given(name: str, own: float | None, context: Context, *, unit: str) -> float
 
 
 def of_context(name: str, context: Context, *, unit: str) -> float:
-    """The value of Init & Trans, for a module without a parameter of its own for it.
-
-    Raises
-    ------
-    ParameterError
-        If it is not given there.
-    """
+    """The value of Init & Trans, for a module without a parameter of its own for it."""
     value = getattr(context, name)
     if value is None:
         raise ParameterError(name, None, "give it on Init & Trans", unit=unit)
@@ -41,13 +29,7 @@ def of_context(name: str, context: Context, *, unit: str) -> float:
 def given_band(
     cut_on_um: float | None, cut_off_um: float | None, context: Context
 ) -> tuple[float, float]:
-    """The module's own band, each empty end from the image's.
-
-    Raises
-    ------
-    ParameterError
-        If an end is not given, or the band is reversed.
-    """
+    """The module's own band, each empty end from the image's."""
     of_image = context.band_um or (None, None)
     cut_on = cut_on_um if cut_on_um is not None else of_image[0]
     cut_off = cut_off_um if cut_off_um is not None else of_image[1]
@@ -79,17 +61,8 @@ def with_interval(image: Image, context: Context) -> Image:
 def one_source(magnitude: Magnitude, phase: Phase, *, wanted: str, refusal: str) -> Image:
     """The one image that both wires belong to.
 
-    Parameters
-    ----------
-    magnitude, phase : Magnitude, Phase
-        The wires.
-    wanted, refusal : str
-        For people: what there has to be, and what does not do with two images.
-
-    Raises
-    ------
-    DataError
-        If there is none, or the two belong to different images or transforms.
+    `wanted` and `refusal` are for people: what there has to be, and what does not do with two
+    images.
     """
     source, other = magnitude.image, phase.image
     if source is None or other is None:

@@ -187,18 +187,9 @@ def table_figure(
     unit_of: str = "",
     table: Callable[[Any], Recipe] = of_table,
 ) -> Any:
-    """A read-out that is one figure of the table.
+    """A read-out that is one figure of the table: of the `row` named so, or as the read-out.
 
-    Parameters
-    ----------
-    name, unit, meaning : str
-        Of the read-out.
-    row : str
-        The table's row; of the read-out's name, if not given.
-    unit_of : str
-        The input of whose picture it has the unit, in place of `unit`.
-    table : callable
-        Gives the table of the outputs.
+    `unit_of` is the input of whose picture it has the unit; `table` gives the table of the outputs.
     """
 
     def method(self: Module, outputs: Any) -> Step:

@@ -31,15 +31,7 @@ def is_temperature(unit: str) -> bool:
 
 
 def unit_caution(unit: str, *, meant: str) -> Caution | None:
-    """A picture that is no radiance, where a module takes it for one.
-
-    Parameters
-    ----------
-    unit : str
-        Of the picture.
-    meant : str
-        What the module takes it for, or makes of it.
-    """
+    """A picture that is no radiance, where a module takes it for one, or makes `meant` of it."""
     if is_radiance(unit):
         return None
     named = f"is in {unit!r:.40}" if unit.strip() else "has no unit"
@@ -54,15 +46,7 @@ def unit_caution(unit: str, *, meant: str) -> Caution | None:
 def band_caution(
     picture: Band | None, cut_on_um: float | None, cut_off_um: float | None
 ) -> Caution | None:
-    """A band of a module that is not the picture's, whose radiance it takes.
-
-    Parameters
-    ----------
-    picture : (float, float) or None
-        Band of the picture, µm; None where it is unknown.
-    cut_on_um, cut_off_um : float or None
-        The module's own band; an empty end is the picture's.
-    """
+    """A band of a module that is not the picture's, whose radiance it takes."""
     if picture is None or (cut_on_um is None and cut_off_um is None):
         return None
     low = picture[0] if cut_on_um is None else cut_on_um
@@ -106,20 +90,8 @@ def apart_caution(
 ) -> Caution | None:
     """A value that two places give differently; none where one of them is empty or 0.
 
-    Parameters
-    ----------
-    name : str
-        Of the parameter here.
-    own, other : float or None
-        Both values.
-    unit : str
-        Of both.
-    where : str
-        Where the other stands.
-    near : float
-        Share of the larger by which they may differ.
-    remedy : str
-        What to do; to leave this one empty, if not given.
+    They may differ by the share `near` of the larger. The remedy is to leave this one empty, if
+    none is given.
     """
     if not own or not other or alike(own, other, near=near):
         return None
@@ -136,15 +108,7 @@ def alike(one: float, other: float, *, near: float = NEAR) -> bool:
 
 
 def unlinked_phase_caution(apply: str, phase: Phase, ptf: Transfer) -> Caution | None:
-    """A PTF that is left out because no phase is linked to the module.
-
-    Parameters
-    ----------
-    apply : str
-        The module's own; a transfer function alone needs no phase.
-    phase, ptf : Phase, Transfer
-        Outputs of the module.
-    """
+    """A PTF that is left out because no phase is linked; alone (`apply`) it needs none."""
     if apply != "multiply" or phase.image is not None or not ptf.factors:
         return None
     return Caution(

@@ -183,13 +183,7 @@ class Radiometry(Module):
     )
 
     def surface(self, image: Image) -> Surface:
-        """The surfaces in the band here, else the image's.
-
-        Raises
-        ------
-        ParameterError
-            If no band is known, or it is empty.
-        """
+        """The surfaces in the band here, else the image's."""
         of_image = image.band_um or (None, None)
         low = of_image[0] if self.cut_on_um is None else self.cut_on_um
         high = of_image[1] if self.cut_off_um is None else self.cut_off_um
@@ -205,13 +199,7 @@ class Radiometry(Module):
         return Surface(self.emissivity, self.surroundings_K, low, high)
 
     def shares(self, image: Image, emissivity: Image | None) -> tuple[Recipe, ...]:
-        """The image of emissivities, where one comes in.
-
-        Raises
-        ------
-        DataError
-            If it is of another size.
-        """
+        """The image of emissivities, where one comes in."""
         if emissivity is None:
             return ()
         if emissivity.shape != image.shape:

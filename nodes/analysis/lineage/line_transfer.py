@@ -143,27 +143,13 @@ def _bilinear(values: Array, x: Vector, y: Vector) -> Array:
 
 @dataclass(frozen=True)
 class ImageTransfer:
-    """The linear stages of a picture.
+    """The linear stages of a picture, in order, each under a name of its own.
 
-    Parameters
-    ----------
-    stages : tuple of Stage
-        In order, each under a name of its own; none for a picture straight from its source.
-    grid : Grid
-        Sampling of the picture.
-    source_grid : Grid
-        Sampling of the scene it stems from.
-    source : Recipe
-        Makes the scene's samples; of a step whose transfer function is not known, its result.
-    gain : float or None
-        What a uniform scene is multiplied by, such as the pixels of a sum; None where it is left
-        to chance (a gain error as printed).
-    area_means : bool
-        Whether the source's samples are known to be means over their area, which blurs too.
-    levels : tuple of Recipe
-        Of the `LevelChange` of each stage whose gain depends on the picture, in order.
-    gain_before : float
-        What a uniform scene is multiplied by up to the first of these.
+    `source` makes the scene's samples, or is the result of a step whose transfer function is not
+    known; `area_means`: its samples are known to be means over their area, which blurs too. `gain`
+    is what a uniform scene is multiplied by, None where that is left to chance (a gain error as
+    printed); `levels` are recipes of the `LevelChange` of each stage whose gain depends on the
+    picture, and `gain_before` the gain up to the first of these.
     """
 
     stages: tuple[Stage, ...]
@@ -194,11 +180,6 @@ def transfer_of(image: Image, *, of_camera: bool = False) -> ImageTransfer:
     Interpolation counts with the mean over its samples; what folds back from beyond the Nyquist
     frequency is no part of it. `of_camera`: gain and levels count from what reaches the camera on,
     behind the air, as its data sheet has them; the transfer functions are all the same.
-
-    Raises
-    ------
-    DataError
-        If the picture has no sampling interval.
     """
     grid = image.grid()
     factors: list[Factor] = []

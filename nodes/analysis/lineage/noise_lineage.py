@@ -24,16 +24,9 @@ from core.physics.noise.noise_components import NoiseVariances, components_of_mo
 
 @dataclass(frozen=True)
 class NoiseTerm:
-    """One noise as it arrives in the picture.
+    """One noise as it arrives in the picture; one that is not `temporal` is a fixed pattern.
 
-    Parameters
-    ----------
-    node, name : str
-        The node that adds it, and what it is there.
-    temporal : bool
-        Whether it is drawn anew with every frame; else it is a fixed pattern.
-    variances : NoiseVariances
-        Its components, in the picture's unit squared.
+    `variances` are its components in the picture's unit squared.
     """
 
     node: str
@@ -51,19 +44,12 @@ class Summed:
 
 @dataclass(frozen=True)
 class ImageNoise:
-    """Every noise of a picture.
+    """Every noise of a picture, in the order in which they arise.
 
-    Parameters
-    ----------
-    terms : tuple of NoiseTerm
-        In the order in which they arise.
-    mean : float
-        Mean of the picture without any noise: an error of gain or bias, or a few samples' deviates,
-        do not move it. Where the gain scales the whole picture as printed, of the picture itself.
-    unknown : tuple of str
-        Nodes through which noise cannot be followed; what lies before them is not counted.
-    spectrum : ndarray, optional
-        Power of all temporal noise in equal cells up to Nyquist's frequencies, (along, across).
+    `mean` is that of the picture without any noise: an error of gain or bias, or a few samples'
+    deviates, do not move it; where the gain scales the whole picture as printed, of the picture
+    itself. What lies before the nodes of `unknown` is not counted. `spectrum` is the power of all
+    temporal noise in equal cells up to Nyquist's frequencies, (along, across).
     """
 
     terms: tuple[NoiseTerm, ...]
@@ -347,17 +333,8 @@ def _is_noisy(recipe: Recipe) -> bool:
 def noise_free(recipe: Recipe, *, but: Recipe | None = None) -> Recipe:
     """The same picture with every noise at its expected value, and nothing rounded.
 
-    Parameters
-    ----------
-    recipe : Recipe
-        Makes the picture.
-    but : Recipe, optional
-        A step on the way that keeps what it adds.
-
-    Raises
-    ------
-    DataError
-        Where a gain error as printed scales the whole picture.
+    The step `but` keeps what it adds. Where a gain error as printed scales the whole picture, that
+    is refused (`DataError`).
     """
 
     def change(part: Recipe) -> Recipe | None:
