@@ -9,14 +9,14 @@ from nodes.library import standard_library
 
 
 class Examples(dict[str, dict[str, Any]]):
-    """Of a module that is not listed, what is 0 or empty in the middle of its slider."""
+    """Of a module that is not listed, the first of its numbers that is 0 or empty, or the first."""
 
     def __missing__(self, key: str) -> dict[str, Any]:
-        return {
-            p.name: (p.param.slider[0] + p.param.slider[1]) / 2
-            for p in declaration(standard_library()[key]).parameters
-            if p.kind == "number" and p.param.slider and not p.default
-        }
+        numbers = [p for p in declaration(standard_library()[key]).parameters if p.kind == "number"]
+        for p in sorted(numbers, key=lambda p: bool(p.default)):
+            low, high = p.param.slider or (p.param.low or 0.0, p.param.high or 10.0)
+            return {p.name: low + 0.4 * (high - low)}
+        return {}
 
 
 # Parameters of a module's small example; what they are linked to follows from their port types.
