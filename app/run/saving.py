@@ -26,10 +26,9 @@ from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.scratch import is_on_disk
 from nodes.files.arrays import write_curves, write_matrix
-from nodes.files.common.digital_numbers import integer_type
 from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
+from nodes.files.common.stored_samples import integer_type
 from nodes.files.common.table_cells import csv_lines
-from nodes.files.curve_text import columns_text, is_plain
 from nodes.files.formats import PNG, SAVED, TIFF, WRITTEN, written_format
 from nodes.files.frames.frame_series import FrameSeries
 from nodes.files.frames.frame_writing import (
@@ -172,11 +171,7 @@ def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
 def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
     shared = all(np.array_equal(series.x, curve.series[0].x) for series in curve.series[1:])
     if CSV.matches(path) and shared and curve.series:
-        named = _columns(curve)
-        if is_plain(curve):
-            write_curves(path, named)
-        else:
-            write_text(path, columns_text(curve, named))
+        write_curves(path, curve, _columns(curve))
     elif CSV.matches(path):
         points = [
             (series.label, repr(float(x)), repr(float(y)))

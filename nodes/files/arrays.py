@@ -8,6 +8,7 @@ import os
 import tokenize
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, BinaryIO, Literal
 
@@ -15,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.atomic import atomic_file, write_text
-from core.errors import DataError, FileError, ParameterError
+from core.chain.results import CurveData
+from core.errors import DataError, FileError
 from core.scratch import Empty
 from nodes.files.common.file_format import CSV
 from nodes.files.common.paths import checked_band, first_bytes, readable_file
@@ -27,7 +29,7 @@ from nodes.files.common.picture_info import (
 )
 from nodes.files.common.size_limits import oversized, refuse_oversized, refuse_oversized_text
 from nodes.files.common.stored_bytes import stored_bytes
-from nodes.files.common.table_cells import line_refused, plain_cell, text_cell
+from nodes.files.common.table_cells import csv_lines, line_refused
 
 # numpy evaluates the header as a Python literal, and lets pass whatever that raises.
 _HEADER_FAULTS = (
@@ -63,22 +65,7 @@ def read_npy_info(path: str | os.PathLike[str]) -> PictureInfo:
 
 
 def read_npy(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
-    """Read one band of a ``.npy`` file, block by block.
-
-    Parameters
-    ----------
-    path
-        A file of a real array (rows, columns) or (rows, columns, bands).
-    band
-        Counted from 0.
-    empty
-        Makes the array to be filled in, perhaps on disk.
-
-    Returns
-    -------
-    numpy.ndarray
-        (rows, columns); float64 when the file holds doubles or integers of 32 or more bits,
-        else float32; native byte order, C order.
+    """Read one band of a real array (rows, columns) or (rows, columns, bands), block by block.
 
     Raises
     ------
@@ -156,7 +143,40 @@ def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
         length.
     """
     file = readable_file(path)
-    return _parsed(_text(file), file)
+    try:
+        refuse_oversized_text(file)
+        text = file.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FileError(f"{file}: is not a text of numbers") from error
+    except OSError as error:
+        raise FileError(f"{file}: {error.strerror or error}") from error
+    lines = [line.strip() for line in text.splitlines()]
+    rows = [line for line in lines if line and not line.startswith("#")]
+    if not rows:
+        raise FileError(f"{file}: holds no numbers")
+    separator = "," if "," in rows[0] else None
+    try:
+        return np.loadtxt(rows, dtype=np.float64, delimiter=separator, ndmin=2)
+    except ValueError:  # which quotes the file
+        raise _faulty_line(lines, separator, file) from None
+
+
+def _faulty_line(lines: list[str], separator: str | None, path: Path) -> FileError:
+    """What is wrong with the first line that is no row of the matrix."""
+    columns = 0
+    for number, line in enumerate(lines, 1):
+        cells = line.partition("#")[0].split(separator)
+        try:
+            [float(cell) for cell in cells]
+        except ValueError:
+            if line and not line.startswith("#"):
+                return FileError(f"{path}: is no matrix of numbers: line {number} has text")
+            continue
+        columns = columns or len(cells)
+        if cells and len(cells) != columns:
+            allowed = f"{columns} numbers, as the first row, and has {len(cells)}"
+            return line_refused(path, number, allowed)
+    return FileError(f"{path}: is no matrix of numbers")
 
 
 def read_matrix_band(
@@ -194,7 +214,12 @@ def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
     samples = np.atleast_2d(_real(array))
     if samples.ndim != 2 or samples.size == 0:
         raise DataError(f"an array of shape {samples.shape} is no matrix: (rows, columns)")
-    _refuse_not_finite(samples, "the matrix")
+    wrong = ~np.isfinite(samples)
+    if wrong.any():
+        place = tuple(int(index) for index in np.argwhere(wrong)[0])
+        raise DataError(
+            f"the matrix has {int(wrong.sum())} samples not finite, the first at {place}"
+        )
     separator = "," if CSV.matches(Path(os.fspath(path))) else " "
     lines = io.StringIO()
     for row in samples:
@@ -202,67 +227,32 @@ def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
     write_text(path, lines.getvalue())
 
 
-def read_curves(path: str | os.PathLike[str]) -> dict[str, NDArray[np.float64]]:
-    """Read a CSV file whose first line names the columns.
-
-    Returns
-    -------
-    dict
-        Columns (n,) by name, in the file's order.
-
-    Raises
-    ------
-    FileError
-        As `read_matrix`, or the names do not fit the columns.
-    """
-    file = readable_file(path)
-    head, _, body = _text(file).partition("\n")
-    names = [plain_cell(name.strip()) for name in head.split(",")]
-    columns = _parsed(body, file, 2).T
-    if len(names) != len(columns) or len(set(names)) != len(names):
-        raise FileError(f"{file}: its first line must name each of the {len(columns)} columns once")
-    return dict(zip(names, columns, strict=True))
-
-
-def write_curves(path: str | os.PathLike[str], columns: Mapping[str, ArrayLike]) -> None:
+def write_curves(
+    path: str | os.PathLike[str], curves: CurveData, columns: Mapping[str, ArrayLike]
+) -> None:
     """Write curves as CSV: a line of names, then a line for each sample.
+
+    Of bars, their names take the place of the abscissa. Each number is the shortest text that reads
+    back to the same bits; infinite values are ``inf``, missing ones ``nan``.
 
     Parameters
     ----------
     path
         The file to write.
+    curves
+        What is written.
     columns
-        Columns (n,) by name, such as ``xi (cyc/mrad)``; the first is the axis. Each number is
-        the shortest text that reads back to the same bits.
+        Its columns (n,) by name, such as ``xi (cyc/mrad)``; the first is the axis.
 
     Raises
     ------
-    ParameterError
-        No columns, or a name that would break the line of names.
-    DataError
-        Columns of unequal length, not 1-D, not real or not finite.
     FileError
         The file cannot be written.
     """
-    if not columns:
-        raise ParameterError("columns", {}, "one or more")
-    texts = []
-    for name, column in columns.items():
-        if not name or name != name.strip() or any(sign in name for sign in ',"\r\n'):
-            raise ParameterError("columns", name, "a name without commas, quotes or line ends")
-        samples = _real(column)
-        if samples.ndim != 1:
-            raise DataError(f"column {name} has shape {samples.shape}; allowed: (n,)")
-        _refuse_not_finite(samples, f"column {name}")
-        texts.append(_numbers(samples))
-    lengths = {name: len(text) for name, text in zip(columns, texts, strict=True)}
-    if len(set(lengths.values())) > 1:
-        raise DataError(f"the columns have unequal lengths: {lengths}")
-    lines = [
-        ",".join(map(text_cell, columns)),
-        *(",".join(row) for row in zip(*texts, strict=True)),
-    ]
-    write_text(path, "\n".join(lines) + "\n")
+    names, values = list(columns), [_numbers(_real(column)) for column in columns.values()]
+    if curves.bars and names:
+        names[0], values[0] = curves.x_label or "name", list(curves.bars)
+    write_text(path, csv_lines([names, *zip_longest(*values, fillvalue="")]))
 
 
 @dataclass(frozen=True)
@@ -364,59 +354,12 @@ def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -
     )
 
 
-def _text(path: Path) -> str:
-    try:
-        refuse_oversized_text(path)
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FileError(f"{path}: is not a text of numbers") from error
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from error
-
-
-def _parsed(text: str, path: Path, first: int = 1) -> NDArray[np.float64]:
-    lines = [line.strip() for line in text.splitlines()]
-    rows = [line for line in lines if line and not line.startswith("#")]
-    if not rows:
-        raise FileError(f"{path}: holds no numbers")
-    separator = "," if "," in rows[0] else None
-    try:
-        return np.loadtxt(rows, dtype=np.float64, delimiter=separator, ndmin=2)
-    except ValueError:  # which quotes the file
-        raise _faulty_line(lines, separator, path, first) from None
-
-
-def _faulty_line(lines: list[str], separator: str | None, path: Path, first: int) -> FileError:
-    """What is wrong with the first line that is no row of the matrix."""
-    columns = 0
-    for number, line in enumerate(lines, first):
-        cells = line.partition("#")[0].split(separator)
-        try:
-            [float(cell) for cell in cells]
-        except ValueError:
-            if line and not line.startswith("#"):
-                return FileError(f"{path}: is no matrix of numbers: line {number} has text")
-            continue
-        columns = columns or len(cells)
-        if cells and len(cells) != columns:
-            allowed = f"{columns} numbers, as the first row, and has {len(cells)}"
-            return line_refused(path, number, allowed)
-    return FileError(f"{path}: is no matrix of numbers")
-
-
 def _real(array: ArrayLike) -> NDArray[Any]:
     samples = np.asarray(array)
     if samples.dtype.kind not in "buif":
         raise DataError(f"samples of type {samples.dtype} cannot be written: not real numbers")
     wanted = np.float32 if samples.dtype == np.float32 else np.float64
     return samples.astype(wanted, copy=False)
-
-
-def _refuse_not_finite(samples: NDArray[Any], what: str) -> None:
-    wrong = ~np.isfinite(samples)
-    if wrong.any():
-        place = tuple(int(index) for index in np.argwhere(wrong)[0])
-        raise DataError(f"{what} has {int(wrong.sum())} samples not finite, the first at {place}")
 
 
 def _numbers(row: NDArray[Any]) -> list[str]:

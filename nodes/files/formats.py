@@ -31,8 +31,8 @@ class PictureFormat(Format):
     read_info
         Describes a file without reading its samples.
     read_band
-        Reads one band, counted from 0, as the numbers that the file stores, into an array that
-        `empty` makes.
+        Reads one band, counted from 0, as the numbers that the file stores, into an array (rows,
+        columns) of the precision of `delivered_dtype` that `empty` makes, perhaps on disk.
     write
         Writes samples (rows, columns, channels), which are of one of `dtypes` already, with the
         metadata that the format can hold; None where the format is only read.

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from pathlib import Path
 
-from core.errors import FileError
-from nodes.files.common.paths import readable_file
-from nodes.files.common.table_cells import begins_with_number, cells_of, line_refused, number_of
+from nodes.files.common.table_cells import line_refused, point_rows, read_once, table_lines
 
 Points = tuple[tuple[float, float], ...]
-_LONGEST_BYTES = 10_000_000
 _COLUMNS = "Hz, mrad²/Hz across and, if it differs, mrad²/Hz along"
 
 
+@read_once
 def read_motion(path: Path) -> tuple[Points, Points]:
     """Points (Hz, mrad²/Hz) across and along, rising in frequency.
 
@@ -29,45 +26,14 @@ def read_motion(path: Path) -> tuple[Points, Points]:
     FileError
         The file cannot be read, or a line of it is not such numbers above 0; names the line.
     """
-    file = readable_file(path)
-    status = file.stat()
-    return _read(file, (status.st_size, status.st_mtime_ns))
-
-
-@lru_cache(maxsize=64)
-def _read(file: Path, stamp: tuple[int, int]) -> tuple[Points, Points]:
-    if stamp[0] > _LONGEST_BYTES:
-        raise FileError(f"{file}: {stamp[0]} bytes are no table of power density")
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise FileError(f"{file}: is no text of columns, {_COLUMNS}") from error
+    lines = table_lines(path, what="power density", wanted=f" of columns, {_COLUMNS}")
     rows: list[tuple[float, ...]] = []
-    named = False
-    for number, line in enumerate(text.splitlines(), 1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        numbers = _numbers(line)
-        # A first line that begins with a number is damaged data, not names.
-        if numbers is None and not rows and not named and not begins_with_number(line):
-            named = True  # a line of names on top
-            continue
-        wanted = {len(rows[0])} if rows else {2, 3}
-        if numbers is None or len(numbers) not in wanted:
-            raise line_refused(file, number, f"numbers in columns: {_COLUMNS}")
-        if not all(0.0 < value < math.inf for value in numbers):
-            raise line_refused(file, number, "finite numbers above 0")
-        if rows and numbers[0] <= rows[-1][0]:
-            raise line_refused(file, number, f"a frequency above {rows[-1][0]:g} Hz, the last")
-        rows.append(numbers)
-    if len(rows) < 2:
-        raise FileError(f"{file}: has {len(rows)} points; at least 2 make a spectrum")
+    allowed = f"numbers in columns: {_COLUMNS}"
+    for number, row in point_rows(path, lines, (2, 3), allowed, makes="spectrum"):
+        if not all(0.0 < value < math.inf for value in row):
+            raise line_refused(path, number, "finite numbers above 0")
+        if rows and row[0] <= rows[-1][0]:
+            raise line_refused(path, number, f"a frequency above {rows[-1][0]:g} Hz, the last")
+        rows.append(row)
     across = tuple((row[0], row[1]) for row in rows)
     return across, tuple((row[0], row[-1]) for row in rows)
-
-
-def _numbers(line: str) -> tuple[float, ...] | None:
-    try:
-        return tuple(number_of(cell) for cell in cells_of(line) if cell.strip())
-    except ValueError:
-        return None

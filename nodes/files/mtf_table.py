@@ -6,13 +6,17 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 
 from core.errors import FileError
-from nodes.files.common.paths import readable_file
-from nodes.files.common.table_cells import cells_of, line_refused, number_of
-from nodes.files.lens_text import lens_lines
+from nodes.files.common.table_cells import (
+    cells_of,
+    lens_lines,
+    line_refused,
+    numbers_of,
+    read_once,
+    refuse_long_table,
+)
 
 Column = tuple[float, ...]
 MTF_COLUMNS = ("mtf", "mtf_x", "mtf_y", "radial")
@@ -59,6 +63,7 @@ class MtfTable:
         return dict(self.columns).get(name)
 
 
+@read_once
 def read_mtf_table(path: Path, *, field: int = 0) -> MtfTable:
     """Read a table of MTF.
 
@@ -76,30 +81,22 @@ def read_mtf_table(path: Path, *, field: int = 0) -> MtfTable:
     FileError
         The file cannot be read, or a line of it is not as it has to be; names the line.
     """
-    file = readable_file(path)
-    status = file.stat()
-    return _read(file, field, (status.st_size, status.st_mtime_ns))
-
-
-@lru_cache(maxsize=64)
-def _read(file: Path, field: int, stamp: tuple[int, int]) -> MtfTable:
-    if stamp[0] > _LONGEST_BYTES:
-        raise FileError(f"{file}: {stamp[0]} bytes are no table of MTF against frequency")
-    lines = list(enumerate(lens_lines(file, what="columns, frequency and MTF"), 1))
+    refuse_long_table(path, _LONGEST_BYTES, "MTF against frequency")
+    lines = list(enumerate(lens_lines(path, what="columns, frequency and MTF"), 1))
     if any(_HEADING.fullmatch(line) for _, line in lines):
-        return _zemax(file, lines, field)
+        return _zemax(path, lines, field)
     rows = [(n, line) for n, line in lines if line.strip() and not line.lstrip().startswith("#")]
     if not rows:
-        raise FileError(f"{file}: holds no table of MTF against frequency")
+        raise FileError(f"{path}: holds no table of MTF against frequency")
     (number, heading), *rows = rows
-    names, units = _names(file, number, heading)
+    names, units = _names(path, number, heading)
     checks = [_check_of(name, unit) for name, unit in zip(names, units, strict=True)]
-    frequencies, *columns = _columns(file, rows, names, checks)
+    frequencies, *columns = _columns(path, rows, names, checks)
     named = dict(zip(names[1:], columns, strict=True))
     for name, unit in zip(names[1:], units[1:], strict=True):
         if unit == "deg":
             named[name] = tuple(map(math.radians, named[name]))
-    return MtfTable(file, units[0] or None, frequencies, tuple(sorted(named.items())))
+    return MtfTable(path, units[0] or None, frequencies, tuple(sorted(named.items())))
 
 
 def unit_of(text: str) -> str | None:
@@ -171,7 +168,7 @@ def _columns(
 ) -> list[Column]:
     table: list[tuple[float, ...]] = []
     for number, line in rows:
-        numbers = _numbers(line)
+        numbers = numbers_of(cells_of(line))
         if numbers is None or len(numbers) != len(names):
             wanted = f"{len(names)} numbers: {', '.join(names)}"
             raise line_refused(file, number, wanted)
@@ -186,13 +183,6 @@ def _columns(
         points = "1 point" if len(table) == 1 else f"{len(table)} points"
         raise FileError(f"{file}: has {points}; at least 2 make a curve")
     return list(zip(*table, strict=True))
-
-
-def _numbers(line: str) -> tuple[float, ...] | None:
-    try:
-        return tuple(number_of(cell) for cell in cells_of(line))
-    except ValueError:
-        return None
 
 
 def _zemax(file: Path, lines: Sequence[tuple[int, str]], field: int) -> MtfTable:
@@ -210,7 +200,7 @@ def _zemax(file: Path, lines: Sequence[tuple[int, str]], field: int) -> MtfTable
             # The limit is what the lens would do without its aberrations, and no field of it.
             is_inside = not is_limit
             fields += [[]] if is_inside else []
-        elif is_inside and _numbers(line) and line.strip():
+        elif is_inside and numbers_of(cells_of(line)) and line.strip():
             fields[-1].append((number, line))
         elif line.strip():
             is_inside = False

@@ -1,15 +1,43 @@
-"""Transmission and path radiance of a path from a file: a CSV of three columns, or a tape7."""
+"""Transmission and path radiance of a path from a file: a CSV of three columns, or a tape7.
+
+A tape7 is MODTRAN's spectral output. A run in the radiance modes (IEMSCT 1 or 2) writes, below the
+cards of its input, a line of names::
+
+    FREQ   TOT TRANS  PTH THRML  THRML SCT  SURF EMIS   SOL SCAT  SING SCAT  GRND RFLT  …  TOTAL RAD
+
+and a line for each wavenumber, ended by ``-9999.``; newer versions write TOT_TRANS and so on. Four
+of the columns are read, by their names:
+
+- ``FREQ``, wavenumber in cm⁻¹;
+- ``TOT TRANS``, transmission of the whole path;
+- ``PTH THRML``, emitted by the path and scattered into it, which includes THRML SCT;
+- ``SOL SCAT``, sunlight scattered into it, which includes SING SCAT and is blank without the sun.
+
+The last two together are the path radiance; what the surface emits and reflects is left to the
+picture. They are in W/cm²/sr per cm⁻¹. With λ = 10⁴/ν µm a cm⁻¹ is λ²/10⁴ µm wide, and a m² has
+10⁴ cm²: L_λ = L_ν·10⁸/λ² W/m²/sr/µm. Columns that a mode leaves blank shift no others: numbers
+belong to the name they stand under.
+
+Sources: Berk et al. 2011, MODTRAN 5.2 user's manual; the headings and what they include, Ontar
+Corporation, "Tape7 column headers".
+"""
 
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from core.errors import FileError
-from nodes.files.common.paths import readable_file
-from nodes.files.common.table_cells import begins_with_number, cells_of, line_refused, number_of
-from nodes.files.tape7 import is_tape7, tape7_points
+from nodes.files.common.table_cells import (
+    begins_with_number,
+    cells_of,
+    line_refused,
+    number_of,
+    read_once,
+    table_lines,
+)
 
 Points = tuple[tuple[float, float], ...]
 COLUMNS = ("wavelength_um", "transmission", "path_radiance")
@@ -20,14 +48,26 @@ _ALLOWED = (
     "radiance of at least 0"
 )
 
+_NAMES = (
+    *("FREQ", "TOT TRANS", "PTH THRML", "THRML SCT", "SURF EMIS", "SOL SCAT", "SING SCAT"),
+    *("GRND RFLT", "DRCT RFLT", "TOTAL RAD", "REF SOL", "SOL@OBS", "DEPTH", "DIR EM", "TOA SUN"),
+)
+_HEADING = re.compile("|".join(name.replace(" ", "[ _]") for name in _NAMES) + r"|\S+")
+_EXPONENT = re.compile(r"(?<=[\d.])(?=[-+]\d{3}$)")  # Fortran writes 1E-105 as 1.000-105
+_NEEDED = ("FREQ", "TOT TRANS", "PTH THRML")
+_END = -9999.0
+_FARTHEST = 4  # characters between the end of a number and that of its name
+_ROUNDED = 1e-4  # by which a transmission written with few digits may exceed 1
 
+
+@read_once
 def read_path_table(path: Path) -> tuple[Points, Points]:
     """Transmission and path radiance (W/m²/sr/µm) against wavelength in µm, rising.
 
     Parameters
     ----------
     path
-        MODTRAN's tape7, see `nodes.files.tape7`, or a CSV file whose first line names the columns
+        MODTRAN's tape7, or a CSV file whose first line names the columns
         ``wavelength_um``, ``transmission`` and ``path_radiance`` (W/m²/sr/µm), in any order and
         among others; without names, these three alone. Lines that begin with ``#`` are passed over.
 
@@ -36,20 +76,13 @@ def read_path_table(path: Path) -> tuple[Points, Points]:
     FileError
         The file cannot be read, or a line of it is no row of such a table; names the line.
     """
-    file = readable_file(path)
-    status = file.stat()
-    return _read(file, (status.st_size, status.st_mtime_ns))
-
-
-@lru_cache(maxsize=16)
-def _read(file: Path, stamp: tuple[int, int]) -> tuple[Points, Points]:
-    if stamp[0] > _LONGEST_BYTES:
-        raise FileError(f"{file}: {stamp[0]} bytes are no table of a path's transmission")
-    try:
-        lines = file.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise FileError(f"{file}: is no text: neither tape7 nor CSV") from error
-    return tape7_points(lines, file) if is_tape7(lines) else _csv_points(lines, file)
+    lines = table_lines(
+        path,
+        what="a path's transmission",
+        wanted=": neither tape7 nor CSV",
+        most_bytes=_LONGEST_BYTES,
+    )
+    return _tape7_points(lines, path) if _is_tape7(lines) else _csv_points(lines, path)
 
 
 def _csv_points(lines: list[str], file: Path) -> tuple[Points, Points]:
@@ -92,3 +125,93 @@ def _places(cells: list[str], file: Path, number: int) -> tuple[int, ...]:
                 f"{', '.join(COLUMNS)} is needed, or a tape7 with FREQ and TOT TRANS"
             )
     return tuple(names.index(name) for name in COLUMNS)
+
+
+def _is_tape7(lines: list[str]) -> bool:
+    """Whether a text has the line of names of a tape7."""
+    return any(_is_heading(line) for line in lines)
+
+
+def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
+    """Transmission and path radiance (W/m²/sr/µm) against wavelength in µm, rising.
+
+    Raises
+    ------
+    FileError
+        For a line that is no row of such a table, columns that are not there, or several runs.
+    """
+    start = next(number for number, line in enumerate(lines) if _is_heading(line))
+    names = [(_plain(m.group()), m.end()) for m in _HEADING.finditer(lines[start])]
+    known = [name for name, _ in names]
+    for name in _NEEDED:
+        if known.count(name) != 1:
+            raise FileError(
+                f"{file}: line {start + 1}: has {known.count(name)} columns {name}; a tape7 of "
+                "radiance (IEMSCT 1 or 2) has one each of FREQ, TOT TRANS and PTH THRML"
+            )
+    transmission: list[tuple[float, float]] = []
+    radiance: list[tuple[float, float]] = []
+    for number, row in _rows(lines, start + 1, names, file):
+        wavenumber, passed = row["FREQ"], row["TOT TRANS"]
+        added = row["PTH THRML"] + row.get("SOL SCAT", 0.0)
+        if not 0.0 <= passed <= 1.0 + _ROUNDED:
+            raise line_refused(file, number, "TOT TRANS from 0 to 1")
+        if not (wavenumber > 0.0 and 0.0 <= added < math.inf):
+            raise line_refused(file, number, "FREQ above 0 and radiance of at least 0")
+        wavelength = 1e4 / wavenumber
+        if transmission and not wavenumber > 1e4 / transmission[-1][0]:
+            raise line_refused(file, number, "a wavenumber above the one before")
+        transmission.append((wavelength, min(passed, 1.0)))
+        radiance.append((wavelength, added * 1e8 / wavelength**2))
+    if len(transmission) < 2:
+        raise FileError(f"{file}: has {len(transmission)} rows; at least 2 make a spectrum")
+    return tuple(reversed(transmission)), tuple(reversed(radiance))
+
+
+def _rows(
+    lines: list[str], first: int, names: list[tuple[str, int]], file: Path
+) -> Iterator[tuple[int, dict[str, float]]]:
+    """Line numbers, and values by name, up to the end of the run."""
+    for index in range(first, len(lines)):
+        if not lines[index].strip():
+            continue
+        row = _row(lines[index], names)
+        if row is None:
+            raise line_refused(file, index + 1, "numbers below their names, up to -9999.")
+        if row.get("FREQ") == _END:
+            if _is_tape7(lines[index + 1 :]):
+                raise FileError(f"{file}: holds several runs: keep one of them in a file")
+            return
+        if any(name not in row for name in _NEEDED):
+            raise line_refused(file, index + 1, "FREQ, TOT TRANS and PTH THRML")
+        yield index + 1, row
+    raise FileError(f"{file}: ends without -9999.: the run is not complete")
+
+
+def _row(line: str, names: list[tuple[str, int]]) -> dict[str, float] | None:
+    """Values by name; None for a line that is no row."""
+    cells = list(re.finditer(r"\S+", line))
+    try:
+        values = [number_of(_EXPONENT.sub("E", cell.group())) for cell in cells]
+    except ValueError:
+        return None
+    if values and values[0] == _END:
+        return {"FREQ": _END}
+    if len(cells) == len(names):
+        return dict(zip([name for name, _ in names], values, strict=True))
+    row: dict[str, float] = {}
+    for cell, value in zip(cells, values, strict=True):
+        name, end = min(names, key=lambda one: abs(one[1] - cell.end()))
+        if abs(end - cell.end()) > _FARTHEST or name in row:
+            return None
+        row[name] = value
+    return row
+
+
+def _is_heading(line: str) -> bool:
+    words = line.upper().replace("_", " ")
+    return "FREQ" in words and "TOT TRANS" in words
+
+
+def _plain(name: str) -> str:
+    return name.upper().replace("_", " ")

@@ -29,7 +29,6 @@ from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
 from nodes.files.damage import png_bit_depth, refuse_damaged
 from nodes.files.headers.fits_header import read_fits_header, refuse_unsupported
 from nodes.files.headers.header_fields import FieldValue, header_fields
-from nodes.files.headers.lossy_compression import leaves_out
 from nodes.files.tiff_reading import (
     check_deflate,
     is_deflated,
@@ -56,6 +55,11 @@ _ADVICE = re.compile(
 )
 Array = NDArray[Any]
 
+_LOSSY_PACKING = ("jpeg", "webp", "pxr24", "b44", "b44a", "dwaa", "dwab", "lossy")
+_MAIN_HEADER = 1 << 16  # bytes, that hold the main header
+_CODING_STYLE = b"\xff\x52\x00"  # marker, and the first byte of the length
+_WAVELETS_AT = 13  # bytes from that marker on
+_IRREVERSIBLE = 0
 _READABLE = {"uint8", "int8", "uint16", "int16", "uint64", "int64", *_NUMPY_NAMES.values()}
 
 
@@ -74,22 +78,7 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
 
 
 def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
-    """Read one channel.
-
-    Parameters
-    ----------
-    path
-        A picture file.
-    band
-        Channel, counted from 0 in the order red, green, blue, alpha, others.
-    empty
-        Makes the array to be filled in, perhaps on disk.
-
-    Returns
-    -------
-    numpy.ndarray
-        (rows, columns), C order; float64 when the file holds doubles or integers of 32 or more
-        bits, else float32.
+    """Read one channel, in the order red, green, blue, alpha, others.
 
     Raises
     ------
@@ -236,7 +225,7 @@ def _info(path: Path, picture: Any) -> PictureInfo:
         dtype=max(stored, key=_precision),
         kind=kind,
         channels=() if kind == "fits" else _channel_names(spec),  # planes of a cube are no colours
-        lossy=leaves_out(path, kind=kind, compression=compression),
+        lossy=_is_lossy(path, kind=kind, compression=compression),
         **vars(common),
     )
     if kind == "tiff":
@@ -251,6 +240,23 @@ def _info(path: Path, picture: Any) -> PictureInfo:
     if kind == "fits":
         read_fits_header(path)  # refused where it cannot be used, before samples are read
     return info
+
+
+def _is_lossy(path: Path, *, kind: str, compression: str) -> bool:
+    """Whether samples of a file are others than those that were stored in it.
+
+    Source: ITU-T T.800, table A.20 (JPEG 2000: irreversible wavelets are those of 9 and 7 taps);
+    RFC 9649 (WebP: a chunk named VP8L has no loss).
+    """
+    if kind == "jpeg" or compression.partition(":")[0].lower() in _LOSSY_PACKING:
+        return True
+    if kind == "webp":
+        return b"VP8L" not in first_bytes(path, _MAIN_HEADER)
+    if kind == "jpeg2000":
+        start = first_bytes(path, _MAIN_HEADER)
+        place = start.find(_CODING_STYLE)
+        return place >= 0 and start[place + _WAVELETS_AT :][:1] == bytes([_IRREVERSIBLE])
+    return False
 
 
 def _channel_names(spec: Any) -> tuple[str, ...]:

@@ -120,22 +120,7 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
 
 
 def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
-    """Read one band.
-
-    Parameters
-    ----------
-    path
-        The store's folder, or that of an array within.
-    band
-        Counted from 0.
-    empty
-        Makes the array to be filled in, perhaps on disk.
-
-    Returns
-    -------
-    numpy.ndarray
-        (rows, columns); float64 when the store holds doubles or integers of 32 or more bits, else
-        float32. Missing samples are NaN.
+    """Read one band of a store, or of an array within one; missing samples are NaN.
 
     Raises
     ------

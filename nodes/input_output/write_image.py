@@ -23,9 +23,9 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
-from nodes.files.common.digital_numbers import DIGITAL_NUMBER, integer_type
 from nodes.files.common.file_format import ENVI_FRAMES, ZARR, suffixes
 from nodes.files.common.picture_info import MetadataValue
+from nodes.files.common.stored_samples import DIGITAL_NUMBER, integer_type
 from nodes.files.formats import WRITTEN, written_format
 from nodes.files.frames.frame_series import FrameSeries
 from nodes.files.frames.frame_writing import (

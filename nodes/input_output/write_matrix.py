@@ -11,7 +11,6 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.atomic import write_text
 from core.chain.realize import realize
 from core.chain.results import CurveData
 from core.chain.wires import Curve, Image, Transfer
@@ -21,7 +20,6 @@ from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.file_format import CSV, suffixes
-from nodes.files.curve_text import columns_text, is_plain
 from nodes.files.formats import MATRICES
 
 Files = list[tuple[Path, Callable[[Path], None]]]
@@ -69,9 +67,7 @@ class WriteMatrix(
             return [(target, partial(write_matrix, array=value))]
         columns = curve_columns(value)
         if CSV.matches(target):
-            if is_plain(value):
-                return [(target, partial(write_curves, columns=columns))]
-            return [(target, partial(write_text, content=columns_text(value, columns)))]
+            return [(target, partial(write_curves, curves=value, columns=columns))]
         matrix = np.stack(list(columns.values()), axis=1)
         return [(target, partial(write_matrix, array=matrix))]
 

@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
 
+DIGITAL_NUMBER = "DN"
+"""Unit of a converter's numbers, which integer files hold as they are."""
+
 SAMPLE_TYPES: Mapping[str, np.dtype[Any]] = MappingProxyType(
     {
         "half": np.dtype(np.float16),
@@ -80,6 +83,22 @@ def as_stored(
     if low is not None or high is not None:
         raise ParameterError("low, high", (low, high), f"none with dtype {dtype}: uint8 or uint16")
     return _as_floats(samples, kind)
+
+
+def integer_type(samples: NDArray[Any], unit: str, allowed: tuple[str, ...]) -> str | None:
+    """The integer type that holds the numbers of a picture as they are, of those allowed.
+
+    None for a picture in another unit, or one whose samples are not whole, negative, or too large:
+    of a camera without a converter, say.
+    """
+    if unit != DIGITAL_NUMBER or "uint16" not in allowed:
+        return None
+    top = np.iinfo(np.uint16).max
+    for start in range(0, samples.shape[0], _BLOCK_ROWS):
+        rows = samples[start : start + _BLOCK_ROWS]
+        if rows.min() < 0 or rows.max() > top or (rows != np.rint(rows)).any():
+            return None
+    return "uint16"
 
 
 def _as_floats(samples: NDArray[Any], dtype: np.dtype[Any]) -> NDArray[Any]:

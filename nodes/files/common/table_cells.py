@@ -1,17 +1,26 @@
-"""Cells of a line of a table of numbers in text."""
+"""Tables of numbers in text: cells, lines, and rows of numbers below a line of names."""
 
 from __future__ import annotations
 
+import codecs
 import csv
 import io
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import lru_cache, wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from core.errors import FileError
+from nodes.files.common.paths import readable_file
+from nodes.files.common.size_limits import refuse_oversized_text
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 _MARKS = ",;\t"
+_WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+_FILES_REMEMBERED = 32
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with
 
 
@@ -83,3 +92,113 @@ def begins_with_number(line: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def read_once(read: Callable[Concatenate[Path, P], T]) -> Callable[Concatenate[Path, P], T]:
+    """Read a file again only once its length or time of change is another."""
+
+    @lru_cache(maxsize=_FILES_REMEMBERED)
+    def read_state(file: Path, _state: tuple[int, int], *args: P.args, **kwargs: P.kwargs) -> T:
+        return read(file, *args, **kwargs)
+
+    @wraps(read)
+    def read_path(path: Path, /, *args: P.args, **kwargs: P.kwargs) -> T:
+        file = readable_file(path)
+        status = file.stat()
+        state = (status.st_size, status.st_mtime_ns)
+        return read_state(file, state, *args, **kwargs)  # type: ignore[arg-type]
+
+    return read_path
+
+
+def refuse_long_table(file: Path, most_bytes: int, what: str) -> None:
+    """Refuse a file that is too long for a table of that."""
+    length = file.stat().st_size
+    if length > most_bytes:
+        raise FileError(f"{file}: {length} bytes are no table of {what}")
+
+
+def table_lines(file: Path, *, what: str, wanted: str, most_bytes: int = 10_000_000) -> list[str]:
+    """Lines of a table in UTF-8.
+
+    Raises
+    ------
+    FileError
+        It is too long for a table of `what`, or no text, where `wanted` was.
+    """
+    refuse_long_table(file, most_bytes, what)
+    try:
+        return file.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise FileError(f"{file}: is no text{wanted}") from error
+
+
+def point_rows(
+    file: Path, lines: Iterable[str], widths: Sequence[int], allowed: str, *, makes: str
+) -> Iterator[tuple[int, tuple[float, ...]]]:
+    """Numbers of each line, all as many as the first, of `widths`, and the line's own number.
+
+    Empty lines, those that begin with ``#`` and a line of names on top are passed over.
+
+    Raises
+    ------
+    FileError
+        A line is no such row; or there are fewer than two, which make no such thing as `makes`.
+    """
+    rows, is_named = 0, False
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        numbers = numbers_of(cell for cell in cells_of(line) if cell.strip())
+        # A first line that begins with a number is damaged data, not names.
+        if numbers is None and not rows and not is_named and not begins_with_number(line):
+            is_named = True
+            continue
+        if numbers is None or len(numbers) not in widths:
+            raise line_refused(file, number, allowed)
+        widths, rows = (len(numbers),), rows + 1
+        yield number, numbers
+    if rows < 2:
+        raise FileError(f"{file}: has {rows} points; at least 2 make a {makes}")
+
+
+def numbers_of(cells: Iterable[str]) -> tuple[float, ...] | None:
+    """The numbers that cells are; None where one is none."""
+    try:
+        return tuple(map(number_of, cells))
+    except ValueError:
+        return None
+
+
+def lens_lines(path: Path, *, what: str) -> list[str]:
+    """Lines of a text as optical design and measuring programs write it.
+
+    UTF-8, UTF-16 with its mark or, of Latin letters, without, or Latin-1.
+
+    Raises
+    ------
+    FileError
+        The file is no text of `what`, too long for the memory, or cannot be read.
+    """
+    refuse_oversized_text(path)
+    try:
+        text = _decoded(path.read_bytes())
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise FileError(f"{path}: is no text of {what}") from error
+    if any(ord(sign) < 32 and sign not in "\t\n\r\f\x1a" for sign in text):
+        raise FileError(f"{path}: is no text of {what}")
+    return text.rstrip("\x1a").splitlines()
+
+
+def _decoded(content: bytes) -> str:
+    if content.startswith(_WIDE):
+        return content.decode("utf-16")
+    if content[1:2] == b"\0" and content[3:4] in (b"\0", b""):
+        return content.decode("utf-16-le")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        # µ of older programs; whatever is no text shows by its control characters.
+        return content.decode("latin-1")

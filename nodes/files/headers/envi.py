@@ -93,22 +93,7 @@ def info_of(layout: EnviLayout) -> PictureInfo:
 
 
 def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
-    """Read one band, in native byte order and C order.
-
-    Parameters
-    ----------
-    path
-        The data file or its header.
-    band
-        Counted from 0.
-    empty
-        Makes the array to be filled in, perhaps on disk.
-
-    Returns
-    -------
-    numpy.ndarray
-        (rows, columns); float64 when the file holds doubles or integers of 32 or more bits,
-        else float32. Missing samples are NaN.
+    """Read one band of a data file or of its header; missing samples are NaN.
 
     Raises
     ------

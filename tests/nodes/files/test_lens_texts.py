@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.errors import FileError
-from nodes.files.listing import read_listing
+from nodes.files.lens_samples import read_listing
 from nodes.files.mtf_table import read_mtf_table, unit_of
 
 TABLE = "frequency (cyc/mm),mtf_x,mtf_y,phase_x (deg)\n0,1,1,0\n10,0.8,0.7,5\n20,0.3,0.2,9\n"

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from core.errors import FileError
-from nodes.files.arrays import read_curves, read_matrix, write_curves
+from nodes.files.arrays import read_matrix
 from nodes.files.common.table_cells import csv_lines, plain_cell, text_cell
-from nodes.files.listing import read_listing
+from nodes.files.lens_samples import read_listing
 from nodes.files.motion_table import read_motion
 from nodes.files.mtf_table import read_mtf_table
 from nodes.files.path_table import read_path_table
@@ -61,13 +60,6 @@ def test_numbers_and_other_text_are_written_as_they_are(cell):
     assert csv_lines([(cell, 1)]) == f"{'' if cell is None else cell},1\n"
 
 
-def test_names_of_curves_that_look_like_formulas_are_read_back(tmp_path):
-    columns = {"=a": np.array([0.0, 1.0]), "-b": np.array([-1.0, 2.0])}
-    write_curves(tmp_path / "a.csv", columns)
-    assert (tmp_path / "a.csv").read_text() == "'=a,'-b\n0.0,-1.0\n1.0,2.0\n"
-    assert read_curves(tmp_path / "a.csv").keys() == columns.keys()
-
-
 SECRET = "zebra:$6$salt$hash:19000:0:99999:7:::"
 
 
@@ -79,7 +71,6 @@ SECRET = "zebra:$6$salt$hash:19000:0:99999:7:::"
         read_listing,
         read_path_table,
         read_matrix,
-        read_curves,
         read_info,
         read_motion,
         lambda file: read_wavelengths(file, what="response", low=0, high=100),

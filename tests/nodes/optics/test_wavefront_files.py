@@ -12,7 +12,7 @@ from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil, support_circle
 from linked_network import linked_network
-from nodes.files.listing import read_listing
+from nodes.files.lens_samples import read_listing
 from nodes.library import standard_library
 
 SIZE, RADIUS = 128, 40.0
