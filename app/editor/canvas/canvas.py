@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import (
     QAction,
     QKeyEvent,
@@ -17,7 +17,7 @@ from app.editor.canvas.crumbs import TitleEditor
 from app.editor.canvas.hands.adding import Adding
 from app.editor.canvas.hands.dots import Dots
 from app.editor.canvas.hands.dropping import Dropping
-from app.editor.canvas.hands.gestures import Hint, Surface
+from app.editor.canvas.hands.gestures import Surface
 from app.editor.canvas.hands.keys import Keys
 from app.editor.canvas.hands.menus import Menus
 from app.editor.canvas.hands.mouse import Mouse
@@ -25,8 +25,7 @@ from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.hits import node_at
 from app.editor.canvas.items.marks import Marks
-from app.editor.canvas.items.wire_item import LiveWire
-from app.editor.canvas.view.canvas_view import GraphView
+from app.editor.canvas.view.canvas_view import GraphView, Handler
 from app.editor.canvas.view.choice_popup import ChoicePopup
 from app.editor.canvas.view.minimap import Minimap
 from app.editor.canvas.view.node_thumbnails import NodeThumbnails
@@ -34,7 +33,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level
 from app.editor.session import Session
 from app.editor.theme import FAINT, Theme
-from core.editing.backdrops import backdrops_of, change, remove
+from core.editing.backdrops import backdrops_of, change
 from core.network.network import Link
 
 
@@ -77,22 +76,33 @@ class Canvas(QWidget):
         self.view = GraphView(style, self)
         self.setFocusProxy(self.view)
         self.content = Content(self.view.scene(), session.library, style)
-        live = LiveWire()
-        self.view.scene().addItem(live)
-        surface = Surface(session, self.view, self.content, live, Hint(self.view.viewport()))
-        self._surface = surface
+        self._surface = surface = Surface(session, self.view, self.content, self)
         self.empty_hint = EmptyHint(session, self.view.viewport())
         self.marks = Marks(self.content)
         self.minimap = Minimap(self.view, self.content, theme)
         self.popup = ChoicePopup(self.view)
         self.title_editor = TitleEditor(self.view)
-        self.adding = Adding(surface, self.popup, self)
+        self.adding = Adding(surface, self.popup)
         self.dots = Dots(surface, self.marks)
-        self.mouse = Mouse(surface, self.marks, self.dots, self.adding.ask_for_wire, self)
-        self.keys = Keys(surface, self.marks, self.dots, self)
+        self.mouse = mouse = Mouse(surface, self.marks, self.dots, self.adding.ask_for_wire)
+        self.keys = Keys(surface, self.marks, self.dots)
         self.menus = Menus(surface, self.marks, self.dots, self)
-        self.dropping = Dropping(surface, self)
-        self.view.handler = Handling(self.mouse, self.keys, self.menus, self.dropping)
+        dropping = Dropping(surface)
+        self.view.handler = Handler(
+            press=mouse.press,
+            move=mouse.move,
+            release=mouse.release,
+            double_click=mouse.double_click,
+            leave=mouse.leave,
+            interrupted=mouse.cancel,
+            wants_key=self._wants_key,
+            key=self._key,
+            key_released=self.keys.release,
+            menu=self.menus.open,
+            drag_over=dropping.over,
+            drag_left=dropping.left,
+            drop=dropping.drop,
+        )
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self.view)
@@ -117,7 +127,6 @@ class Canvas(QWidget):
             self.thumbnails.set_style(style)
         self.view.set_style(style)
         self.popup.set_theme(theme)
-        self.adding.set_theme(theme)
         self.minimap.set_theme(theme)
         self._surface.hint.set_theme(theme)
 
@@ -148,7 +157,7 @@ class Canvas(QWidget):
 
     def zoom_by(self, factor: float) -> None:
         """Enlarge about the pointer, or the middle."""
-        pos = self.mouse.pos
+        pos = self._surface.pointer
         self.view.zoom_at(factor, None if pos is None else QPointF(pos))
 
     def sizes(self) -> dict[str, tuple[float, float]]:
@@ -176,9 +185,7 @@ class Canvas(QWidget):
 
     def cursor_point(self) -> tuple[float, float]:
         """The point of the scene under the mouse, or in the middle, in whole units."""
-        pos = self.mouse.pos
-        point = self.view.visible_rect().center() if pos is None else self.view.scene_point(pos)
-        return float(round(point.x())), float(round(point.y()))
+        return self._surface.cursor_point()
 
     def add_module(self, key: str) -> None:
         """Add a node at the cursor; with a node selected, wired on to that one."""
@@ -211,7 +218,7 @@ class Canvas(QWidget):
 
     def add_dot(self) -> None:
         """Bend the wire under the pointer, or the selected one, through a dot."""
-        self.dots.add(self.mouse.pos)
+        self.dots.add(self._surface.pointer)
 
     def finish_typing(self) -> None:
         """Take what was typed and not taken yet, as before saving."""
@@ -223,10 +230,7 @@ class Canvas(QWidget):
 
     def delete_selected_backdrop(self) -> None:
         """Take the selected backdrop away; the nodes on it stay."""
-        backdrop = self.marks.backdrop
-        if backdrop is not None:
-            self.marks.choose(None, None)
-            self._session.do(remove(self._session.network, backdrop.index))
+        self.menus.delete_backdrop()
 
     def changeEvent(self, event: QEvent) -> None:
         """Follow the window's font."""
@@ -239,16 +243,22 @@ class Canvas(QWidget):
         session.opened.connect(self._opened)
         session.changed.connect(self._changed)
         session.selection_changed.connect(self._selection_changed)
-        self.mouse.activated.connect(self.activated)
-        self.keys.activated.connect(self.activated)
-        self.mouse.search_wanted.connect(self._search_at)
-        self.keys.search_wanted.connect(self.open_search)
-        for source in (self.mouse, self.keys, self.menus):
-            source.title_wanted.connect(self._edit_title)
-        self.menus.removal_wanted.connect(self.delete_selected_backdrop)
+        surface = self._surface
+        surface.activated.connect(self.activated)
+        surface.search_wanted.connect(lambda at: self.adding.search((at.x(), at.y())))
+        surface.title_wanted.connect(self._edit_title)
+        surface.files_dropped.connect(self.files_dropped)
+        surface.preset_dropped.connect(self.preset_dropped)
         self.title_editor.edited.connect(self._retitle)
-        self.dropping.files_dropped.connect(self.files_dropped)
-        self.dropping.preset_dropped.connect(self.preset_dropped)
+
+    def _wants_key(self, event: QKeyEvent) -> bool:
+        return self.mouse.busy and event.key() == Qt.Key.Key_Escape
+
+    def _key(self, event: QKeyEvent) -> bool:
+        if self._wants_key(event):
+            self.mouse.cancel()
+            return True
+        return self.keys.press(event)
 
     def _opened(self) -> None:
         self._let_go()
@@ -273,10 +283,6 @@ class Canvas(QWidget):
             self.marks.choose(None, None)
         self.content.mark_selected(names)
         self.minimap.follow()
-
-    def _search_at(self, pos: QPoint) -> None:
-        point = self.view.scene_point(pos)
-        self.adding.search((point.x(), point.y()))
 
     def _edit_title(self, index: int) -> None:
         self.title_editor.edit(self.content.backdrops[index])
@@ -331,38 +337,3 @@ class EmptyHint(QLabel):
 
     def _fill(self) -> None:
         self.setGeometry(self._ground.rect().adjusted(24, 0, -24, 0))
-
-
-# Which part of the canvas handles which of the view's events.
-
-
-class Handling:
-    """Leads the view's events to where they are handled."""
-
-    def __init__(self, mouse: Mouse, keys: Keys, menus: Menus, dropping: Dropping) -> None:
-        self._mouse = mouse
-        self._keys = keys
-        self._menus = menus
-        self._dropping = dropping
-        self.press = mouse.press
-        self.move = mouse.move
-        self.release = mouse.release
-        self.double_click = mouse.double_click
-        self.leave = mouse.leave
-        self.interrupted = mouse.cancel
-        self.key_released = keys.release
-        self.menu = menus.open
-        self.drag_over = dropping.over
-        self.drag_left = dropping.left
-        self.drop = dropping.drop
-
-    def wants_key(self, event: QKeyEvent) -> bool:
-        """Whether a key is for a gesture under way, and no shortcut."""
-        return self._mouse.busy and event.key() == Qt.Key.Key_Escape
-
-    def key(self, event: QKeyEvent) -> bool:
-        """Handle a key; whether it was for the canvas."""
-        if self.wants_key(event):
-            self._mouse.cancel()
-            return True
-        return self._keys.press(event)

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QObject, QPoint, QPointF
+from PySide6.QtCore import QPoint, QPointF
 
-from app.editor.canvas.hands.gestures import Surface
+from app.editor.canvas.hands.gestures import Surface, whole
 from app.editor.canvas.items.canvas_style import face_of, geometry_of
 from app.editor.canvas.items.node_item import NodePort
 from app.editor.canvas.view.choice_popup import Choice, ChoicePopup
 from app.editor.library_view import found_by
-from app.editor.theme import Theme
 from core.editing.backdrops import following
 from core.editing.layout import Point
 from core.editing.links import reached_from, refusal
@@ -26,21 +25,15 @@ from core.modules.declaration import Library, Port, declaration, local_key
 from core.network.network import Link, Network, Node
 
 
-class Adding(QObject):
+class Adding:
     """Opens the lists, and does what is chosen."""
 
-    def __init__(self, surface: Surface, popup: ChoicePopup, parent: QObject) -> None:
-        super().__init__(parent)
+    def __init__(self, surface: Surface, popup: ChoicePopup) -> None:
         self._surface = surface
         self._popup = popup
-        self._theme: Theme = surface.content.style.theme
         self._loose: Link | None = None
         popup.chosen.connect(self._chosen)
         popup.abandoned.connect(self._abandoned)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Mark the groups in these colours."""
-        self._theme = theme
 
     def dismiss(self) -> None:
         """Close the list: what it was opened for is gone."""
@@ -59,18 +52,10 @@ class Adding(QObject):
         session, view = self._surface.session, self._surface.view
         choices = []
         for name, item in self._surface.content.nodes.items():
-            colour = self._theme.groups.get(item.face.group, self._theme.line)
+            colour = self._group_colour(item.face.group)
             module = f"{item.face.module} {session.network.nodes[name].module}"
-            choices.append(
-                Choice(
-                    name,
-                    partial(self._show_node, name),
-                    item.face.module,
-                    module,
-                    item.face.summary,
-                    colour,
-                )
-            )
+            show, face = partial(self._show_node, name), item.face
+            choices.append(Choice(name, show, face.module, module, face.summary, colour))
         if not choices:
             session.message.emit("note", "there is no node to find yet")
             return
@@ -131,21 +116,13 @@ class Adding(QObject):
             return
         possible = possible_links(session.network, session.library, session.selection)
         choices = [
-            Choice(
-                str(possibility.link),
-                partial(self._do, Rewire(add=(possibility.link,))),
-                possibility.remark,
-            )
-            for possibility in possible
-        ]
-        there = [
-            link
-            for link in session.network.links
-            if {link.source, link.target} & set(session.selection)
+            Choice(str(one.link), partial(session.do, Rewire(add=(one.link,))), one.remark)
+            for one in possible
         ]
         choices += [
-            Choice(f"Disconnect {link}", partial(self._do, Rewire(remove=(link,))))
-            for link in there
+            Choice(f"Disconnect {link}", partial(session.do, Rewire(remove=(link,))))
+            for link in session.network.links
+            if {link.source, link.target} & set(session.selection)
         ]
         if not choices:
             session.message.emit("advice", "there is nothing to wire the selected nodes to")
@@ -154,6 +131,10 @@ class Adding(QObject):
         title = f"Wire {', '.join(session.selection[:3])}{' …' * (len(session.selection) > 3)}"
         surface.view.make_visible(item.frame())
         self._popup.open_at(surface.view.pixel(item.frame().bottomLeft()), title, choices)
+
+    def _group_colour(self, group: str) -> str:
+        theme = self._surface.content.style.theme
+        return theme.groups.get(group, theme.line)
 
     def _module_choice(self, key: str, value: Callable[[], None], port: str = "") -> Choice:
         known = declaration(self._surface.session.library[key])
@@ -164,7 +145,7 @@ class Adding(QObject):
             detail=port or known.group,
             words=f"{key} {known.group}",
             further=f"{summary} {further}",
-            colour=self._theme.groups.get(known.group, self._theme.line),
+            colour=self._group_colour(known.group),
             tip=known.summary,
         )
 
@@ -197,9 +178,6 @@ class Adding(QObject):
         side: Side = "input" if drawn_from == "output" else "output"
         at = point - geometry.ports[side, candidate.port]
         return free_place(self._surface, candidate.module, (at.x(), at.y()))
-
-    def _do(self, operation: Operation) -> None:
-        self._surface.session.do(operation)
 
     def _disconnect_loose(self) -> None:
         """Take away the link whose wire was dropped on empty ground."""
@@ -287,8 +265,7 @@ def free_place(surface: Surface, module: str, at: Point) -> Point:
     """The point, or the nearest at which a new node of the module stands on no other."""
     network, sizes = surface.session.network, surface.content.sizes()
     size = {"": size_of(surface, module)}
-    x, y = free_places({"": at}, size, network, sizes)[""]
-    return float(round(x)), float(round(y))
+    return whole(QPointF(*free_places({"": at}, size, network, sizes)[""]))
 
 
 def added(surface: Surface, module: str, at: Point) -> tuple[str, Operation]:
@@ -315,11 +292,11 @@ def with_way_made(
     sizes = surface.content.sizes() | ({name: size} if size is not None else {})
     behind = reached_from(network, {name}) - {name}
     places = made_way(network, sizes, name, network.layout[name], behind)
-    whole = {node: (float(round(x)), float(round(y))) for node, (x, y) in places.items()}
-    if not whole:
+    pushed = {node: whole(QPointF(*at)) for node, at in places.items()}
+    if not pushed:
         return operation
-    grounds = following(network, whole, sizes)  # else what is pushed leaves its backdrop
-    parts = (operation, Move(dict(whole)), *(() if grounds is None else (grounds,)))
+    grounds = following(network, pushed, sizes)  # else what is pushed leaves its backdrop
+    parts = (operation, Move(pushed), *(() if grounds is None else (grounds,)))
     return Together(parts, operation.text)
 
 
@@ -329,12 +306,10 @@ def _placed(
     """What adds it, with a place that suits its wires."""
     grown: Network = operation.apply(surface.session.network)
     size = size_of(surface, module)
-    if any(link.target == selected and link.source == name for link in grown.links):
-        frame = surface.content.nodes[selected].frame()
-        at = free_place(surface, module, (frame.left() - GAP_X - size[0], frame.top()))
-        return Together((operation, Move({name: at})), operation.text)
-    if grown.followers[name]:
+    feeding = any(link.target == selected and link.source == name for link in grown.links)
+    if grown.followers[name] and not feeding:
         return with_way_made(surface, operation, name, size)
     frame = surface.content.nodes[selected].frame()
-    at = free_place(surface, module, (frame.right() + GAP_X, frame.top()))
+    left = frame.left() - GAP_X - size[0] if feeding else frame.right() + GAP_X
+    at = free_place(surface, module, (left, frame.top()))
     return Together((operation, Move({name: at})), operation.text)

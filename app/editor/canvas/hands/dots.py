@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QPoint, QPointF
 
-from app.editor.canvas.hands.gestures import Gesture, Surface
+from app.editor.canvas.hands.gestures import Gesture, Surface, whole
 from app.editor.canvas.items.hits import place_on_wire, wire_near
 from app.editor.canvas.items.marks import Marks
 from app.editor.canvas.items.wire_item import WireItem
@@ -14,19 +14,7 @@ _REACH_PX = 12.0
 
 
 class DragDot(Gesture):
-    """Move a dot; its wire follows.
-
-    Parameters
-    ----------
-    surface : Surface
-        What it works with.
-    pos : QPoint
-        The pixel of the view that was pressed.
-    wire : WireItem
-        The wire.
-    index : int
-        Which of its dots.
-    """
+    """Move a dot, by its place on its wire; the wire follows."""
 
     def __init__(self, surface: Surface, pos: QPoint, wire: WireItem, index: int) -> None:
         super().__init__(surface, pos)
@@ -41,7 +29,7 @@ class DragDot(Gesture):
     def drop(self, _pos: QPoint, point: QPointF) -> None:
         """Put it there."""
         session, at = self.surface.session, self._from + point - self.start
-        session.do(move_dot(session.network, self._link, self._index, _whole(at)))
+        session.do(move_dot(session.network, self._link, self._index, whole(at)))
 
     def leave(self) -> None:
         """Where the document has it."""
@@ -49,15 +37,7 @@ class DragDot(Gesture):
 
 
 class Dots:
-    """What is done with dots at once, without a drag.
-
-    Parameters
-    ----------
-    surface : Surface
-        What it works with.
-    marks : Marks
-        The selected wire and dot.
-    """
+    """What is done at once, without a drag, with dots of the wire that is selected."""
 
     def __init__(self, surface: Surface, marks: Marks) -> None:
         self._surface = surface
@@ -67,7 +47,7 @@ class Dots:
         """Bend a wire through a point, and select the dot."""
         index = place_on_wire(wire, point)
         session, link = self._surface.session, wire.link
-        if session.do(add_dot(session.network, link, index, _whole(point))):
+        if session.do(add_dot(session.network, link, index, whole(point))):
             session.select(())
             self._marks.choose(link, None, index)
 
@@ -126,7 +106,3 @@ class Dots:
             leaving = [wire for wire in wires if wire.link.source == name]
             return next(iter((*leaving, *wires)), None)
         return None
-
-
-def _whole(point: QPointF) -> tuple[float, float]:
-    return float(round(point.x())), float(round(point.y()))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QMimeData, QObject, QPointF, Signal
+from PySide6.QtCore import QMimeData, QPointF
 from PySide6.QtGui import QDropEvent
 
 from app.editor.canvas.hands.adding import free_place, size_of, with_way_made
-from app.editor.canvas.hands.gestures import Surface
+from app.editor.canvas.hands.gestures import Surface, whole
 from app.editor.canvas.items.hits import wires_near
 from app.editor.canvas.items.wire_item import WireItem
 from app.editor.library_view import dragged_module
@@ -16,22 +16,10 @@ from core.editing.wiring import inserted, new_node
 from core.network.network import Link
 
 
-class Dropping(QObject):
-    """Takes modules, which become nodes, and files, which the window opens.
+class Dropping:
+    """Takes modules, which become nodes, and files, which the window opens."""
 
-    Signals
-    -------
-    files_dropped(paths, point)
-        Files, with the point of the scene.
-    preset_dropped(key, point)
-        A preset of the library, with the point of the scene.
-    """
-
-    files_dropped = Signal(list, QPointF)
-    preset_dropped = Signal(str, QPointF)
-
-    def __init__(self, surface: Surface, parent: QObject) -> None:
-        super().__init__(parent)
+    def __init__(self, surface: Surface) -> None:
         self._surface = surface
         self._over: Link | None = None
 
@@ -60,11 +48,11 @@ class Dropping(QObject):
                 self._surface.view.setFocus()
             return True
         if module.startswith(KEY):
-            self.preset_dropped.emit(module, point)
+            self._surface.preset_dropped.emit(module, point)
             return True
         paths = _files(event.mimeData())
         if paths:
-            self.files_dropped.emit(paths, point)
+            self._surface.files_dropped.emit(paths, point)
         return bool(paths)
 
     def _point(self, event: QDropEvent) -> QPointF:
@@ -108,7 +96,7 @@ def added_at(surface: Surface, module: str, point: QPointF) -> tuple[str, Operat
     Its neighbours there make way for it; elsewhere it stands on free ground.
     """
     session = surface.session
-    at = (float(round(point.x())), float(round(point.y())))
+    at = whole(point)
     name, adding = new_node(session.network, session.library, module, at)
     insertion = _new_insertion(surface, name, adding, point)
     if insertion is None:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
-from dataclasses import dataclass
 
-from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Qt
+from PySide6.QtCore import QObject, QPoint, QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QLabel, QWidget
 
@@ -17,21 +16,14 @@ from app.editor.canvas.view.canvas_view import GraphView
 from app.editor.level import Level
 from app.editor.session import Session
 from app.editor.theme import Theme
+from core.editing.layout import Point
 from core.editing.operations import Rewire
 
 DRAG_PX = 4  # what is moved less is a click
 
 
 class Gesture(ABC):
-    """One drag, from the press to the release.
-
-    Parameters
-    ----------
-    surface : Surface
-        What it works with.
-    pos : QPoint
-        The pixel of the view that was pressed.
-    """
+    """One drag, from the press at a pixel of the view to the release."""
 
     def __init__(self, surface: Surface, pos: QPoint) -> None:
         self.surface = surface
@@ -56,10 +48,6 @@ class Gesture(ABC):
         else:
             self.click()
 
-    def cancel(self) -> None:
-        """Cancel it: nothing is changed."""
-        self.leave()
-
     @abstractmethod
     def drag(self, pos: QPoint, point: QPointF) -> None:
         """Show its present position."""
@@ -70,7 +58,7 @@ class Gesture(ABC):
 
     @abstractmethod
     def leave(self) -> None:
-        """Take away what was only shown."""
+        """Take away what was only shown; alone, it gives the gesture up."""
 
     def click(self) -> None:  # noqa: B027 - most gestures have no click
         """It was no drag."""
@@ -186,16 +174,48 @@ class Hint(QLabel):
         self.setPalette(palette)
 
 
-@dataclass(frozen=True)
-class Surface:
-    """The session of what is shown, the view, its items, and what is shown during a gesture."""
+class Surface(QObject):
+    """The session of what is shown, the view, its items, and what is shown during a gesture.
 
-    session: Session | Level
-    view: GraphView
-    content: Content
-    live: LiveWire
-    hint: Hint
+    Signals
+    -------
+    activated(name)
+        A node was double-clicked, or Enter pressed on it.
+    search_wanted(point)
+        A module is to be added at that point of the scene.
+    title_wanted(index)
+        A backdrop's title is to be edited.
+    files_dropped(paths, point), preset_dropped(key, point)
+        As of `Canvas`.
+    """
+
+    activated = Signal(str)
+    search_wanted = Signal(QPointF)
+    title_wanted = Signal(int)
+    files_dropped = Signal(list, QPointF)
+    preset_dropped = Signal(str, QPointF)
+
+    def __init__(
+        self, session: Session | Level, view: GraphView, content: Content, parent: QObject
+    ) -> None:
+        super().__init__(parent)
+        self.session, self.view, self.content = session, view, content
+        self.hint = Hint(view.viewport())
+        self.live = LiveWire()
+        view.scene().addItem(self.live)
+        self.pointer: QPoint | None = None
+        """The pixel of the view under the mouse."""
+
+    def cursor_point(self) -> Point:
+        """The point of the scene under the mouse, or in the middle, in whole units."""
+        pos, view = self.pointer, self.view
+        return whole(view.visible_rect().center() if pos is None else view.scene_point(pos))
 
     def hit(self, point: QPointF) -> Hit:
         """What lies at a point of the scene."""
         return hit(self.content, point, self.view.zoom)
+
+
+def whole(point: QPointF) -> Point:
+    """The point in whole units, as a layout has it."""
+    return float(round(point.x())), float(round(point.y()))

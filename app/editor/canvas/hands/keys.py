@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from PySide6.QtCore import QObject, QPointF, Qt, Signal
+from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QKeyEvent
 
 from app.editor.canvas.hands.dots import Dots
@@ -27,31 +27,15 @@ _NUDGE, _FINE = 12.0, 1.0
 _ASIDE = 2.5  # how much worse it is to be off the line than to be far
 
 
-class Keys(QObject):
+class Keys:
     """The canvas's keys that are no shortcuts of the window.
 
     Arrows move what is selected, with Shift by one unit; where nothing is selected, and with Ctrl,
     they go from node to node. Shift with Ctrl adds to the selection.
-
-    Signals
-    -------
-    activated(name)
-        Enter on a selected node.
-    title_wanted(index)
-        Enter on a selected backdrop.
-    search_wanted
-        Tab, where the window has no shortcut for it.
     """
 
-    activated = Signal(str)
-    title_wanted = Signal(int)
-    search_wanted = Signal()
-
-    def __init__(self, surface: Surface, marks: Marks, dots: Dots, parent: QObject) -> None:
-        super().__init__(parent)
-        self._dots = dots
-        self._surface = surface
-        self._marks = marks
+    def __init__(self, surface: Surface, marks: Marks, dots: Dots) -> None:
+        self._surface, self._marks, self._dots = surface, marks, dots
         self._nudging = False
 
     def press(self, event: QKeyEvent) -> bool:
@@ -63,12 +47,12 @@ class Keys(QObject):
         selected = self._surface.session.selection
         if event.key() in (_KEY.Key_Return, _KEY.Key_Enter) and not event.modifiers():
             if selected:
-                self.activated.emit(selected[-1])
+                self._surface.activated.emit(selected[-1])
             elif self._marks.backdrop is not None:
-                self.title_wanted.emit(self._marks.backdrop.index)
+                self._surface.title_wanted.emit(self._marks.backdrop.index)
             return True
         if event.key() == _KEY.Key_Tab:
-            self.search_wanted.emit()
+            self._surface.search_wanted.emit(QPointF(*self._surface.cursor_point()))
             return True
         return False
 
@@ -134,7 +118,7 @@ class Keys(QObject):
         if start is None:  # nothing selected: the one nearest the middle
             middle = surface.view.visible_rect().center()
             nearest = min(
-                spots, key=lambda candidate: _far(spots[candidate] - middle), default=None
+                spots, key=lambda one: (spots[one] - middle).manhattanLength(), default=None
             )
         else:
             nearest = _next(spots, start, arrow)
@@ -160,7 +144,3 @@ def _next(
         if ahead > 1.0 and (best is None or cost < best[0]):
             best = (cost, candidate)
     return best[1] if best is not None else None
-
-
-def _far(way: QPointF) -> float:
-    return abs(way.x()) + abs(way.y())

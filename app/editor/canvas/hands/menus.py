@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
-from PySide6.QtCore import QObject, QPoint, Signal
+from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction, QContextMenuEvent
 from PySide6.QtWidgets import QMenu, QWidget
 
@@ -16,29 +16,15 @@ from app.editor.canvas.items.canvas_style import COLOUR, TINTS
 from app.editor.canvas.items.hits import Hit
 from app.editor.canvas.items.marks import Marks
 from app.editor.gestures import without_argument
-from core.editing.backdrops import change
+from core.editing.backdrops import change, remove
 from core.editing.operations import ABSENT, Rewire, Together, named, set_node_field
 
 
-class Menus(QObject):
-    """Pops menus up without blocking.
-
-    Signals
-    -------
-    title_wanted(index)
-        The backdrop's title is to be edited.
-    removal_wanted
-        The selected backdrop is to be taken away.
-    """
-
-    title_wanted = Signal(int)
-    removal_wanted = Signal()
+class Menus:
+    """Pops menus up without blocking."""
 
     def __init__(self, surface: Surface, marks: Marks, dots: Dots, parent: QWidget) -> None:
-        super().__init__(parent)
-        self._dots = dots
-        self._surface = surface
-        self._marks = marks
+        self._dots, self._surface, self._marks = dots, surface, marks
         self.node_menu = _menu("canvas.menu.node", parent)
         self.canvas_menu = _menu("canvas.menu.canvas", parent)
         self.wire_menu = _menu("canvas.menu.wire", parent)
@@ -59,7 +45,7 @@ class Menus(QObject):
         self._straighten.triggered.connect(partial(without_argument, dots.straighten))
         self._pos: QPoint | None = None
         self.backdrop_menu.addAction("&Edit Title").triggered.connect(self._edit_title)
-        self.backdrop_menu.addAction("&Delete Backdrop").triggered.connect(self.removal_wanted)
+        self.backdrop_menu.addAction("&Delete Backdrop").triggered.connect(self.delete_backdrop)
         self.backdrop_menu.addMenu(self._colours)
 
     def fill(self, node_actions: Sequence[QAction], canvas_actions: Sequence[QAction]) -> None:
@@ -68,6 +54,13 @@ class Menus(QObject):
             menu.clear()
             menu.addActions(list(actions))
         self.node_menu.addMenu(self._colours)
+
+    def delete_backdrop(self, *_: object) -> None:
+        """Take the selected backdrop away; the nodes on it stay."""
+        session, backdrop = self._surface.session, self._marks.backdrop
+        if backdrop is not None:
+            self._marks.choose(None, None)
+            session.do(remove(session.network, backdrop.index))
 
     def open(self, event: QContextMenuEvent) -> None:
         """Pop up the menu of what is under the pointer or, by the keyboard, what is selected."""
@@ -134,7 +127,7 @@ class Menus(QObject):
 
     def _edit_title(self) -> None:
         if self._marks.backdrop is not None:
-            self.title_wanted.emit(self._marks.backdrop.index)
+            self._surface.title_wanted.emit(self._marks.backdrop.index)
 
 
 def _menu(name: str, parent: QWidget) -> QMenu:

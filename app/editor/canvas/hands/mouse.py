@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from PySide6.QtCore import QObject, QPoint, QPointF, QRectF, QSizeF, Qt, Signal
+from PySide6.QtCore import QPoint, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QMouseEvent
 
 from app.editor.canvas.hands.adding import with_way_made
 from app.editor.canvas.hands.dots import Dots, DragDot
 from app.editor.canvas.hands.dropping import insertion_at
-from app.editor.canvas.hands.gestures import Cut, Gesture, Pan, RubberBand, Surface
+from app.editor.canvas.hands.gestures import Cut, Gesture, Pan, RubberBand, Surface, whole
 from app.editor.canvas.items.backdrop_item import SMALLEST, BackdropItem
 from app.editor.canvas.items.hits import Hit, node_at, port_near
 from app.editor.canvas.items.marks import Marks
@@ -28,47 +28,14 @@ _ALT, _SHIFT = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ShiftModifie
 _CTRL = Qt.KeyboardModifier.ControlModifier
 
 
-class Mouse(QObject):
-    """Begins gestures, leads them and ends them.
+class Mouse:
+    """Begins gestures, leads them and ends them. `dropped` is called for wires on empty ground."""
 
-    Parameters
-    ----------
-    surface : Surface
-        What it works with.
-    marks : Marks
-        The selected wire or backdrop, and what the pointer is over.
-    dots : Dots
-        What puts a dot on a wire.
-    dropped : callable
-        Called when a wire ends on empty ground.
-    parent : QObject
-        What owns it.
-
-    Signals
-    -------
-    activated(name)
-        A node was double-clicked.
-    search_wanted(pos)
-        Empty ground was double-clicked, at this pixel of the view.
-    title_wanted(index)
-        A backdrop's title was double-clicked.
-    """
-
-    activated = Signal(str)
-    search_wanted = Signal(QPoint)
-    title_wanted = Signal(int)
-
-    def __init__(
-        self, surface: Surface, marks: Marks, dots: Dots, dropped: Dropped, parent: QObject
-    ) -> None:
-        super().__init__(parent)
-        self._dots = dots
-        self._dropped = dropped
-        self._surface = surface
-        self._marks = marks
+    def __init__(self, surface: Surface, marks: Marks, dots: Dots, dropped: Dropped) -> None:
+        self._dots, self._dropped = dots, dropped
+        self._surface, self._marks = surface, marks
         self._gesture: Gesture | None = None
         self._button = Qt.MouseButton.NoButton
-        self.pos: QPoint | None = None
 
     @property
     def busy(self) -> bool:
@@ -77,38 +44,38 @@ class Mouse(QObject):
 
     def press(self, event: QMouseEvent) -> None:
         """Begin what begins there."""
-        self.pos = event.position().toPoint()
+        self._surface.pointer = event.position().toPoint()
         self._surface.view.setFocus(Qt.FocusReason.MouseFocusReason)
         if self._gesture is not None:
             return
         self._marks.hover(Hit())
-        self._gesture = self._begun(event, self.pos)
+        self._gesture = self._begun(event, event.position().toPoint())
         self._button = event.button()
 
     def move(self, event: QMouseEvent) -> None:
         """Go on with it, or mark what is under the pointer."""
-        self.pos = event.position().toPoint()
+        self._surface.pointer = pos = event.position().toPoint()
         if self._gesture is not None:
-            self._gesture.to(self.pos)
+            self._gesture.to(pos)
         elif event.buttons() == Qt.MouseButton.NoButton:
-            self._marks.hover(self._surface.hit(self._surface.view.scene_point(self.pos)))
+            self._marks.hover(self._surface.hit(self._surface.view.scene_point(pos)))
 
     def release(self, event: QMouseEvent) -> None:
         """End it."""
-        self.pos = event.position().toPoint()
+        self._surface.pointer = pos = event.position().toPoint()
         if self._gesture is not None and event.button() == self._button:
             gesture, self._gesture = self._gesture, None
-            gesture.release(self.pos)
+            gesture.release(pos)
 
     def cancel(self) -> None:
         """Give up what is under way."""
         if self._gesture is not None:
             gesture, self._gesture = self._gesture, None
-            gesture.cancel()
+            gesture.leave()
 
     def leave(self) -> None:
         """The pointer is elsewhere."""
-        self.pos = None
+        self._surface.pointer = None
         if self._gesture is None:
             self._marks.hover(Hit())
 
@@ -116,16 +83,16 @@ class Mouse(QObject):
         """Open what is there, or search for what could be."""
         if event.button() != _LEFT or self._gesture is not None:
             return
-        pos = event.position().toPoint()
-        hit = self._surface.hit(self._surface.view.scene_point(pos))
+        point = self._surface.view.scene_point(event.position())
+        hit = self._surface.hit(point)
         if hit.node is not None:
-            self.activated.emit(hit.node.id)
+            self._surface.activated.emit(hit.node.id)
         elif hit.backdrop is not None:
-            self.title_wanted.emit(hit.backdrop.index)
+            self._surface.title_wanted.emit(hit.backdrop.index)
         elif hit.wire is None:
-            self.search_wanted.emit(pos)
+            self._surface.search_wanted.emit(point)
         elif hit.dot is None:
-            self._dots.add_at(hit.wire, self._surface.view.scene_point(pos))
+            self._dots.add_at(hit.wire, point)
 
     def _begun(self, event: QMouseEvent, pos: QPoint) -> Gesture | None:
         surface, keys = self._surface, event.modifiers()
@@ -176,24 +143,18 @@ Dropped = Callable[[NodePort, Link | None, QPoint], None]
 class DragWire(Gesture):
     """Draw a wire from a port. At an input that has a wire, that one is picked up.
 
-    Parameters
-    ----------
-    surface : Surface
-        What it works with.
-    pos : QPoint
-        The pixel of the view that was pressed.
-    port : NodePort
-        The port that was pressed.
-    dropped : callable
-        Called if the wire ends on empty ground.
+    `dropped` is called if the wire ends on empty ground.
     """
 
     def __init__(self, surface: Surface, pos: QPoint, port: NodePort, dropped: Dropped) -> None:
         super().__init__(surface, pos)
-        self._carried = _wire_into(surface, port)
+        at_input = surface.content.wires_at(port.node.id) if port.face.side == "input" else ()
+        self._carried = next((wire for wire in at_input if wire.input_port is port), None)
         self._fixed: NodePort = self._carried.output_port if self._carried else port
         self._dropped = dropped
-        self._network = _without(surface.session.network, self._carried)
+        self._network = surface.session.network
+        if self._carried is not None:
+            self._network = Rewire(remove=(self._carried.link,)).apply(self._network)
         self._candidates: list[NodePort] = []
 
     def drag(self, pos: QPoint, point: QPointF) -> None:
@@ -288,35 +249,13 @@ def link_between(one: NodePort, other: NodePort) -> Link:
     return Link(output.node.id, output.name, entry.node.id, entry.name)
 
 
-def _wire_into(surface: Surface, port: NodePort) -> WireItem | None:
-    if port.face.side != "input":
-        return None
-    wires = surface.content.wires_at(port.node.id)
-    return next((wire for wire in wires if wire.input_port is port), None)
-
-
-def _without(network: Network, wire: WireItem | None) -> Network:
-    return network if wire is None else Rewire(remove=(wire.link,)).apply(network)
-
-
 # Moving nodes and backdrops with the mouse.
 
 
 class DragNodes(Gesture):
     """Move nodes, and a backdrop with what stands on it. One node on a wire is put into it.
 
-    Parameters
-    ----------
-    surface : Surface
-        What it works with.
-    pos : QPoint
-        The pixel of the view that was pressed.
-    names : iterable of str
-        The nodes to move.
-    backdrop : BackdropItem, optional
-        The backdrop to move.
-    grabbed : str
-        The node under the pointer; a mere click selects it alone.
+    `grabbed` is the node under the pointer; a mere click selects it alone.
     """
 
     def __init__(
@@ -349,7 +288,7 @@ class DragNodes(Gesture):
         by = point - self.start
         session = self.surface.session
         places = {name: at + by for name, at in self._from.items()}
-        moving = Move({name: _whole(at) for name, at in places.items()})
+        moving = Move({name: whole(at) for name, at in places.items()})
         operation = moved_with_dots(session.network, moving)
         if self._backdrop is not None:
             frame = self._frame.translated(by)
@@ -419,18 +358,13 @@ def moved_together(
 ) -> Operation:
     """Move a backdrop, and nodes with it."""
     moved = change(network, backdrop.index, backdrop_at(backdrop.shown, frame))
-    whole = {name: _whole(at) for name, at in places.items()}
-    moving = moved_with_dots(network, Move(whole))
+    moving = moved_with_dots(network, Move({name: whole(at) for name, at in places.items()}))
     return Together((moved, moving), f"Move {backdrop.title or 'backdrop'}")
 
 
 def backdrop_at(backdrop: Backdrop, frame: QRectF) -> Backdrop:
     """The backdrop with this frame, in whole units."""
-    x, y = _whole(frame.topLeft())
+    x, y = whole(frame.topLeft())
     size = frame.size().expandedTo(SMALLEST)
     width, height = float(round(size.width())), float(round(size.height()))
     return replace(backdrop, x=x, y=y, width=width, height=height)
-
-
-def _whole(point: QPointF) -> tuple[float, float]:
-    return float(round(point.x())), float(round(point.y()))

@@ -11,11 +11,11 @@ from PySide6.QtWidgets import QGraphicsScene
 from app.editor.canvas.items.backdrop_item import BackdropItem, rect_of
 from app.editor.canvas.items.canvas_style import CanvasStyle, face_of
 from app.editor.canvas.items.node_item import NodeItem
-from app.editor.canvas.items.routing import Ground, hull_of, overlap
+from app.editor.canvas.items.routing import Ground, overlap
 from app.editor.canvas.items.wire_item import DOT_RADIUS, WireItem
 from app.editor.evaluation.queries import Badge
 from core.editing.backdrops import Backdrop, backdrops_of
-from core.editing.layout import Point, is_in_reach
+from core.editing.layout import Point, hull, is_in_reach
 from core.editing.wire_dots import dots_of
 from core.modules.declaration import Library
 from core.network.macro import SEPARATOR, declared_node
@@ -159,7 +159,7 @@ class Content:
         whole, there = QRectF(), self._ground.boxes
         boxes = [*there.values()] if names is None else [there[n] for n in names if n in there]
         if boxes:
-            left, top, right, bottom = hull_of(boxes)
+            left, top, right, bottom = hull(boxes)
             whole = QRectF(left, top, right - left, bottom - top)
         for backdrop in self.backdrops if names is None else ():
             whole = whole.united(backdrop.frame())

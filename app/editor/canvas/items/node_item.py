@@ -21,8 +21,8 @@ from app.editor.canvas.items.canvas_style import (
     label_room,
 )
 from app.editor.canvas.items.nodegraphqt import AbstractNodeItem
-from app.editor.canvas.items.routing import Box
 from app.editor.evaluation.queries import Badge, BadgeKind
+from core.editing.layout import Box
 
 OVERVIEW = 0.62  # of the natural zoom: below, port names cannot be read
 _ROUND = 5.0

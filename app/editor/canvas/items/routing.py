@@ -10,7 +10,8 @@ from typing import NamedTuple
 from PySide6.QtCore import QPointF
 from PySide6.QtGui import QPainterPath
 
-Box = tuple[float, float, float, float]  # left, top, right, bottom
+from core.editing.layout import Box, hull
+
 Spot = tuple[float, float]
 
 _LEAVE = 32.0  # units across in which a wire changes to its lane: less than the gap of columns
@@ -140,13 +141,7 @@ class Ground:
         )
 
     def _change(self, box: Box) -> None:
-        self.changed = hull_of([self.changed or box, box])
-
-
-def hull_of(boxes: Sequence[Box]) -> Box:
-    """The smallest box that holds all of these, of which there is one."""
-    left, top, right, bottom = zip(*boxes, strict=True)
-    return min(left), min(top), max(right), max(bottom)
+        self.changed = hull([self.changed or box, box])
 
 
 def overlap(one: Box, other: Box) -> bool:

@@ -14,7 +14,8 @@ from PySide6.QtWidgets import (
 
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.node_item import NodePort
-from app.editor.canvas.items.routing import Box, Ground, course_of, dotted_path, wire_path
+from app.editor.canvas.items.routing import Ground, course_of, dotted_path, wire_path
+from core.editing.layout import Box
 from core.network.network import Link
 
 Z_WIRE, Z_LIT, Z_LIVE = -1.0, -0.5, 5.0

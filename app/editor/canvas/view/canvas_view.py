@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from PySide6.QtCore import QEvent, QLineF, QPoint, QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import (
@@ -44,47 +45,27 @@ def by_fingers(event: QWheelEvent) -> bool:
     return touchpad or event.phase() != Qt.ScrollPhase.NoScrollPhase
 
 
-class Handler(Protocol):
-    """Handler of the view's events; see `Handling`."""
+@dataclass(frozen=True)
+class Handler:
+    """What is done with the view's events."""
 
-    def wants_key(self, event: QKeyEvent) -> bool:
-        """Whether a key is for a gesture under way, and no shortcut."""
-
-    def key(self, event: QKeyEvent) -> bool:
-        """Handle a key; whether it was for the canvas."""
-
-    def key_released(self, event: QKeyEvent) -> None:
-        """Handle a key release."""
-
-    def press(self, event: QMouseEvent) -> None:
-        """Handle a button that goes down."""
-
-    def move(self, event: QMouseEvent) -> None:
-        """Handle the pointer."""
-
-    def release(self, event: QMouseEvent) -> None:
-        """Handle a button that goes up."""
-
-    def double_click(self, event: QMouseEvent) -> None:
-        """Handle a double click."""
-
-    def interrupted(self) -> None:
-        """Handle a dialog that has opened, behind which no button's release arrives."""
-
-    def leave(self) -> None:
-        """Handle a pointer that has left."""
-
-    def menu(self, event: QContextMenuEvent) -> None:
-        """Open the menu that belongs there."""
-
-    def drag_over(self, event: QDragMoveEvent) -> bool:
-        """Whether what is dragged from elsewhere can be dropped there."""
-
-    def drag_left(self) -> None:
-        """Handle a drag that has left."""
-
-    def drop(self, event: QDropEvent) -> bool:
-        """Take what is dropped; whether it was taken."""
+    press: Callable[[QMouseEvent], None]
+    move: Callable[[QMouseEvent], None]
+    release: Callable[[QMouseEvent], None]
+    double_click: Callable[[QMouseEvent], None]
+    leave: Callable[[], None]
+    interrupted: Callable[[], None]
+    """A dialog has opened, behind which no button's release arrives."""
+    wants_key: Callable[[QKeyEvent], bool]
+    """Whether a key is for a gesture under way, and no shortcut."""
+    key: Callable[[QKeyEvent], bool]
+    """Whether a key was for the canvas."""
+    key_released: Callable[[QKeyEvent], None]
+    menu: Callable[[QContextMenuEvent], None]
+    drag_over: Callable[[QDropEvent], bool]
+    """Whether what is dragged from elsewhere can be dropped there."""
+    drag_left: Callable[[], None]
+    drop: Callable[[QDropEvent], bool]
 
 
 class GraphView(NodeViewer):
