@@ -46,8 +46,7 @@ if TYPE_CHECKING:
     )
     from core.modules.panel_sections import Caution
     from imagechain import modules
-    from imagechain.building.chain import Chain, networks, open
-    from imagechain.building.chain_node import ChainNode
+    from imagechain.building.chain import Chain, ChainNode, networks, open
     from imagechain.building.chain_study import study
     from imagechain.building.fitted_chain import FittedChain, fit
     from imagechain.building.measure_pictures import measure
@@ -115,7 +114,7 @@ _PLACES = {
     ),
     "Caution": "core.modules.panel_sections",
     "Chain": "imagechain.building.chain",
-    "ChainNode": "imagechain.building.chain_node",
+    "ChainNode": "imagechain.building.chain",
     "CurveData": "core.chain.results",
     "Expression": "imagechain.parts.module_part",
     "FittedChain": "imagechain.building.fitted_chain",

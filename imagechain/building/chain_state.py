@@ -15,7 +15,7 @@ from app.run.output import find_output
 from app.run.own_scene import OwnScene, with_own_scene
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.editing.links import declared, reached_from
-from core.editing.macros import Inside
+from core.editing.macros import at_level
 from core.editing.operations import (
     ABSENT,
     Add,
@@ -23,6 +23,7 @@ from core.editing.operations import (
     Placed,
     Remove,
     Rename,
+    Rewire,
     fresh_name,
     set_parameter,
 )
@@ -39,7 +40,7 @@ from core.network.network import Link, Network, Node
 from core.network.validation import NetworkProblems, check_network, plain_network
 from imagechain.parts.module_part import Part, file_value
 from imagechain.parts.plain_errors import block, table
-from imagechain.results.run_options import current_folder, whole_path
+from imagechain.results.run_options import current_folder
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.source_file import HeldSamples
 
@@ -143,16 +144,9 @@ class ChainState:
             if name == "path":
                 samples.pop(node, None)
         raw = file_value(declared, name, None if value is ABSENT else value, node=node)
-        operation = set_parameter(
-            path_of(self.network, node)[-1], name, ABSENT if value is ABSENT else raw
-        )
-        return replace(self._done(node, operation), samples=samples, given=given)
-
-    def _done(self, node: str, operation: Operation) -> ChainState:
-        """With an operation on a node carried out where the node lies."""
-        for macro in reversed(path_of(self.network, node)[:-1]):
-            operation = Inside(macro, operation)
-        return self.done(operation)
+        *macros, own = path_of(self.network, node)
+        operation = set_parameter(own, name, ABSENT if value is ABSENT else raw)
+        return replace(self.done(at_level(tuple(macros), operation)), samples=samples, given=given)
 
     def done(self, operation: Operation) -> ChainState:
         """With an operation on the network carried out."""
@@ -166,8 +160,11 @@ class ChainState:
             raise NetworkError(no_module(part.module, library))
         if after is not None:
             self.network.node(after)
-        wanted = name if name is not None else part.name
-        id_ = node_name(name, wanted or local_key(part.module), self.network)
+        id_ = name
+        if id_ is None:
+            id_ = fresh_name(part.name or local_key(part.module), self.network.nodes)
+        elif id_ in self.network.nodes:
+            raise NetworkError(f"there is a node {shown(id_)} already")
         declared = declared_node(Node(id_, part.module, macro=part.inside), library)
         assert declared is not None
         paths = {parameter.name for parameter in declared.parameters if parameter.kind == "path"}
@@ -301,12 +298,6 @@ def _is_of(planned: PlannedNode, samples: HeldSamples) -> bool:
     return isinstance(recipe, Step) and dict(recipe.parameters).get("held") is samples
 
 
-def opened_state(network: Network, file: Path) -> ChainState:
-    """The state of a chain that has been read from a file."""
-    path = whole_path(file)
-    return ChainState(network, path.parent, path, order=tuple(network.nodes))
-
-
 # Adding a node to a chain: where it goes on from, and its other wires.
 
 _BESIDE = ("context", "pupil", "magnitude", "phase")
@@ -321,20 +312,10 @@ def added(
     after: str | None,
     wired: bool,
 ) -> Network:
-    """The network with a node, wired.
+    """The network with a node of a module in the library, wired.
 
-    Parameters
-    ----------
-    network, library
-        Where it is added.
-    node : Node
-        The node, of a module in the library.
-    order : sequence of str
-        The nodes as they were added, the last one last.
-    after : str, optional
-        The node to go on from; if not given, the one added last that has what the module takes.
-    wired : bool
-        Whether it is wired at all.
+    It goes on from the node `after`; if none is given, from the one added last that has what the
+    module takes. `order` has the nodes as they were added, the last one last.
 
     Raises
     ------
@@ -343,10 +324,14 @@ def added(
     """
     taken = declared_node(node, library)
     assert taken is not None
-    if not wired or not network.nodes or (after is None and not taken.inputs):
-        return Add((Placed(node),)).apply(network)
     grown = Add((Placed(node),)).apply(network)
-    wiring = _wiring(grown, library, node.id, order, after)
+    if not wired or not network.nodes or (after is None and not taken.inputs):
+        return grown
+    if after is not None:
+        wiring = wires_behind(grown, library, after, node.id)
+    else:
+        every = (wires_from_open_end(grown, library, one, node.id) for one in reversed(order))
+        wiring = next((found for found in every if found is not None), None)
     if wiring is None and taken.inputs:
         kinds = " or ".join(dict.fromkeys(kind for port in taken.inputs for kind in port.types))
         where = f"{shown(after)} gives" if after is not None else "the chain's nodes give"
@@ -356,15 +341,6 @@ def added(
         )
     # A module that takes nothing, and that nothing waits for, begins something of its own.
     return grown if wiring is None else _completed(wiring.apply(grown), library, node.id, order)
-
-
-def _wiring(
-    network: Network, library: Library, name: str, order: Sequence[str], after: str | None
-) -> Operation | None:
-    if after is not None:
-        return wires_behind(network, library, network.node(after).id, name)
-    every = (wires_from_open_end(network, library, one, name) for one in reversed(order))
-    return next((wiring for wiring in every if wiring is not None), None)
 
 
 def _completed(network: Network, library: Library, name: str, order: Sequence[str]) -> Network:
@@ -382,24 +358,7 @@ def _completed(network: Network, library: Library, name: str, order: Sequence[st
         if ends:
             nearest = max(ends, key=lambda end: place.get(end[0], -1))
             links.append(Link(*nearest, name, port.name))
-    if not links:
-        return network
-    return Add((), tuple(links)).apply(network)
-
-
-def node_name(wanted: str | None, module: str, network: Network) -> str:
-    """The name of a new node: the one that is wanted, else the module's, with a number if need be.
-
-    Raises
-    ------
-    NetworkError
-        If the one that is wanted is taken.
-    """
-    if wanted is None:
-        return fresh_name(module, network.nodes)
-    if wanted in network.nodes:
-        raise NetworkError(f"there is a node {shown(wanted)} already")
-    return wanted
+    return Rewire(add=tuple(links)).apply(network)
 
 
 # What is wrong with a chain, without computing it.
