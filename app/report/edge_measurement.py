@@ -40,7 +40,7 @@ from nodes.analysis.mtf_measuring import (
 )
 from nodes.detector.focal_plane import FocalPlane
 from nodes.detector.spectral_response import SpectralResponse
-from nodes.scenes.scene_targets import slanted_edge
+from nodes.scenes.scene_targets import draw_target
 
 Array = NDArray[Any]
 Vector = NDArray[np.float64]
@@ -198,7 +198,8 @@ def edge_drawn(work: Work, scene: Array, *, width: int, height: int, angle_deg: 
     low, high = float(scene.min()), float(scene.max())
     if low == high:
         high = low + (0.1 * abs(low) or 1.0)
-    return slanted_edge(
+    return draw_target(
+        "slanted_edge",
         width=width,
         height=height,
         background=low,

@@ -19,19 +19,24 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.size_limits import oversized
-from nodes.scenes import draw_scene, draw_shares, in_two_steps, with_radiance
 from nodes.scenes.coverage import Kind
-from nodes.scenes.draw import draw_radiances
-from nodes.scenes.scene_in_bands import (
+from nodes.scenes.draw import (
+    GEOMETRY,
+    Shares,
     Spectra,
     band_edges,
+    draw_radiances,
+    draw_scene,
+    draw_shares,
     drawn_means,
+    in_two_steps,
+    scene_radiances,
     scene_spectra,
+    show_radiances,
     shown_means,
     weighted,
 )
 from nodes.scenes.spectral_surfaces import Emissivity
-from nodes.scenes.two_steps import GEOMETRY, Shares, show_radiances
 from nodes.shared.module_ports import ImageOutput
 
 SIZE = ("kind", "width", "height")
@@ -156,7 +161,7 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
         """How it is drawn: what does not depend on temperatures is a step of its own."""
         sources = self._named(*SOURCES)
         if (shares := self._shares(here)) is not None:
-            return here.step(shown, shares, **sources)
+            return here.step(shown, shares, kind=self.kind, **sources)
         return here.step(drawn, **self._named(*DRAWING), **sources)
 
     def _stack(self, here: NodeContext) -> SceneBands:
@@ -197,7 +202,7 @@ def drawn(work: Work, **values: Any) -> NDArray[np.floating]:
 @source_step(area_means=True)
 def shown(work: Work, shares: Shares, **values: Any) -> NDArray[np.floating]:
     """The scene's samples from the shares of its surfaces."""
-    return with_radiance(shares, for_each=work.for_each, **values)
+    return show_radiances(shares, scene_radiances(**values), work.for_each)
 
 
 # The spectral bands of a test scene: their sums are drawn, never a cube.
@@ -227,7 +232,7 @@ class SceneBands(BandStack):
         sources: dict[str, Any],
         node: str,
     ) -> SceneBands:
-        """Bands of equal width; `sources` as `nodes.scenes.scene_in_bands.scene_spectra` takes."""
+        """Bands of equal width; `sources` as `scene_spectra` takes."""
         ends = {name: sources[name] for name in ("cut_on_um", "cut_off_um")}
         edges = band_edges(**ends, bands=bands)
         centres, widths = (edges[1:] + edges[:-1]) / 2.0, np.diff(edges)

@@ -1,8 +1,13 @@
-"""One entry to every test scene."""
+"""Every test scene: drawn at once, or as the shares of its surfaces; in one band or in many.
+
+A scene is Σ_k a_k(x, y)·s_k(λ), with the shares a_k of its surfaces and textures and their spectra
+s_k, so that no band need be drawn by itself and no cube is ever in memory.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -10,99 +15,82 @@ import numpy.typing as npt
 
 from core.machine import ForEach, in_turn
 from core.scratch import Empty
-from nodes.scenes import scene_targets as targets
-from nodes.scenes.coverage import (
-    Mix,
-    Radiances,
-    between,
-    check_frame,
-    check_geometry,
-    check_radiometry,
-    difference,
+from nodes.scenes.airfield import airfield
+from nodes.scenes.coverage import FloatArray, Radiances
+from nodes.scenes.dormitory import dormitory
+from nodes.scenes.scene_canvas import with_textures
+from nodes.scenes.scene_layers import Layers, layers_of, mean_shares
+from nodes.scenes.scene_targets import draw_target
+from nodes.scenes.spectral_surfaces import (
+    Emissivity,
+    surface_radiance,
+    surface_spectra,
+    target_radiance,
+    target_spectra,
 )
-from nodes.scenes.grounds import dormitory
-from nodes.scenes.scene_canvas import Drawing
-from nodes.scenes.spectral_surfaces import surface_radiance, target_radiance
-from nodes.scenes.texture import GOLDEN_STEPS, mottle, scatter
 
-DRAWN = ("dormitory", "airfield")
+DRAWN = {"dormitory": dormitory, "airfield": airfield}
 """Scenes of many surfaces; all others are a black target on a black background."""
+
+MOST_SAMPLES = 1280 * 1024
+"""Larger scenes are drawn at once."""
+
+GEOMETRY: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "dormitory": (),
+        "airfield": (),
+        "slanted_edge": ("angle_deg",),
+        "siemens_star": ("frequency",),
+    }
+)
+"""Scenes drawn in two steps, and the parameters beside the size that place their surfaces."""
+
+Shares = Layers | npt.NDArray[np.floating]
+"""Of every surface, or of the signal against the background."""
+
+Spectra = Mapping[str, FloatArray]
+"""Of every surface and texture, or of background and signal: (bands,), W m⁻² sr⁻¹ µm⁻¹."""
+
+
+def scene_radiances(*, kind: str, **sources: float) -> Radiances:
+    """Radiance of each of a scene's surfaces, or of background and signal; see `draw_scene`."""
+    if kind in DRAWN:
+        return surface_radiance(**sources)
+    return dict(zip(("background", "signal"), target_radiance(**sources), strict=True))
 
 
 def draw_scene(
     *,
     kind: str,
-    width: int,
-    height: int,
     cut_on_um: float,
     cut_off_um: float,
     temperature_K: float,
     delta_K: float,
-    angle_deg: float,
-    frequency: float,
-    dtype: npt.DTypeLike,
-    for_each: ForEach = in_turn,
-    empty: Empty = np.empty,
+    **drawing: Any,
 ) -> npt.NDArray[np.floating]:
-    """Band radiance of a test scene, averaged over each sample's area.
+    """Band radiance of a test scene, averaged over each sample's area [W m⁻² sr⁻¹].
 
     Parameters
     ----------
     kind : str
         One of `KINDS`.
-    width, height : int
-        Samples across and down, 1 to 65536.
     cut_on_um, cut_off_um : float
         Band [µm].
     temperature_K, delta_K : float
         Background [K] and how much warmer the target is [K]. All targets are black; the
         dormitory and the airfield have surfaces of many temperatures and emissivities, in steps
         of delta_K.
-    angle_deg : float
-        Direction from +x towards +y: the normal of the slanted edge, and along which the
-        sinusoid varies [deg].
-    frequency : float
-        Cycles across the frame's width (sine) or shorter side (coarsest four-bar target), or
-        the number of spokes (siemens_star).
-    dtype : dtype
-        float32 or float64; the sums are in double either way.
-    for_each : callable
-        Draws some rows at a time, perhaps in threads.
-    empty : callable
-        Makes the array to be filled in, perhaps on disk.
-
-    Returns
-    -------
-    ndarray, shape (height, width)
-        Radiance [W m⁻² sr⁻¹].
+    **drawing
+        As for `draw_radiances`.
     """
-    sources = {
-        "cut_on_um": cut_on_um,
-        "cut_off_um": cut_off_um,
-        "temperature_K": temperature_K,
-        "delta_K": delta_K,
-    }
-    check_radiometry(**sources)
-    if kind in DRAWN:
-        radiances = surface_radiance(**sources)
-    else:
-        radiances = dict(zip(("background", "signal"), target_radiance(**sources), strict=True))
-    return draw_radiances(
-        radiances,
+    radiances = scene_radiances(
         kind=kind,
-        width=width,
-        height=height,
-        angle_deg=angle_deg,
-        frequency=frequency,
-        dtype=dtype,
-        for_each=for_each,
-        empty=empty,
+        cut_on_um=cut_on_um,
+        cut_off_um=cut_off_um,
+        temperature_K=temperature_K,
+        delta_K=delta_K,
     )
-
-
-def drawing_of(kind: str) -> Drawing:
-    """The strokes of one of `DRAWN`."""
-    return dormitory() if kind == "dormitory" else airfield()
+    return draw_radiances(radiances, kind=kind, **drawing)
 
 
 def draw_radiances(
@@ -117,232 +105,151 @@ def draw_radiances(
     for_each: ForEach = in_turn,
     empty: Empty = np.empty,
 ) -> npt.NDArray[np.floating]:
-    """A test scene of these radiances; the other parameters are those of `draw_scene`.
+    """A test scene of these radiances.
 
     Parameters
     ----------
     radiances : mapping of str to float
         Of every surface, of those in `DRAWN`, and perhaps the strengths of their textures; else of
         `background` and `signal`. The picture is linear in all of them.
+    width, height : int
+        Samples across and down.
+    angle_deg : float
+        Direction from +x towards +y: the normal of the slanted edge, and along which the
+        sinusoid varies [deg].
+    frequency : float
+        Cycles across the frame's width (sine) or shorter side (coarsest four-bar target), or
+        the number of spokes (siemens_star).
+    dtype : dtype
+        float32 or float64; the sums are in double either way.
+    for_each, empty : callable
+        Draws some rows at a time, perhaps in threads; makes the array, perhaps on disk.
     """
-    kind_dtype = check_frame(kind, width, height, dtype)
-    check_geometry(angle_deg=angle_deg, frequency=frequency)
-    if kind in DRAWN:
-        return drawing_of(kind).render(
-            radiances,
-            width=width,
-            height=height,
-            dtype=kind_dtype,
-            for_each=for_each,
-            empty=empty,
-        )
-    background, signal = radiances["background"], radiances["signal"]
-    size: dict[str, Any] = {"width": width, "height": height, "dtype": kind_dtype, "empty": empty}
-    two: dict[str, Any] = {"background": background, "signal": signal}
-    draw: dict[str, Callable[[], targets.Picture]] = {
-        "uniform": lambda: targets.uniform(**size, background=background),
-        "point": lambda: targets.point(**size, **two),
-        "two_panel": lambda: targets.two_panel(**size, **two),
-        "slanted_edge": lambda: targets.slanted_edge(
-            **size, **two, angle_deg=angle_deg, for_each=for_each
-        ),
-        "sine": lambda: targets.sine(
-            **size, **two, angle_deg=angle_deg, frequency=frequency, for_each=for_each
-        ),
-        "siemens_star": lambda: targets.siemens_star(
-            **size, **two, frequency=frequency, for_each=for_each
-        ),
-        "four_bar": lambda: targets.four_bar(**size, **two, frequency=frequency),
+    how: dict[str, Any] = {
+        "width": width,
+        "height": height,
+        "dtype": dtype,
+        "for_each": for_each,
+        "empty": empty,
     }
-    return draw[kind]()
+    if kind in DRAWN:
+        return DRAWN[kind]().render(radiances, **how)
+    two: dict[str, Any] = {name: radiances[name] for name in ("background", "signal")}
+    return draw_target(kind, **two, angle_deg=angle_deg, frequency=frequency, **how)
 
 
-# A wide scene for cameras that look down: an airfield among fields, woods and straight roads.
+# In two steps: where each surface is seen, which is kept, then how bright they are.
 #
-# Roads and runway are straight and lie askew, so that a camera's distortion shows. Drawn from
-# continuous coordinates, 0 to 1 in x and y: thought of as 2 km square, 0.01 is 20 m.
-
-Place = tuple[float, float]
-
-FIELDS = (
-    # left, top, right, low, from lawn to bare soil
-    (0.00, 0.00, 0.17, 0.23, 0.35),
-    (0.17, 0.00, 0.40, 0.14, 0.12),
-    (0.63, 0.00, 0.82, 0.12, 0.30),
-    (0.00, 0.40, 0.10, 0.66, 0.20),
-    (0.84, 0.50, 1.00, 0.74, 0.28),
-    (0.58, 0.86, 0.78, 1.00, 0.40),
-    (0.30, 0.90, 0.58, 1.00, 0.15),
-)
-WOODS = (
-    # x, y, radius, trees, seed
-    (0.52, 0.08, 0.075, 260, 701),
-    (0.08, 0.31, 0.060, 180, 711),
-    (0.93, 0.86, 0.080, 300, 721),
-    (0.13, 0.93, 0.060, 180, 731),
-    (0.94, 0.40, 0.045, 110, 741),
-)
-RUNWAY = ((0.10, 0.66), (0.72, 0.16))
-TAXIWAY = ((0.16, 0.70), (0.80, 0.184))
-ROADS = (
-    # where from, where to, width
-    ((-0.02, 0.10), (1.02, 0.98), 0.0060),
-    ((-0.02, 0.905), (1.02, 0.025), 0.0060),
-    ((0.79, -0.02), (0.47, 1.02), 0.0045),
-    ((0.205, -0.02), (0.205, 1.02), 0.0035),
-    ((-0.02, 0.795), (1.02, 0.795), 0.0035),
-)
+# An edit of a temperature then takes a small part of the drawing's time. Scenes that are drawn as
+# fast as that are drawn at once. So are large ones: their shares would take much memory, about 20
+# bytes a sample in single precision, and twice the time of a picture that is looked at only once.
 
 
-def airfield() -> Drawing:
-    """Compose the scene of the surfaces in `materials`."""
-    drawing = Drawing("lawn")
-    _fields(drawing)
-    drawing.paint_ellipse("shade", 0.885, 0.215, 0.063, 0.046)
-    drawing.paint_ellipse("water", 0.885, 0.215, 0.059, 0.042)
-    for start, end, width in ROADS:
-        _strip(drawing, "kerb", start, end, 1.5 * width)
-        _strip(drawing, "asphalt", start, end, width)
-    _runway(drawing)
-    _hangars(drawing)
-    _village(drawing)
-    for x, y, radius, trees, seed in WOODS:
-        _wood(drawing, x, y, radius, trees, seed)
-    _traffic(drawing)
-    return drawing
+def in_two_steps(*, kind: str, width: int, height: int) -> bool:
+    """Whether a scene is drawn so."""
+    return kind in GEOMETRY and width * height <= MOST_SAMPLES
 
 
-def _fields(drawing: Drawing) -> None:
-    for left, top, right, low, share in FIELDS:
-        drawing.paint_box("shade", left, top, right, low)
-        drawing.paint_box(between("lawn", "soil", share), left, top, right - 0.002, low - 0.002)
-    nearer = difference("lawn_near", "lawn")
-    for coarse, fine, amplitude, seed in ((2.0, 16.0, 0.5, 751), (30.0, 300.0, 0.35, 761)):
-        mottle(
-            drawing,
-            box=(0.0, 0.0, 1.0, 1.0),
-            amplitude={name: amplitude * part for name, part in nearer.items()},
-            limit=0.4,
-            surfaces=("lawn", "lawn_near", "shade"),
-            coarse=coarse,
-            fine=fine,
-            stretch=1.0,
-            count=20,
-            seed=seed,
+def draw_shares(
+    *,
+    kind: str,
+    width: int,
+    height: int,
+    dtype: npt.DTypeLike,
+    for_each: ForEach = in_turn,
+    **geometry: Any,
+) -> Shares:
+    """Share of each sample's area that shows each surface; `geometry` is what `GEOMETRY` names."""
+    if kind in DRAWN:
+        return layers_of(DRAWN[kind](), width=width, height=height, dtype=dtype)
+    size: dict[str, Any] = {"width": width, "height": height, "dtype": dtype, "for_each": for_each}
+    return draw_target(kind, **size, background=0.0, signal=1.0, **geometry)
+
+
+def show_radiances(
+    shares: Shares, radiances: Radiances, for_each: ForEach = in_turn
+) -> npt.NDArray[np.floating]:
+    """The picture of these radiances, as `draw_radiances`, but for rounding."""
+    if isinstance(shares, Layers):
+        return shares.picture(radiances, for_each)
+    background, signal = radiances["background"], radiances["signal"]
+    picture: npt.NDArray[np.floating] = shares * (signal - background)
+    picture += background
+    return picture
+
+
+# In bands of wavelength: each sum of bands is the scene of the surfaces' sums.
+
+
+def band_edges(*, cut_on_um: float, cut_off_um: float, bands: int) -> FloatArray:
+    """Where so many bands of equal width end, (bands + 1,) [µm]."""
+    return np.linspace(cut_on_um, cut_off_um, bands + 1)
+
+
+def scene_spectra(
+    *,
+    kind: str,
+    cut_on_um: float,
+    cut_off_um: float,
+    bands: int,
+    temperature_K: float,
+    delta_K: float,
+    emissivity: Emissivity,
+    sun_elevation_deg: float,
+) -> dict[str, FloatArray]:
+    """Spectra of all that a scene is made of, in so many bands of equal width.
+
+    A texture's strength follows in every band from the radiances there, as it does without bands
+    from those of the whole band. `emissivity` and `sun_elevation_deg`, as for `surface_spectra`,
+    change nothing in the scenes of black targets.
+    """
+    kelvins = {"temperature_K": temperature_K, "delta_K": delta_K}
+    edges = band_edges(cut_on_um=cut_on_um, cut_off_um=cut_off_um, bands=bands)
+    if kind not in DRAWN:
+        background, signal = target_spectra(edges_um=edges, **kelvins)
+        return {"background": background, "signal": signal}
+    spectra = surface_spectra(
+        edges_um=edges, emissivity=emissivity, sun_elevation_deg=sun_elevation_deg, **kelvins
+    )
+    textures = DRAWN[kind]().textures
+    rows = [
+        with_textures({name: float(values[band]) for name, values in spectra.items()}, textures)
+        for band in range(bands)
+    ]
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def weighted(spectra: Spectra, weights: tuple[float, ...]) -> Radiances:
+    """Weighted sum of the bands of each."""
+    factors = np.array(weights)
+    return {name: float(values @ factors) for name, values in spectra.items()}
+
+
+def shown_means(shares: Shares, spectra: Spectra) -> FloatArray:
+    """Mean of every band of a scene whose shares are known, (bands,)."""
+    if isinstance(shares, Layers):
+        return _mean_spectrum(shares.names, shares.means(), spectra)
+    return _mean_of_targets(float(np.mean(shares, dtype=np.float64)), spectra)
+
+
+def drawn_means(
+    spectra: Spectra, *, kind: str, width: int, height: int, **how: Any
+) -> npt.NDArray[np.float64]:
+    """The same of a scene that is drawn anew, with the parameters of `draw_radiances`."""
+    if kind in DRAWN:
+        drawing = DRAWN[kind]()
+        return _mean_spectrum(
+            drawing.names, mean_shares(drawing, width=width, height=height), spectra
         )
+    levels = {"background": 0.0, "signal": 1.0}
+    share = draw_radiances(levels, kind=kind, width=width, height=height, **how)
+    return _mean_of_targets(float(np.mean(share, dtype=np.float64)), spectra)
 
 
-def _strip(drawing: Drawing, surface: Mix | str, start: Place, end: Place, width: float) -> None:
-    """A straight strip between two places, with ends along x, or along y where it is level."""
-    (x0, y0), (x1, y1) = (start, end) if start[1] <= end[1] else (end, start)
-    length = float(np.hypot(x1 - x0, y1 - y0))
-    if y1 == y0:
-        drawing.paint_box(surface, min(x0, x1), y0 - 0.5 * width, max(x0, x1), y0 + 0.5 * width)
-        return
-    reach = 0.5 * width * length / (y1 - y0)
-    drawing.paint_trapezoid(
-        surface,
-        top=y0,
-        low=y1,
-        top_span=(x0 - reach, x0 + reach),
-        low_span=(x1 - reach, x1 + reach),
-    )
+def _mean_spectrum(names: tuple[str, ...], shares: FloatArray, spectra: Spectra) -> FloatArray:
+    return np.asarray(shares @ np.array([spectra[name] for name in names]))
 
 
-def _between(line: tuple[Place, Place], share: float) -> Place:
-    (x0, y0), (x1, y1) = line
-    return x0 + share * (x1 - x0), y0 + share * (y1 - y0)
-
-
-def _runway(drawing: Drawing) -> None:
-    """Runway with its marks, taxiway and what joins them."""
-    _strip(drawing, "asphalt", *TAXIWAY, 0.010)
-    for share in (0.03, 0.35, 0.65, 0.97):
-        _strip(drawing, "asphalt", _between(RUNWAY, share), _between(TAXIWAY, share), 0.009)
-    _strip(drawing, "kerb", *RUNWAY, 0.026)
-    _strip(drawing, "concrete", *RUNWAY, 0.022)
-    for share in np.arange(0.06, 0.93, 0.035).tolist():
-        ends = (_between(RUNWAY, share), _between(RUNWAY, share + 0.018))
-        _strip(drawing, "marking", *ends, 0.0016)
-    for share in (0.012, 0.962):
-        for aside in (-0.0085, -0.0051, -0.0017, 0.0017, 0.0051, 0.0085):
-            first, last = _between(RUNWAY, share), _between(RUNWAY, share + 0.026)
-            along = np.subtract(RUNWAY[1], RUNWAY[0]) / np.hypot(*np.subtract(*RUNWAY))
-            off_x, off_y = -aside * along[1], aside * along[0]
-            _strip(
-                drawing,
-                "marking",
-                (first[0] + off_x, first[1] + off_y),
-                (last[0] + off_x, last[1] + off_y),
-                0.0018,
-            )
-
-
-def _hangars(drawing: Drawing) -> None:
-    """Apron with hangars and parked aircraft."""
-    drawing.paint_box("paving", 0.60, 0.37, 0.80, 0.50)
-    for number, left in enumerate((0.615, 0.670, 0.725)):
-        drawing.paint_box("shade", left + 0.008, 0.46, left + 0.050, 0.506)
-        drawing.paint_box("roof" if number % 2 else "slab", left, 0.453, left + 0.042, 0.498)
-        drawing.paint_box("metal", left + 0.019, 0.453, left + 0.023, 0.498)
-    for number, x in enumerate((0.632, 0.668, 0.704, 0.740)):
-        y, hull = 0.405, "car_cool" if number != 2 else "car_warm"
-        drawing.paint_ellipse("shade", x + 0.003, y + 0.003, 0.013, 0.0025)
-        drawing.paint_ellipse(hull, x, y, 0.013, 0.0024)
-        drawing.paint_ellipse("shade", x + 0.003, y + 0.005, 0.0019, 0.014)
-        drawing.paint_ellipse(hull, x, y + 0.002, 0.0019, 0.014)
-        drawing.paint_ellipse(hull, x, y + 0.013, 0.005, 0.0013)
-        if number == 2:
-            for aside in (-0.0045, 0.0045):
-                drawing.paint_ellipse("engine", x + aside, y, 0.0011, 0.0022)
-                drawing.paint_ellipse("plume", x + aside, y + 0.006, 0.0009, 0.0035)
-
-
-def _village(drawing: Drawing) -> None:
-    """Houses in rows on both sides of the level road."""
-    tone = scatter(200, seed=771)
-    for index, (row, place) in enumerate(np.ndindex(4, 11)):
-        x = 0.225 + 0.0225 * place + 0.004 * tone[index]
-        y = (0.757, 0.777, 0.803, 0.823)[row] + 0.003 * tone[index + 60]
-        wide, tall = 0.010 + 0.004 * tone[index + 120], 0.008
-        roof = between("brick", "roof", float(tone[index + 60]))
-        drawing.paint_box("shade", x + 0.002, y + 0.002, x + wide + 0.002, y + tall + 0.002)
-        drawing.paint_box(roof, x, y, x + wide, y + tall)
-        drawing.paint_box("coping", x, y + 0.45 * tall, x + wide, y + 0.55 * tall)
-        if tone[index + 100] > 0.6:
-            drawing.paint_box(
-                "exhaust", x + 0.3 * wide, y + 0.001, x + 0.3 * wide + 0.0015, y + 0.0025
-            )
-
-
-def _wood(drawing: Drawing, x: float, y: float, radius: float, trees: int, seed: int) -> None:
-    """Crowns evenly over a disc, each with its shadow, by a sequence that never clusters."""
-    number = np.arange(1, trees + 1)
-    away = radius * np.sqrt((0.5 + number * GOLDEN_STEPS[0]) % 1.0)
-    turn = 2.0 * np.pi * ((0.5 + number * GOLDEN_STEPS[1]) % 1.0)
-    across, down = x + away * np.cos(turn), y + 0.8 * away * np.sin(turn)
-    size = (0.55 + 0.45 * scatter(trees, seed=seed)) * radius * 2.0 / np.sqrt(trees)
-    tone = scatter(trees, seed=seed + 1).tolist()
-    shade: list[Mix] = [{"shade": 1.0}] * trees
-    crown = [between("leaf_cool", "leaf_warm", share) for share in tone]
-    mixes = [mix for pair in zip(shade, crown, strict=True) for mix in pair]
-    off = np.tile([0.0025, 0.0], trees)
-    drawing.paint_ellipses(
-        mixes,
-        np.repeat(across, 2) + off,
-        np.repeat(down, 2) + off,
-        np.repeat(size, 2),
-        np.repeat(size, 2),
-    )
-
-
-def _traffic(drawing: Drawing) -> None:
-    """Warm cars on the roads."""
-    shares = scatter(36, seed=781)
-    for index, share in enumerate(shares.tolist()):
-        start, end, width = ROADS[index % 3]
-        along = np.subtract(end, start) / np.hypot(*np.subtract(end, start))
-        side = 0.22 * width * (1 if index % 2 else -1)
-        x, y = _between((start, end), share)
-        x, y = x - side * along[1], y + side * along[0]
-        drawing.paint_ellipse("engine" if index % 4 else "car_cool", x, y, 0.0013, 0.0011)
+def _mean_of_targets(share: float, spectra: Spectra) -> FloatArray:
+    background = spectra["background"]
+    return np.asarray(background + share * (spectra["signal"] - background))

@@ -6,6 +6,9 @@ the middle sample, or the corner between the four middle samples.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -22,7 +25,11 @@ from nodes.scenes.coverage import (
 from nodes.scenes.profiles import band, steps
 from nodes.scenes.scene_canvas import Drawing, by_blocks
 
-Picture = npt.NDArray[np.floating]
+Rows = Callable[[int, int], FloatArray]
+"""The samples of the rows from one number to another."""
+
+Shares = Callable[[int, int], tuple[FloatArray, ...]]
+"""Shares of these samples, whose product is the signal's."""
 
 STAR_RADIUS = 0.45
 """Radius of the star as a share of the frame's shorter side."""
@@ -32,68 +39,78 @@ BAR_MINIMUM = 9.0
 MAX_SPOKES = 1024
 
 
+def draw_target(
+    kind: str,
+    *,
+    width: int,
+    height: int,
+    background: float,
+    signal: float,
+    dtype: npt.DTypeLike,
+    angle_deg: float = 0.0,
+    frequency: float = 0.0,
+    for_each: ForEach = in_turn,
+    empty: Empty = np.empty,
+) -> npt.NDArray[np.floating]:
+    """One of the targets; parameters as for `nodes.scenes.draw.draw_scene`."""
+    size: dict[str, Any] = {"width": width, "height": height, "dtype": dtype}
+    how = {**size, "for_each": for_each, "empty": empty}
+    if kind in ("two_panel", "four_bar"):
+        drawing = _two_panel() if kind == "two_panel" else _four_bar(width, height, frequency)
+        return drawing.render({"background": background, "signal": signal}, **how)
+    if kind == "sine":
+        rows = _sine(width, height, background, signal, angle_deg, frequency)
+    elif kind == "slanted_edge":
+        rows = _between(background, signal, _slanted_edge(width, height, angle_deg))
+    elif kind == "siemens_star":
+        rows = _between(background, signal, _siemens_star(width, height, frequency))
+    else:
+        rows = _uniform(width, background)
+        if kind == "point":
+            rows = _with_point(rows, height // 2, width // 2, signal)
+    return by_blocks(**how, rows=rows)
+
+
+def _uniform(width: int, background: float) -> Rows:
+    return lambda start, stop: np.full((stop - start, width), background)
+
+
+def _with_point(rows: Rows, row: int, column: int, signal: float) -> Rows:
+    def with_point(start: int, stop: int) -> FloatArray:
+        block = rows(start, stop)
+        if start <= row < stop:
+            block[row - start, column] = signal
+        return block
+
+    return with_point
+
+
+def _between(background: float, signal: float, shares: Shares) -> Rows:
+    """From the background at shares of 0 to the signal where all of them are 1."""
+
+    def rows(start: int, stop: int) -> FloatArray:
+        above: float | FloatArray = signal - background
+        for share in shares(start, stop):
+            above = above * share
+        return np.asarray(background + above)
+
+    return rows
+
+
 def _sample_edges(*, count: int, start: int, stop: int) -> FloatArray:
     """Edges of samples `start` to `stop`, in samples from the frame's centre."""
     return np.arange(start, stop + 1, dtype=np.float64) - 0.5 * count
 
 
-def uniform(
-    *,
-    width: int,
-    height: int,
-    background: float,
-    dtype: npt.DTypeLike,
-    empty: Empty = np.empty,
-) -> Picture:
-    """One radiance everywhere."""
-    picture = empty((height, width), np.dtype(dtype))
-    picture.fill(background)
-    return picture
-
-
-def point(
-    *,
-    width: int,
-    height: int,
-    background: float,
-    signal: float,
-    dtype: npt.DTypeLike,
-    empty: Empty = np.empty,
-) -> Picture:
-    """One sample of `signal` at row height // 2, column width // 2."""
-    picture = uniform(width=width, height=height, background=background, dtype=dtype, empty=empty)
-    picture[height // 2, width // 2] = signal
-    return picture
-
-
-def two_panel(
-    *,
-    width: int,
-    height: int,
-    background: float,
-    signal: float,
-    dtype: npt.DTypeLike,
-    empty: Empty = np.empty,
-) -> Picture:
+def _two_panel() -> Drawing:
     """`background` on the left half of the frame, `signal` on the right half."""
     drawing = Drawing("background")
     drawing.add(difference("signal", "background"), (band(0.0, 1.0), band(0.5, 1.0)))
-    two = {"background": background, "signal": signal}
-    return drawing.render(two, width=width, height=height, dtype=dtype, empty=empty)
+    return drawing
 
 
-def slanted_edge(
-    *,
-    width: int,
-    height: int,
-    background: float,
-    signal: float,
-    angle_deg: float,
-    dtype: npt.DTypeLike,
-    for_each: ForEach = in_turn,
-    empty: Empty = np.empty,
-) -> Picture:
-    """`signal` on one side of an edge through the centre.
+def _slanted_edge(width: int, height: int, angle_deg: float) -> Shares:
+    """Share of the signal on one side of an edge through the centre.
 
     The edge's normal points `angle_deg` from +x (to the right) towards +y (down) into the
     signal, so that 0 is a vertical edge with the signal on the right.
@@ -101,33 +118,17 @@ def slanted_edge(
     turn = np.deg2rad(angle_deg)
     x_edges = _sample_edges(count=width, start=0, stop=width)
 
-    def rows(start: int, stop: int) -> FloatArray:
-        share = half_plane_coverage(
-            x_edges,
-            _sample_edges(count=height, start=start, stop=stop),
-            normal_x=float(np.cos(turn)),
-            normal_y=float(np.sin(turn)),
-            offset=0.0,
-        )
-        return background + (signal - background) * share
+    def shares(start: int, stop: int) -> tuple[FloatArray]:
+        y_edges = _sample_edges(count=height, start=start, stop=stop)
+        normal = {"normal_x": float(np.cos(turn)), "normal_y": float(np.sin(turn))}
+        return (half_plane_coverage(x_edges, y_edges, **normal, offset=0.0),)
 
-    return by_blocks(
-        width=width, height=height, dtype=dtype, rows=rows, for_each=for_each, empty=empty
-    )
+    return shares
 
 
-def sine(
-    *,
-    width: int,
-    height: int,
-    background: float,
-    signal: float,
-    angle_deg: float,
-    frequency: float,
-    dtype: npt.DTypeLike,
-    for_each: ForEach = in_turn,
-    empty: Empty = np.empty,
-) -> Picture:
+def _sine(
+    width: int, height: int, background: float, signal: float, angle_deg: float, frequency: float
+) -> Rows:
     """A sinusoid of radiance between `background` and `signal`, a crest at the centre.
 
     It varies along `angle_deg` from +x towards +y with `frequency` / width cycles per sample,
@@ -151,55 +152,30 @@ def sine(
         picture: FloatArray = mean + np.cos(phase) * x_cosine - np.sin(phase) * x_sine
         return picture
 
-    return by_blocks(
-        width=width, height=height, dtype=dtype, rows=rows, for_each=for_each, empty=empty
-    )
+    return rows
 
 
-def siemens_star(
-    *,
-    width: int,
-    height: int,
-    background: float,
-    signal: float,
-    frequency: float,
-    dtype: npt.DTypeLike,
-    for_each: ForEach = in_turn,
-    empty: Empty = np.empty,
-) -> Picture:
-    """A disc of `frequency` sectors of `signal`, the first about the +x axis.
+def _siemens_star(width: int, height: int, frequency: float) -> Shares:
+    """Share of a disc of `frequency` sectors of signal, the first about the +x axis.
 
     Sectors and disc are exact; where a sector meets the rim their product is taken.
     """
     if frequency != round(frequency) or not 1 <= frequency <= MAX_SPOKES:
         raise ParameterError("frequency", frequency, f"a whole number of spokes, 1 to {MAX_SPOKES}")
-    spokes = int(frequency)
     radius = STAR_RADIUS * min(width, height)
     x_edges = _sample_edges(count=width, start=0, stop=width)
 
-    def rows(start: int, stop: int) -> FloatArray:
+    def shares(start: int, stop: int) -> tuple[FloatArray, FloatArray]:
         y_edges = _sample_edges(count=height, start=start, stop=stop)
         disc = ellipse_coverage(
             x_edges, y_edges, centre_x=0.0, centre_y=0.0, radius_x=radius, radius_y=radius
         )
-        star = star_coverage(x_edges, y_edges, spokes=spokes)
-        return background + (signal - background) * disc * star
+        return disc, star_coverage(x_edges, y_edges, spokes=int(frequency))
 
-    return by_blocks(
-        width=width, height=height, dtype=dtype, rows=rows, for_each=for_each, empty=empty
-    )
+    return shares
 
 
-def four_bar(
-    *,
-    width: int,
-    height: int,
-    background: float,
-    signal: float,
-    frequency: float,
-    dtype: npt.DTypeLike,
-    empty: Empty = np.empty,
-) -> Picture:
+def _four_bar(width: int, height: int, frequency: float) -> Drawing:
     """Pairs of four-bar targets, upright and level, each √2 finer than the one before.
 
     The coarsest has `frequency` cycles per shorter side of the frame. A bar is 7 times as long
@@ -219,12 +195,9 @@ def four_bar(
         across = left + 9.0 * bar
         upright = steps((left + starts) * unit_x, (left + starts + bar) * unit_x)
         level = steps((top + starts) * unit_y, (top + starts + bar) * unit_y)
-        down = band(top * unit_y, (top + side) * unit_y)
-        drawing.add(warmer, (down, upright))
-        over = band(across * unit_x, (across + side) * unit_x)
-        drawing.add(warmer, (level, over))
-    two = {"background": background, "signal": signal}
-    return drawing.render(two, width=width, height=height, dtype=dtype, empty=empty)
+        drawing.add(warmer, (band(top * unit_y, (top + side) * unit_y), upright))
+        drawing.add(warmer, (level, band(across * unit_x, (across + side) * unit_x)))
+    return drawing
 
 
 def _bar_layout(frequency: float, room_x: float, room_y: float) -> list[tuple[float, float, float]]:

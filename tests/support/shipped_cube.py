@@ -40,9 +40,7 @@ fwhm = {{{widths}}}
 
 def samples():
     """Milliwatts, (rows, columns, bands), as they are stored."""
-    from nodes.scenes import draw_shares
-    from nodes.scenes.scene_in_bands import scene_spectra
-    from nodes.scenes.two_steps import show_radiances
+    from nodes.scenes.draw import draw_shares, scene_spectra, show_radiances
 
     shares = draw_shares(kind="dormitory", width=COLUMNS, height=ROWS, dtype=np.float64)
     spectra = scene_spectra(

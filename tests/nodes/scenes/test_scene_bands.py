@@ -9,8 +9,9 @@ from core.evaluation.policy import Policy
 from cube_files import band_by_band
 from node_bench import NodeBench
 from nodes.library import standard_library
-from nodes.scenes import KINDS, two_steps
-from nodes.scenes.scene_in_bands import scene_spectra
+from nodes.scenes import draw
+from nodes.scenes.coverage import KINDS
+from nodes.scenes.draw import scene_spectra
 from nodes.scenes.spectral_surfaces import (
     ALIKE,
     MATERIAL_OF,
@@ -52,7 +53,7 @@ def test_all_bands_of_grey_surfaces_are_the_scene_without_bands(library, tmp_pat
 def test_a_sum_is_that_of_its_bands_and_means_are_theirs(
     library, tmp_path, monkeypatch, kind, at_once
 ):
-    monkeypatch.setattr(two_steps, "MOST_SAMPLES", 0 if at_once else 10**9)
+    monkeypatch.setattr(draw, "MOST_SAMPLES", 0 if at_once else 10**9)
     made, work = scene(library, tmp_path, kind=kind, bands=5, sun_elevation_deg=40.0)
     weights = ((0.3, 0.0, 2.0, -1.0, 0.25), (1.0, 1.0, 0.5, 0.0, 0.0))
     cube = np.stack([work.value(made.bands.band(index)) for index in range(5)])

@@ -11,9 +11,15 @@ from core.evaluation.store import size_in_bytes
 from core.machine import Workers
 from core.network.network import Network, Node
 from nodes.library import standard_library
-from nodes.scenes import draw_scene, draw_shares, two_steps, with_radiance
 from nodes.scenes import scene_layers as layers
 from nodes.scenes.coverage import Texture, between, difference
+from nodes.scenes.draw import (
+    MOST_SAMPLES,
+    draw_scene,
+    draw_shares,
+    scene_radiances,
+    show_radiances,
+)
 from nodes.scenes.profiles import band
 from nodes.scenes.scene_canvas import Drawing
 from nodes.scenes.scene_layers import layers_of
@@ -33,6 +39,10 @@ EPS = float(np.finfo(np.float32).eps)
 
 def shares_of(kind, width, height, dtype):
     return draw_shares(kind=kind, width=width, height=height, dtype=dtype, **GEOMETRY[kind])
+
+
+def with_radiance(kind, shares, **sources):
+    return show_radiances(shares, scene_radiances(kind=kind, **BAND, **sources))
 
 
 def at_once(kind, width, height, **sources):
@@ -57,10 +67,10 @@ def test_sum_of_shares_is_the_scene_painted_at_once(kind, width, height):
     for temperature, delta in ((303.0, 10.0), (280.0, -40.0), (350.0, 100.0)):
         sources = {"temperature_K": temperature, "delta_K": delta}
         painted = at_once(kind, width, height, **sources)
-        summed = with_radiance(double, **BAND, **sources)
+        summed = with_radiance(kind, double, **sources)
         assert (summed.shape, summed.dtype) == ((height, width), np.float64)
         np.testing.assert_allclose(summed, painted, rtol=1e-13)
-        summed = with_radiance(single, **BAND, **sources)
+        summed = with_radiance(kind, single, **sources)
         assert (summed.shape, summed.dtype) == ((height, width), np.float32)
         np.testing.assert_allclose(summed, painted, rtol=rounding(single))
 
@@ -68,9 +78,8 @@ def test_sum_of_shares_is_the_scene_painted_at_once(kind, width, height):
 @pytest.mark.parametrize("kind", KINDS)
 def test_even_temperature_shows_nothing_but_planck(kind):
     # Grey surfaces that mirror a sky of their own temperature are as bright as a black one.
-    picture = with_radiance(
-        shares_of(kind, 130, 150, np.float64), **BAND, temperature_K=290.0, delta_K=0.0
-    )
+    shares = shares_of(kind, 130, 150, np.float64)
+    picture = with_radiance(kind, shares, temperature_K=290.0, delta_K=0.0)
     np.testing.assert_allclose(picture, band_radiance(8, 12, 290), rtol=1e-11)
 
 
@@ -98,14 +107,14 @@ def test_background_alone_is_even():
 
 
 def test_shares_do_not_depend_on_blocks_nor_threads(monkeypatch):
-    sources = {**BAND, "temperature_K": 303.0, "delta_K": 10.0}
-    whole = with_radiance(shares_of("dormitory", 200, 150, np.float32), **sources)
+    radiances = scene_radiances(kind="dormitory", **BAND, temperature_K=303.0, delta_K=10.0)
+    whole = show_radiances(shares_of("dormitory", 200, 150, np.float32), radiances)
     monkeypatch.setattr(layers, "BLOCK_SAMPLES", 1)
     workers = Workers()
-    threaded = with_radiance(
+    threaded = show_radiances(
         shares_of("dormitory", 200, 150, np.float32),
-        **sources,
-        for_each=lambda function, items: workers.for_each(function, items, 3),
+        radiances,
+        lambda function, items: workers.for_each(function, items, 3),
     )
     np.testing.assert_allclose(threaded, whole, rtol=EPS)
 
@@ -162,7 +171,7 @@ def test_edit_of_geometry_draws_what_depends_on_it(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_large_scenes_keep_no_shares(kind):
-    engine, most = Engine(standard_library()), two_steps.MOST_SAMPLES
+    engine, most = Engine(standard_library()), MOST_SAMPLES
     for height, steps_before in ((64, 1), (65, 0)):
         params = {"kind": kind, "width": most // 64, "height": height}
         plan = engine.plan(Network(nodes={"scene": Node("scene", "test_scene", params)}))
