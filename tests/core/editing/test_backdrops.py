@@ -20,11 +20,9 @@ from core.editing.backdrops import (
     nodes_on,
     remove,
 )
-from core.editing.document import Document
 from core.editing.layout import arranged, boxes_of
 from core.editing.operations import Move
 from core.errors import NetworkError
-from core.network.file import read_network
 from core.network.network import Link, Network, Node
 
 OPTICS = Backdrop("Optics", 700.0, -50.0, 420.0, 300.0)
@@ -65,10 +63,6 @@ def test_a_strange_field_has_none(kodak, strange):
     network = replace(kodak, extra={"backdrops": strange})
     assert backdrops_of(network) == ()
     assert backdrops_of(add(network, OPTICS).apply(network)) == (OPTICS,)
-
-
-def test_no_field_has_none(kodak):
-    assert backdrops_of(kodak) == ()
 
 
 def test_adding(kodak):
@@ -138,20 +132,6 @@ def test_around_nodes_they_lie_on_it_and_no_others():
 def test_around_nothing(kodak):
     with pytest.raises(NetworkError, match="no nodes"):
         around(replace(kodak, layout={}), ["init"], {})
-
-
-def test_they_survive_saving_and_undo(network, library, tmp_path):
-    document = Document(network, library=library)
-    document.do(change(document.network, 2, OPTICS))
-    document.do(add(document.network, replace(OPTICS, title="Last")))
-    document.save(tmp_path / "a.json")
-    again = read_network(tmp_path / "a.json", library=library)
-    assert [each.title for each in backdrops_of(again)] == ["Optics", "Detector", "Optics", "Last"]
-    assert entries(again)[1:8] == OF_A_FILE[1:8]
-    assert again == document.network
-    document.undo()
-    document.undo()
-    assert document.network == network
 
 
 def _row(**layout):
@@ -302,15 +282,4 @@ def test_a_ground_that_a_wire_leaves_and_comes_back_to_goes_round_its_nodes():
     assert held(network) == [{"n1", "n3"}]
     after = laid_out(network, sizes_of(network)).apply(network)
     assert held(after)[0] >= {"n1", "n3"}
-    assert overlapping(after) == []
-
-
-def test_two_hundred_nodes_with_stages_are_laid_out():
-    network = chain(200, extra=100)
-    for k in range(0, 200, 20):
-        ground = Backdrop(f"stage {k}", 240.0 * k - 40, -60, 240.0 * 10, 300)
-        network = add(network, ground).apply(network)
-    before = held(network)
-    after = laid_out(network, sizes_of(network), (1400.0, 400.0)).apply(network)
-    assert held(after) == before
     assert overlapping(after) == []

@@ -52,15 +52,6 @@ def test_the_listeners_are_called_once_for_many_steps(document):
     assert calls == [("name 4", "name 1"), ("name 1", "name 4")]
 
 
-def test_what_is_undone_is_still_there_until_another_edit(document):
-    for number in range(3):
-        document.do(set_network_field("name", f"name {number}"))
-    document.go_to(1)
-    assert (document.history.position, document.history.last) == (1, 3)
-    document.do(set_network_field("name", "other"))
-    assert (document.history.position, document.history.last) == (2, 2)
-
-
 def test_the_saved_position_is_known_until_no_step_leads_there(document, tmp_path):
     document.do(set_network_field("name", "a"))
     document.save(tmp_path / "a.json")
@@ -142,50 +133,6 @@ LIMITS = settings(
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
-
-
-def name_it(document, name, gesture=None):
-    document.do(set_network_field("name", name), gesture)
-
-
-def test_an_edit_after_an_undo_of_what_was_saved_counts_as_work(document, tmp_path):
-    """The saved state stood where the new step stands now, by number."""
-    name_it(document, "saved")
-    document.save(tmp_path / "a.json")
-    document.undo()
-    name_it(document, "another")
-    assert document.history.position == 1
-    assert document.modified
-
-
-def test_nothing_leads_back_to_what_was_saved_and_then_cut_off(document, tmp_path):
-    name_it(document, "one")
-    name_it(document, "saved")
-    document.save(tmp_path / "a.json")
-    document.undo()
-    document.undo()
-    name_it(document, "two")
-    for step in (
-        document.undo,
-        document.redo,
-        document.redo,
-    ):
-        step()
-        assert document.modified
-    name_it(document, "three")
-    assert document.history.position == 2
-    assert document.modified
-
-
-def test_a_drag_joined_to_the_saved_step_counts_as_work(document, tmp_path):
-    document.do(set_parameter("init", "f_number", 3.0), gesture="drag")
-    document.do(set_parameter("init", "f_number", 4.0), gesture="drag")
-    document.save(tmp_path / "a.json")
-    document.do(set_parameter("init", "f_number", 5.0), gesture="drag")
-    assert document.modified
-    document.undo()
-    assert document.network.nodes["init"].params["f_number"] == 4.0
-    assert not document.modified
 
 
 def test_a_drag_back_to_what_was_saved_is_saved(document, tmp_path):

@@ -113,10 +113,6 @@ def test_nodes_without_wires_stand_in_rows():
     assert len(set(after.layout.values())) == 100
 
 
-def test_nothing_is_laid_out_as_nothing():
-    assert arranged(Network(), {}) == {}
-
-
 @pytest.mark.parametrize("count", [5000])
 def test_long_chains_and_cycles_need_no_recursion(count):
     names = [f"n{number}" for number in range(count)]
@@ -134,13 +130,6 @@ def test_columns():
     followers = {"scene": ["init"], "init": ["optics", "jitter"], "pupil": ["optics"],
                  "optics": ["jitter"], "jitter": []}  # fmt: skip
     assert columns_of(followers) == {"scene": 0, "init": 1, "pupil": 1, "optics": 2, "jitter": 3}
-
-
-def test_crossings_are_counted():
-    followers = {"a": ["y", "z"], "b": ["x", "z"], "x": [], "y": [], "z": []}
-    column = {"a": 0, "b": 0, "x": 1, "y": 1, "z": 1}
-    height = {"a": 0.0, "b": 1.0, "x": 0.0, "y": 1.0, "z": 2.0}
-    assert crossings(followers, column, height) == 2  # b-x crosses both of a's
 
 
 @pytest.mark.parametrize("wires", [1, 2, 3, 5, 6, 7, 11, 16])

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
-from core.editing.operations import Remove, Rename, keeping_values, set_parameter
+from core.editing.operations import Remove, Rename, keeping_values
 from core.errors import NetworkError
 from core.network.expression_grammar import quoted
-from core.network.file import format_network, parse_network
+from core.network.file import parse_network
 from core.network.linked_values import expression, resolved, with_values
 from core.network.network import Network, Node
 
@@ -170,13 +170,3 @@ def test_renaming_keeps_every_value(names, new, seed, library):
     for name, value in values.items():
         node = resolved.network.nodes[new if name == old else name]
         assert node.params["sigma_x_mrad"] == value
-
-
-def test_a_drag_of_what_is_followed_is_one_step(kodak, library):
-    document = Document(linked(kodak), library=library)
-    before = format_network(document.network, library=library)
-    for number in range(5):
-        document.do(set_parameter("init", "f_number", 2.0 + number), gesture="drag")
-    assert sigmas(document.network, library) == (0.012, 0.12)
-    document.undo()
-    assert document.text() == before

@@ -51,11 +51,6 @@ def test_every_link_that_is_shipped_could_be_made(shipped, library):
             assert refusal(network, library, link) is None
 
 
-def test_an_occupied_input_is_no_reason(kodak, library):
-    assert refusal(kodak, library, Link("scene", "image", "picture", "image")) is None
-    assert refusal(kodak, library, Link("init", "magnitude", "back", "magnitude")) is None
-
-
 def test_unknown_modules_take_and_give_anything(library):
     nodes = {"old": Node("old", "gone"), "back": Node("back", "back_transform")}
     network = Network(nodes=nodes)

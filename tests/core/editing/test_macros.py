@@ -237,19 +237,6 @@ def test_a_value_set_inside_takes_the_place_of_that_outside(camera):
     assert value(camera, "camera/init.f_number") == 5.0
 
 
-def test_a_drag_inside_is_one_step(camera):
-    steps = camera.history.position
-    text = camera.text()
-    camera.do(set_parameter("camera", "f_number", 4.0))
-    for number in range(30):
-        step = addressed(camera.network, set_parameter("camera/init", "f_number", 5.0 + number))
-        camera.do(step, gesture="drag")
-    assert camera.history.position == steps + 2
-    camera.undo()
-    camera.undo()
-    assert camera.text() == text
-
-
 def test_exposing_twice_or_under_a_name_that_is_taken_is_refused(camera):
     with pytest.raises(NetworkError, match=r"shows camera/init\.f_number already, as f_number"):
         expose(camera.network, "camera/init", "f_number")

@@ -185,19 +185,6 @@ def test_several_operations_follow_each_other(network):
     assert "see" not in both.apply(network).nodes
 
 
-def test_a_value_does_not_pass_an_operation_that_makes_way_for_it(network):
-    """The second name is that of a node which the operation between brings in."""
-    steps = (
-        set_parameter("look", "level", 1.5),
-        Rename("look", "see"),
-        Rename("jitter", "look"),
-        set_parameter("look", "level", 2.5),
-    )
-    after = Together(steps).apply(network)
-    assert after.nodes["see"].params["level"] == 1.5
-    assert after.nodes["look"].params == {"sigma_mrad": 0.5, "level": 2.5}
-
-
 @pytest.mark.parametrize(
     ("wanted", "taken", "fresh"),
     [
@@ -297,15 +284,3 @@ def test_a_copy_is_not_marked(fresh, library):
     ):
         assert marked(operation.apply(fresh.network)) == ["back"]
     assert marked(pasted(text, Network(), library)[1].apply(Network())) == []
-
-
-def test_a_mark_goes_and_comes_with_its_node(fresh):
-    fresh.do(SetOutput(("back",)))
-    fresh.do(Rename("back", "inverse"))
-    assert marked(fresh.network) == ["inverse"]
-    fresh.do(Remove(("inverse",)))
-    assert marked(fresh.network) == []
-    fresh.undo()
-    assert marked(fresh.network) == ["inverse"]
-    fresh.undo()
-    assert marked(fresh.network) == ["back"]

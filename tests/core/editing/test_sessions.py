@@ -13,6 +13,8 @@ from core.errors import ImagechainError
 from core.network.file import format_network, parse_network
 from core.network.network import Network
 from edited_networks import DRAGS, MAKERS, Editor, drawn_network
+from macro_edits import MACRO_DRAGS, MACRO_MAKERS
+from thorough import examples
 
 LIMITS = settings(
     deadline=None,
@@ -25,8 +27,9 @@ OPERATIONS = 100
 class Sitting:
     """A document at which somebody works at random; every state it was in is written down."""
 
-    def __init__(self, random: Random, network: Network, library) -> None:
+    def __init__(self, random: Random, network: Network, library, *, macros: bool = False) -> None:
         self.random = random
+        self.makers, self.drags = (MACRO_MAKERS, MACRO_DRAGS) if macros else (MAKERS, DRAGS)
         self.document = Document(network, library=library)
         self.texts = {0: self.document.text()}
         self.kinds: set[str] = set()
@@ -41,15 +44,13 @@ class Sitting:
             self.one(gesture)
 
     def one(self, gesture: object) -> None:
-        maker = self.random.choice(DRAGS if gesture is not None else MAKERS)
+        maker = self.random.choice(self.drags if gesture is not None else self.makers)
         document = self.document
-        editor = Editor(self.random, document.network, document.library)
-        position = document.history.position
+        position, network = document.history.position, document.network
         before = self.texts[position]
-        operation = maker(editor)
+        operation = maker(Editor(self.random, network, document.library))
         if operation is None:
             return
-        network = document.network
         try:
             changed = document.do(operation, gesture)
         except ImagechainError:
@@ -86,21 +87,26 @@ class Sitting:
         assert not self.document.history.redo_text
 
 
-def played(seed: int, network: Network, library, operations: int = OPERATIONS) -> Sitting:
-    sitting = Sitting(Random(seed), network, library)
+def played(seed: int, network: Network, library, operations: int = OPERATIONS, **options) -> None:
+    sitting = Sitting(Random(seed), network, library, **options)
     sitting.work(operations)
     sitting.all_back_and_forth()
     sitting.walk(operations)
     # From somewhere in the middle on: what was undone is forgotten.
     sitting.work(operations // 5)
     sitting.all_back_and_forth()
-    return sitting
 
 
 @settings(LIMITS, max_examples=8)
 @given(seed=SEEDS)
 def test_sessions_on_random_networks(seed, library):
     played(seed, drawn_network(Random(seed), library), library)
+
+
+@settings(LIMITS, max_examples=examples(12))
+@given(seed=SEEDS)
+def test_sessions_with_macros(seed, library):
+    played(seed, drawn_network(Random(seed), library), library, OPERATIONS // 2, macros=True)
 
 
 def test_sessions_on_shipped_networks(library, shipped):
@@ -112,7 +118,7 @@ def test_sessions_on_shipped_networks(library, shipped):
 @given(seed=SEEDS)
 def test_what_is_edited_can_always_be_saved_and_opened(seed, library):
     random = Random(seed)
-    sitting = Sitting(random, drawn_network(random, library), library)
+    sitting = Sitting(random, drawn_network(random, library), library, macros=seed % 2 == 0)
     sitting.work(OPERATIONS)
     text = sitting.document.text()
     network = parse_network(text, library=library)
@@ -121,12 +127,12 @@ def test_what_is_edited_can_always_be_saved_and_opened(seed, library):
 
 
 def test_sessions_take_every_kind_of_operation(library):
-    kinds = set()
-    wanted = {maker.__name__ for maker in MAKERS}
+    missing = {maker.__name__ for maker in MACRO_MAKERS}
     for seed in range(60):
-        sitting = Sitting(Random(seed), drawn_network(Random(seed), library), library)
+        network = drawn_network(Random(seed), library)
+        sitting = Sitting(Random(seed), network, library, macros=True)
         sitting.work(OPERATIONS)
-        kinds |= sitting.kinds
-        if kinds == wanted:
+        missing -= sitting.kinds
+        if not missing:
             break
-    assert kinds == wanted
+    assert not missing

@@ -9,7 +9,6 @@ import pytest
 
 from core.chain.engine import Engine
 from core.editing.clipboard import copied, duplicated, pasted
-from core.editing.document import Document
 from core.editing.grouping import group, ungroup
 from core.editing.operations import Move, Remove, Rename, Rewire
 from core.editing.wire_dots import (
@@ -21,9 +20,8 @@ from core.editing.wire_dots import (
     straighten,
 )
 from core.errors import NetworkError
-from core.network.file import format_network, parse_network
+from core.network.file import format_network
 from core.network.network import Link, Network, Node
-from core.network.validation import problems
 
 FIRST = Link.between("scene.image", "init.image")
 SECOND = Link.between("init.magnitude", "back.magnitude")
@@ -57,15 +55,6 @@ def test_they_stand_in_the_file_beside_all_else(bent, network, library):
         {"link": ["init.magnitude", "back.magnitude"], "points": [[300, 80], [500, 80.5]]}
     ]
     assert stored == json.loads(format_network(network, library=library))
-
-
-def test_they_survive_save_and_open(bent, library, tmp_path):
-    document = Document(bent, library=library)
-    document.save(tmp_path / "bent.json")
-    text = (tmp_path / "bent.json").read_text()
-    again = parse_network(text, library=library, name_of_source="bent.json")
-    assert dots_of(again) == {SECOND: ((300.0, 80.0), (500.0, 80.5))}
-    assert not problems(again, library=library)
 
 
 def test_the_engine_gives_the_same_keys(bent, network, library):

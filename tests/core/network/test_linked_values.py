@@ -9,7 +9,7 @@ import pytest
 
 from child_process import ROOT
 from core.chain.engine import Engine
-from core.errors import NetworkError, ParameterError
+from core.errors import ParameterError
 from core.network.file import format_network, load_network, parse_network
 from core.network.linked_values import expression, with_values
 from core.network.migrations import VERSION
@@ -224,9 +224,3 @@ def test_errors_travel_between_processes(document, small_library):
     network = linked(document, small_library, jitter__sigma_mrad="1 / 0")
     (error,) = problems(network, library=small_library, unfinished=True)
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
-
-
-def test_a_newer_version_is_refused_by_its_number(document, small_library):
-    document["version"] = 3
-    with pytest.raises(NetworkError, match="this one reads up to 2"):
-        parse_network(json.dumps(document), library=small_library)

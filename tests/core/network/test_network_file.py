@@ -9,7 +9,14 @@ import pytest
 
 from child_process import kill_program
 from core.errors import FileError, NetworkError
-from core.network.file import format_network, load_network, parse_network, save_network
+from core.network.file import (
+    format_network,
+    load_network,
+    parse_network,
+    read_network,
+    read_unchanged,
+    save_network,
+)
 from core.network.network import Link, Network, Node
 from core.network.validation import NetworkProblems
 
@@ -252,3 +259,43 @@ def test_a_killed_save_leaves_a_whole_file(small_library, tmp_path):
         kill_program(SAVER, str(path), says="ready", after_s=delay)
         network = load_network(path, library=small_library)
         assert network.extra["fill"][:9] == network.name
+
+
+def write(path, text):
+    save_network(Network(name=text), path, library={})
+
+
+def test_it_is_read_again_only_when_it_has_changed(small_library, tmp_path):
+    path = tmp_path / "one.json"
+    write(path, "first")
+    first = read_unchanged(path, library=small_library)
+    assert first == read_network(path, library=small_library)
+    assert read_unchanged(path, library=small_library) is first
+    write(path, "other")  # of the same length: an atomic write is another inode
+    assert read_unchanged(path, library=small_library).name == "other"
+
+
+def test_a_file_written_in_place_is_read_again(small_library, tmp_path):
+    path = tmp_path / "one.json"
+    write(path, "first")
+    assert read_unchanged(path, library=small_library).name == "first"
+    before = path.stat()
+    path.write_text(path.read_text(encoding="utf-8").replace("first", "other"), encoding="utf-8")
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns + 1))
+    assert read_unchanged(path, library=small_library).name == "other"
+
+
+def test_another_library_reads_it_for_itself(small_library, tmp_path):
+    path = tmp_path / "one.json"
+    write(path, "first")
+    first = read_unchanged(path, library=small_library)
+    assert read_unchanged(path, library=dict(small_library)) is not first
+
+
+def test_what_cannot_be_read_is_tried_again(small_library, tmp_path):
+    path = tmp_path / "one.json"
+    for _ in range(2):
+        with pytest.raises(FileError, match="No such file"):
+            read_unchanged(path, library=small_library)
+    write(path, "first")
+    assert read_unchanged(path, library=small_library).name == "first"

@@ -24,179 +24,145 @@ def test_a_sound_network_has_none(document, small_library):
     assert _lines(document, small_library) == []
 
 
-def _drop(document, *ends):
-    document["links"] = [link for link in document["links"] if link[1] not in ends]
+def _set(*path_and_value):
+    """What sets the field at a path of the document."""
+    *path, last, value = path_and_value
+
+    def spoil(document):
+        target = document
+        for step in path:
+            target = target[step]
+        target[last] = value
+
+    return spoil
 
 
-def _unknown_module(document):
-    document["nodes"]["jitter"]["module"] = "jiter_mtf"
+def _more(*links, **modules):
+    """What adds nodes and links."""
+
+    def spoil(document):
+        document["nodes"] |= {name: {"module": key} for name, key in modules.items()}
+        document["links"] += [list(link) for link in links]
+
+    return spoil
 
 
-def _unknown_module_like_none(document):
-    document["nodes"]["jitter"]["module"] = "zzz\x1b"
+def _without(*ends):
+    """What takes the links into these inputs away."""
+
+    def spoil(document):
+        document["links"] = [link for link in document["links"] if link[1] not in ends]
+
+    return spoil
 
 
-def _unknown_parameter(document):
-    document["nodes"]["jitter"]["params"] = {"sigma_mrd": 0.1}
+def _both(*spoils):
+    def spoil(document):
+        for one in spoils:
+            one(document)
+
+    return spoil
 
 
-def _unknown_parameter_like_none(document):
-    document["nodes"]["jitter"]["params"] = {"\x1b[2J": 1}
-
-
-def _below_range(document):
-    document["nodes"]["jitter"]["params"]["sigma_mrad"] = -1
-
-
-def _wrong_kind(document):
-    document["nodes"]["jitter"]["params"]["sigma_mrad"] = {"a": [1]}
-
-
-def _choice(document):
-    document["nodes"]["scene"]["params"]["kind"] = "dormitry"
-
-
-def _combination(document):
-    document["nodes"]["init"]["params"]["near_m"] = 3
-
-
-def _required_parameter(document):
-    document["nodes"]["look"]["params"] = {}
-
-
-def _unknown_output(document):
-    document["links"][2][0] = "init.magnitud"
-
-
-def _unknown_input(document):
-    document["links"][2][1] = "jitter.zzz"
-
-
-def _output_of_a_sink(document):
-    document["nodes"]["more"] = {"module": "look", "params": {"level": 1}}
-    document["links"].append(["look.zzz", "more.picture"])
-
-
-def _types(document):
-    document["links"][0] = ["init.phase", "look.other"]
-    document["links"].append(["scene.image", "init.image"])
-
-
-def _two_links(document):
-    document["links"].append(["scene.image", "look.picture"])
-
-
-def _the_same_link_twice(document):
-    document["links"].append(document["links"][0])
-
-
-def _cycle(document):
-    document["nodes"]["more"] = {"module": "noise"}
-    document["links"] += [["more.image", "again.image"], ["again.image", "more.image"]]
-    document["nodes"]["again"] = {"module": "noise"}
-
-
-def _itself(document):
-    document["nodes"]["more"] = {"module": "noise"}
-    document["links"].append(["more.image", "more.image"])
-
-
-def _missing_input(document):
-    _drop(document, "jitter.magnitude")
-
-
-def _missing_either(document):
-    _drop(document, "look.picture")
-
-
-def _disabled_without_its_main_input(document):
-    document["nodes"]["jitter"]["disabled"] = True
-    _drop(document, "jitter.magnitude", "jitter.context")
-
-
-def _disabled_source(document):
-    document["nodes"]["scene"]["disabled"] = True
-
-
-def _disabled_second_output(document):
-    document["links"][-1][0] = "add noise.noise"
-
-
-def _link_from_nowhere(document):
-    document["links"][0][0] = "scen.image"
-
-
-def _link_to_nowhere(document):
-    document["links"].append(["scene.image", "gone.image"])
-
+OF_JITTER = ("nodes", "jitter", "params")
+BELOW_RANGE = _set(*OF_JITTER, "sigma_mrad", -1)
+CHOICE = _set("nodes", "scene", "params", "kind", "dormitry")
+CYCLE = _more(
+    ("more.image", "again.image"), ("again.image", "more.image"), more="noise", again="noise"
+)
+DISABLED_SOURCE = _set("nodes", "scene", "disabled", True)
+MISSING_INPUT = _without("jitter.magnitude")
+SECOND_OUTPUT = _set("links", -1, 0, "add noise.noise")
+TO_NOWHERE = _more(("scene.image", "gone.image"))
+UNKNOWN_MODULE = _set("nodes", "jitter", "module", "jiter_mtf")
 
 FAULTS = [
-    (_unknown_module, "jitter: there is no module jiter_mtf; did you mean jitter_mtf?"),
+    (UNKNOWN_MODULE, "jitter: there is no module jiter_mtf; did you mean jitter_mtf?"),
     (
-        _unknown_module_like_none,
+        _set("nodes", "jitter", "module", "zzz\x1b"),
         "jitter: there is no module 'zzz\\x1b'; the command `imagechain modules` lists those "
         "there are",
     ),
     (
-        _unknown_parameter,
+        _set(*OF_JITTER, {"sigma_mrd": 0.1}),
         "jitter: sigma_mrd = 0.1 is not allowed: Jitter MTF has no such parameter; "
         "did you mean sigma_mrad?",
     ),
     (
-        _unknown_parameter_like_none,
+        _set(*OF_JITTER, {"\x1b[2J": 1}),
         "jitter: '\\x1b[2J' = 1 is not allowed: Jitter MTF has no such parameter: "
         "it has sigma_mrad",
     ),
+    (BELOW_RANGE, "jitter: sigma_mrad = -1 mrad is not allowed: a number of at least 0"),
     (
-        _below_range,
-        "jitter: sigma_mrad = -1 mrad is not allowed: a number of at least 0",
-    ),
-    (
-        _wrong_kind,
+        _set(*OF_JITTER, "sigma_mrad", {"a": [1]}),
         "jitter: sigma_mrad = {'a': [1]} mrad is not allowed: a number of at least 0",
     ),
-    (_choice, "scene: kind = 'dormitry' is not allowed: one of dormitory, point"),
-    (_combination, "init: near_m = 3.0 m is not allowed: at most far_m = 2.0"),
-    (_required_parameter, "look: level is empty: a number"),
+    (CHOICE, "scene: kind = 'dormitry' is not allowed: one of dormitory, point"),
     (
-        _unknown_output,
+        _set("nodes", "init", "params", "near_m", 3),
+        "init: near_m = 3.0 m is not allowed: at most far_m = 2.0",
+    ),
+    (_set("nodes", "look", "params", {}), "look: level is empty: a number"),
+    (
+        _set("links", 2, 0, "init.magnitud"),
         "init: Init & Trans has no output magnitud (the link init.magnitud → jitter.magnitude); "
         "did you mean magnitude?",
     ),
     (
-        _output_of_a_sink,
+        _both(
+            _set("nodes", "more", {"module": "look", "params": {"level": 1}}),
+            _more(("look.zzz", "more.picture")),
+        ),
         "look: Examine has no output zzz (the link look.zzz → more.picture): it has none",
     ),
-    (_types, "look: the link init.phase → look.other does not fit: phase into image"),
     (
-        _two_links,
+        _both(_set("links", 0, ["init.phase", "look.other"]), _more(("scene.image", "init.image"))),
+        "look: the link init.phase → look.other does not fit: phase into image",
+    ),
+    (
+        _more(("scene.image", "look.picture")),
         "look: the input picture has 2 links (add noise.image, scene.image); it takes one",
     ),
     (
-        _the_same_link_twice,
+        _more(("scene.image", "init.image")),
         "init: the input image has 2 links (scene.image, scene.image); it takes one",
     ),
-    (_cycle, "more: the links form a cycle: more → again → more; take one of them away"),
-    (_itself, "more: the links form a cycle: more → more; take one of them away"),
-    (_missing_input, "jitter: the input magnitude needs a link that brings magnitude"),
-    (_missing_either, "look: the input picture needs a link that brings image or transfer"),
+    (CYCLE, "more: the links form a cycle: more → again → more; take one of them away"),
     (
-        _disabled_without_its_main_input,
+        _more(("more.image", "more.image"), more="noise"),
+        "more: the links form a cycle: more → more; take one of them away",
+    ),
+    (MISSING_INPUT, "jitter: the input magnitude needs a link that brings magnitude"),
+    (
+        _without("look.picture"),
+        "look: the input picture needs a link that brings image or transfer",
+    ),
+    (
+        _both(
+            _set("nodes", "jitter", "disabled", True),
+            _without("jitter.magnitude", "jitter.context"),
+        ),
         "jitter: the input magnitude needs a link that brings magnitude",
     ),
     (
-        _disabled_source,
+        DISABLED_SOURCE,
         "scene: the link scene.image → init.image brings nothing: Scene is disabled and passes "
         "nothing on, it makes no image",
     ),
     (
-        _disabled_second_output,
+        SECOND_OUTPUT,
         "add noise: the link add noise.noise → look.picture brings nothing: Noise is disabled "
         "and passes image on, it makes no noise",
     ),
     (
-        _link_to_nowhere,
+        TO_NOWHERE,
         "scene: the link scene.image → gone.image names gone, which is no node of this network",
+    ),
+    (
+        _set("links", 0, 0, "scen.image"),
+        "init: the link scen.image → init.image names scen, which is no node of this network; "
+        "did you mean scene?",
     ),
 ]
 
@@ -207,16 +173,8 @@ def test_one_fault_gives_one_line(spoil, line, document, small_library):
     assert _lines(document, small_library) == [line]
 
 
-def test_a_link_from_nowhere_suggests_a_node(document, small_library):
-    _link_from_nowhere(document)
-    assert _lines(document, small_library) == [
-        "init: the link scen.image → init.image names scen, which is no node of this network; "
-        "did you mean scene?"
-    ]
-
-
 def test_a_wrong_input_leaves_the_right_one_open(document, small_library):
-    _unknown_input(document)
+    _set("links", 2, 1, "jitter.zzz")(document)
     assert _lines(document, small_library) == [
         "jitter: Jitter MTF has no input zzz (the link init.magnitude → jitter.zzz): "
         "it has context, magnitude",
@@ -225,7 +183,7 @@ def test_a_wrong_input_leaves_the_right_one_open(document, small_library):
 
 
 def test_every_fault_is_found_in_order(document, small_library):
-    for spoil in (_missing_input, _link_to_nowhere, _choice, _below_range, _cycle):
+    for spoil in (MISSING_INPUT, TO_NOWHERE, CHOICE, BELOW_RANGE, CYCLE):
         spoil(document)
     document["nodes"]["scene"]["params"]["width"] = 0.5
     lines = _lines(document, small_library)
@@ -241,7 +199,7 @@ def test_every_fault_is_found_in_order(document, small_library):
 
 
 def test_unfinished_networks_may_be_worked_on(document, small_library):
-    for spoil in (_missing_input, _disabled_source, _disabled_second_output):
+    for spoil in (MISSING_INPUT, DISABLED_SOURCE, SECOND_OUTPUT):
         spoil(document)
     assert len(_lines(document, small_library)) == 3
     assert _lines(document, small_library, unfinished=True) == []
@@ -249,19 +207,19 @@ def test_unfinished_networks_may_be_worked_on(document, small_library):
 
 def test_a_disabled_module_needs_only_what_it_passes_on(document, small_library):
     document["nodes"]["jitter"]["disabled"] = True
-    _drop(document, "jitter.context")
+    _without("jitter.context")(document)
     assert _lines(document, small_library) == []
 
 
 def test_kept_unknown_modules_may_have_any_port(document, small_library):
-    _unknown_module(document)
+    UNKNOWN_MODULE(document)
     assert len(_lines(document, small_library)) == 1
     assert _lines(document, small_library, keep_unknown=True) == []
 
 
 def test_what_check_raises_knows_all_problems(document, small_library):
-    _below_range(document)
-    _missing_input(document)
+    BELOW_RANGE(document)
+    MISSING_INPUT(document)
     network = parse_network(json.dumps(document), library=small_library)
     with pytest.raises(NetworkProblems) as caught:
         check_network(network, library=small_library)

@@ -1,6 +1,5 @@
 """Nodes and wires added by the lists that float on the canvas, and by what is dropped on it."""
 
-import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QAction, QDragEnterEvent, QDragLeaveEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
@@ -94,14 +93,6 @@ def test_escape_and_a_click_elsewhere_close_the_search(session, canvas, hand):
     assert not canvas.search_is_open()
     assert not session.network.nodes
     assert canvas.view.hasFocus()
-
-
-def test_nodes_added_at_one_point_do_not_hide_each_other(session, canvas, hand):
-    for _ in range(3):
-        canvas.open_search()
-        hand.type("jitter")
-        hand.key(Qt.Key.Key_Return)
-    assert len(set(session.network.layout.values())) == 3
 
 
 def test_the_list_stays_within_a_small_canvas(session, canvas, qtbot):
@@ -286,12 +277,3 @@ def test_a_text_is_not_taken(session, canvas, hand):
     data = QMimeData()
     data.setText("scene")
     assert not drag_and_drop(canvas, data, QPoint(50, 50))
-
-
-@pytest.mark.parametrize("key", ["jitter_mtf", "exit_pupil", "electronics_noise"])
-def test_every_added_node_can_be_undone_and_done_again(session, canvas, hand, key):
-    drag_and_drop(canvas, module_data(key), hand.at(0, 0))
-    session.undo()
-    assert not canvas.content.nodes
-    session.redo()
-    assert set(canvas.content.nodes) == {key}
