@@ -177,15 +177,7 @@ def flowing(text: str) -> str:
 
 
 def error_text(error: ImagechainError, *, on_node: bool = False) -> str:
-    """The error in one line: ``σ y of blur = -1 mrad is not allowed: …``.
-
-    Parameters
-    ----------
-    error : ImagechainError
-        What is wrong.
-    on_node : bool
-        Whether the text stands on the node itself, which needs no name then.
-    """
+    """The error in one line: ``σ y of blur = -1 mrad is not allowed: …``."""
     text = error.message
     named = error.node is not None and not on_node
     if isinstance(error, ParameterError) and text.startswith(error.parameter):

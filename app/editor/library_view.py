@@ -134,15 +134,6 @@ class ModuleTree(QTreeWidget):
 class LibraryView(QWidget):
     """The library with a field that filters it.
 
-    Parameters
-    ----------
-    library : mapping
-        Modules by key.
-    parent : QWidget, optional
-        What it stands in.
-    presets : sequence of Preset
-        Macros to be listed below the modules.
-
     Signals
     -------
     chosen(key)

@@ -39,15 +39,7 @@ LARGEST = 64 * 2**20  # bytes; four times what a network's text may have
 
 
 class Autosave:
-    """Keeps the unsaved work of one document. Its methods may be called from any thread.
-
-    Parameters
-    ----------
-    document : Document
-        What is kept.
-    folder : Path
-        Where; made when needed, for the user's eyes only.
-    """
+    """Keeps the unsaved work of one document. Its methods may be called from any thread."""
 
     def __init__(self, document: Document, folder: Path) -> None:
         self._document = document

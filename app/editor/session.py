@@ -139,6 +139,15 @@ class Session(QObject):
         return self._document.folder
 
     @property
+    def stem(self) -> str:
+        """What files of the document are called after."""
+        path = self._document.path
+        if path is not None:
+            return path.stem
+        name = self.network.name or "network"
+        return "".join(c if c.isalnum() or c in "-_" else "_" for c in name.lower())
+
+    @property
     def selection(self) -> tuple[str, ...]:
         """Ids of the selected nodes, the one selected last at the end."""
         return self._selection

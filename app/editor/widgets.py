@@ -336,15 +336,7 @@ class ElidedLabel(QLabel):
         return self._line
 
     def show_text(self, text: str, about: str = "") -> None:
-        """Show a text; line ends become spaces.
-
-        Parameters
-        ----------
-        text : str
-            What to show.
-        about : str, optional
-            The tooltip, if not the text itself.
-        """
+        """Show a text; line ends become spaces."""
         line = " ".join(text.split(" ")).replace("\n", " ")
         if line != self._line:
             self._line = line

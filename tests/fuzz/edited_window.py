@@ -24,6 +24,7 @@ from PySide6.QtCore import QObject, Qt, QTimer
 from PySide6.QtTest import QTest
 
 import app.command.cli
+from app.editor.recovery_files import recoverable
 from app.editor.window.main_window import MainWindow
 from app.editor.window.start import application
 from edited_networks import DRAGS, MAKERS, Editor
@@ -87,10 +88,10 @@ class Person(QObject):
             lambda error: self.journal.write("autosave ends", error=str(error or ""))
         )
         self._state()
-        self.to_recover = [work for work in window.recovery.unsaved_work() if not work.problem]
+        self.to_recover = [work for work in recoverable(window._recovery) if not work.problem]
         found = [
             {"text": work.text, "problem": work.problem, "original": str(work.original)}
-            for work in window.recovery.unsaved_work()
+            for work in recoverable(window._recovery)
         ]
         self.journal.write("ready", recoverable=found)
 
@@ -153,14 +154,14 @@ class Person(QObject):
             return  # the window would ask
         work = self.to_recover.pop(0)
         self.journal.write("recovering")
-        window.recovery.open(work, window.files)
+        window.welcome.recovered.emit(work)
         self.journal.write("recovered", state=self.states, offered=work.text)
 
     def _verify(self, window: MainWindow) -> None:
         """Open each work that is offered, save it to a file of its own, throw away the rest."""
         if not self.to_recover:
-            for work in window.recovery.unsaved_work():
-                window.recovery.discard(work)
+            for work in recoverable(window._recovery):
+                work.discard()
             window.show_welcome()
             # What a save cut short has left beside the network goes at the next one there.
             window.session.save(Path("after.json"))

@@ -318,7 +318,7 @@ class NewerActions:
 
     def do_snapshot_list(self):
         """Another A, another name, less of them, or back to one."""
-        view = self.window.kept.view
+        view = self.window.snapshots_view
         if not view.isVisible():
             self.window.actions_by_name["snapshots"].trigger()
             QApplication.processEvents()

@@ -14,7 +14,6 @@ from pathlib import Path
 
 from PySide6.QtCore import QPoint
 
-from app.editor.window.docks.full_screen import FullScreenPage
 from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow
 from app.editor.window.start import application
@@ -83,8 +82,8 @@ class Managed:
         self.hands.click(self.at(centre(picture)))
         wait_until(picture.hasFocus, "the picture has the focus")
         self.hands.keys("F11")
-        wait_until(lambda: self.window.findChild(FullScreenPage) is not None, "F11 shows a page")
-        page = self.window.findChild(FullScreenPage)
+        wait_until(lambda: self.window.full_screen.page is not None, "F11 shows a page")
+        page = self.window.full_screen.page
         wait_until(page.isActiveWindow, "the page has the focus")
         whole = self.screen.geometry()
         # Without its frame, whose extents Qt may still have from before: then the window manager

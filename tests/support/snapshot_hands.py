@@ -18,7 +18,7 @@ class Person:
         self.window = window
         self._idle = idle
         self.viewer = window.viewers.images[1]
-        self.kept = window.kept
+        self.snapshots = window.snapshots
 
     def key(self, key, modifiers=PLAIN):
         QTest.keyClick(QApplication.focusWidget(), key, modifiers)
@@ -40,7 +40,7 @@ class Person:
 
     def open_list(self):
         self.key(KEY.Key_K, CTRL | SHIFT)
-        return self.kept.view.list
+        return self.window.snapshots_view.list
 
     @property
     def status(self):

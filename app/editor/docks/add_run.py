@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import label_of
-from app.editor.docks.network_job import job_of, proposed_folder
+from app.editor.docks.run_queue import job_of, proposed_folder
 from app.editor.docks.tradeoff_ranges import ParameterChoice, Varied, usual_span
 from app.editor.number_text import shown_number
 from app.editor.session import Session
@@ -51,16 +51,8 @@ _USUAL_COUNT, _USUAL_FRAMES = 5, 16
 class AddRun(QDialog):
     """What is to be run, over what, and where to; what does not fit is said beside its field.
 
-    Parameters
-    ----------
-    session : Session
-        The document; it is taken as it stands when the run is added.
-    theme : Theme
-        Colours.
-    taken : callable
-        Gives the folders that other runs are to write in.
-    parent : QWidget
-        The window.
+    The document is taken as it stands when the run is added. `taken` gives the folders that other
+    runs are to write in.
 
     Signals
     -------

@@ -20,7 +20,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QToolTip, QWidget
 
-from app.editor.theme import Theme
+from app.editor.theme import FAINT
 from app.measure.measurement_text import REFUSED, REMOVED, USED
 
 if TYPE_CHECKING:
@@ -51,13 +51,12 @@ class EdgeCanvas(QWidget):
     stepped = Signal(int)
     switched = Signal()
 
-    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("measure.picture")
         self.setAccessibleName("Picture with its edges; arrow keys go from edge to edge")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
-        self._theme = theme
         self._measured: PictureMeasurement | None = None
         self._preview: Preview | None = None
         self._image: QImage | None = None
@@ -66,11 +65,6 @@ class EdgeCanvas(QWidget):
         self._zoom = 1.0
         self._middle: QPointF | None = None
         self._drag: tuple[QPointF, QPointF] | None = None
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self._theme = theme
-        self.update()
 
     def show_measured(self, measured: PictureMeasurement | None, picture: int = 0) -> None:
         """Show a picture of a measurement, by its number; None shows the hint."""
@@ -135,10 +129,10 @@ class EdgeCanvas(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the picture and its edges, or the hint."""
         painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(self._theme.base))
+        painter.fillRect(self.rect(), self.palette().base())
         preview = self._preview
         if preview is None or self._image is None or self._measured is None:
-            painter.setPen(QColor(self._theme.faint_text))
+            painter.setPen(self.palette().color(FAINT))
             flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
             painter.drawText(self.rect().adjusted(12, 8, -12, -8), int(flags), _HINT)
             painter.end()

@@ -148,17 +148,12 @@ def edge_words(place: int, edge: MeasuredEdge) -> str:
 class FigureTable(CopiedTable):
     """Figures of a measurement; Ctrl+C copies them."""
 
-    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget) -> None:
         super().__init__(0, len(_FIGURE_HEADS), parent)
         self.setObjectName("measure.figures")
         self.setAccessibleName("Figures of MTF and noise; Ctrl+C copies them")
         self.list_figures(_FIGURE_HEADS)
-        self._theme = theme
         self._rows: tuple[tuple[str, str, str], ...] = ()
-
-    def set_theme(self, theme: Theme) -> None:
-        """Write in other colours."""
-        self._theme = theme
 
     def cells(self, row: int) -> Sequence[str]:
         """The texts of a row that are copied."""

@@ -10,6 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QComboBox, QLabel, QPlainTextEdit, QSplitter, QVBoxLayout, QWidget
 
+from app.editor.dialogs import choose_pictures
 from app.editor.docks.fit_job import DrawnEdge, FitOutcome, FitTask, FittedNumber, fit_to_picture
 from app.editor.docks.free_table import FreeTable
 from app.editor.docks.measure_worker import (
@@ -39,15 +40,12 @@ _TAKE = "Write all fitted values into the network, as one step that undo takes b
 
 
 class FitView(QWidget):
-    """Fits in the background, and shows what that gives.
+    """Fits the network to a picture in the background, and shows what that gives.
 
-    Signals
-    -------
-    file_wanted
-        The person is to be asked for a picture file.
+    `default_pictures` gives those that are fitted to where no others are chosen, `finish_typing`
+    takes what is being typed before a fit.
     """
 
-    file_wanted = Signal()
     _seen = Signal(object, object)
 
     def __init__(
@@ -56,9 +54,8 @@ class FitView(QWidget):
         theme: Theme,
         default_pictures: Callable[[], Pictures | None],
         finish_typing: Callable[[], None],
-        parent: QWidget | None = None,
     ) -> None:
-        super().__init__(parent)
+        super().__init__()
         self.setObjectName("fit")
         self.setAccessibleName("Fit to a picture")
         self.theme = theme
@@ -87,6 +84,11 @@ class FitView(QWidget):
         """Fit to these from now on."""
         self._own = pictures
         self.show_state()
+
+    def _choose_file(self) -> None:
+        """Ask the person for pictures."""
+        window, name = self.window(), "fit_dialog"
+        choose_pictures(window, "Fit to pictures", name=name, chosen=self.choose_pictures)
 
     # --- fitting -----------------------------------------------------------------------------
 
@@ -163,11 +165,6 @@ class FitView(QWidget):
         self._fits = [*before, self._session.document.network]
         self._say_result()
 
-    def network_changed(self) -> None:
-        """Show its values as they are now, and say where those fitted are of another one."""
-        self.table.write()
-        self._say_result()
-
     # --- the widget --------------------------------------------------------------------------
 
     def set_theme(self, theme: Theme) -> None:
@@ -221,19 +218,10 @@ class FitView(QWidget):
         bar = QWidget(self)
         flow = FlowLayout(bar, across=4, down=2)
         flow.setContentsMargins(4, 4, 4, 2)
-        for widget in (
-            *(
-                self.file,
-                self.known,
-                self.fit,
-                self.stop,
-                self.taking,
-                self.remove,
-                self.name,
-                self.which,
-            ),
-        ):
+        for widget in (self.file, self.known, self.fit, self.stop, self.taking, self.remove):
             flow.addWidget(widget)
+        flow.addWidget(self.name)
+        flow.addWidget(self.which)
         self.table = FreeTable(self._session, self.theme, self)
         self.words = QPlainTextEdit(self)
         self.words.setObjectName("fit.words")
@@ -260,7 +248,7 @@ class FitView(QWidget):
         column.addWidget(self.status)
 
     def _connect(self) -> None:
-        self.file.clicked.connect(self.file_wanted)
+        self.file.clicked.connect(self._choose_file)
         self.fit.clicked.connect(self.begin)
         self.known.toggled.connect(self.show_state)
         self.stop.clicked.connect(self.cancel)
@@ -276,7 +264,7 @@ class FitView(QWidget):
         self.worker.cancelled.connect(self._stopped)
         self._session.free.changed.connect(self.show_state)
         self._session.opened.connect(self.forget)
-        self._session.changed.connect(self._changed)
+        self._session.changed.connect(self._network_changed)
 
     def show_state(self, *_: object) -> None:
         """Show what is free, and the picture."""
@@ -293,8 +281,10 @@ class FitView(QWidget):
         elif not self.worker.busy:
             self._say(f"{count} free" if count else _NOTHING_FREE)
 
-    def _changed(self, *_: object) -> None:
-        self.network_changed()
+    def _network_changed(self, *_: object) -> None:
+        """Show its values as they are now, and say where those fitted are of another one."""
+        self.table.write()
+        self._say_result()
 
     @property
     def _determined(self) -> list[FittedNumber]:

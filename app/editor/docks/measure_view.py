@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QComboBox, QSpinBox, QSplitter, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QApplication,
+    QComboBox,
+    QSpinBox,
+    QSplitter,
+    QTabWidget,
+    QVBoxLayout,
+    QWidget,
+)
 
+from app.editor.dialogs import SaveDialog, choose_pictures, show_beside
 from app.editor.docks.edge_canvas import EdgeCanvas
 from app.editor.docks.edge_table import EdgeTable, FigureTable, MtfChart, edge_words
 from app.editor.docks.measure_worker import (
@@ -17,21 +28,27 @@ from app.editor.docks.measure_worker import (
     MeasureWorker,
     PictureDrops,
     Pictures,
-    ViewerPicture,
+    picture_of,
     pictures_name,
+    shown_in,
 )
+from app.editor.gestures import without_argument
+from app.editor.session import Session
 from app.editor.theme import Theme
+from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import FlowLayout, menu_button, toggle_button, tool_button
 from core.errors import UsageError
+from core.network.network import Network
+from nodes.files.common.file_format import CSV, HTML, JSON, dialog_filter
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
-    from core.network.network import Network
 
 
+_KINDS = ";;".join(
+    (dialog_filter("Page", HTML), dialog_filter("Everything", JSON), dialog_filter("MTF", CSV))
+)
 _REMOVE, _USE = "Remove Edge", "Use Edge Again"
 
 
@@ -45,37 +62,30 @@ class _Measuring:
 
 
 class MeasureView(QWidget):
-    """Measures pictures in the background, and shows what that gives.
+    """Measures what viewers show, or files, in the background, and shows what that gives.
 
     Signals
     -------
-    file_wanted, export_wanted
-        The person is to be asked for a picture file, or for where the results go.
-    message(kind, text)
-        For the window's status line.
     source_changed
         Other pictures are shown as measured.
     """
 
-    file_wanted = Signal()
-    export_wanted = Signal()
-    message = Signal(str, str)
     source_changed = Signal()
 
-    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, session: Session, theme: Theme, viewers: Mapping[int, ImageViewer]) -> None:
+        super().__init__()
         self.setObjectName("measure")
         self.setAccessibleName("Measure a picture")
-        self.theme = theme
+        self._session = session
+        self._viewers = viewers
         self.measured: PictureMeasurement | None = None
         self.current = -1
         self._shown: _Measuring | None = None
         self._coming: _Measuring | None = None
-        self._now: Network | None = None
         self._files: tuple[Path, ...] = ()
         self.worker = MeasureWorker(self)
         self.drops = PictureDrops(self, self.measure_files)
-        self._build()
+        self._build(theme)
         self._connect()
         self.set_theme(theme)
         self._show_all()
@@ -87,9 +97,21 @@ class MeasureView(QWidget):
         """The pictures whose measurement is shown."""
         return self._shown.pictures if self._shown is not None else None
 
-    def measure_viewer(self, picture: ViewerPicture, network: Network) -> None:
-        """Measure what a viewer shows of a network, which is the one that is open."""
-        self._now, self._files = network, ()
+    def measure_shown(self) -> None:
+        """Measure what the viewer with the focus shows, or the first that shows something."""
+        shown = shown_in(self._viewers)
+        focus = QApplication.focusWidget()
+        in_use = [n for n in shown if focus is not None and self._viewers[n].isAncestorOf(focus)]
+        self.measure_viewer((*in_use, *shown, 1)[0])
+
+    def measure_viewer(self, number: int) -> None:
+        """Measure what a viewer shows."""
+        try:
+            picture = picture_of(number, self._viewers[number])
+        except UsageError as error:
+            self._say(str(error), failed=True)
+            return
+        self._files = ()
 
         def job(check: Check, report: Callable[[str], None]) -> PictureMeasurement:
             # Imported where it is used: the window opens without it.
@@ -107,6 +129,7 @@ class MeasureView(QWidget):
                 report=report,
             )  # fmt: skip
 
+        network = self._session.document.network
         self._begin(_Measuring(picture.name, picture, network), job)
 
     def measure_files(self, paths: tuple[Path, ...]) -> None:
@@ -133,6 +156,31 @@ class MeasureView(QWidget):
 
         of = "" if band is None else f", band {band}"
         self._begin(_Measuring(pictures_name(paths) + of, paths), job)
+
+    def _choose_files(self) -> None:
+        title, name = "Measure pictures of one camera", "measure_dialog"
+        choose_pictures(self.window(), title, name=name, chosen=self.measure_files)
+
+    def _choose_target(self) -> None:
+        """Ask the person where the results go."""
+        dialog = SaveDialog(self.window(), "Write the measurement", str(Path.cwd()), _KINDS)
+        dialog.setObjectName("measure_export_dialog")
+        dialog.setDefaultSuffix(HTML.suffixes[0].removeprefix("."))
+        dialog.selectFile("measured.html")
+        dialog.fileSelected.connect(lambda text: self.export(Path(text)))
+        show_beside(self.window(), dialog)
+
+    def _list_viewers(self) -> None:
+        menu = self.viewer.menu()
+        menu.clear()
+        shown = shown_in(self._viewers)
+        for number in shown:
+            action = menu.addAction(f"Viewer &{number}: {self._viewers[number].choices.port}")
+            action.setObjectName(f"measure.viewer_{number}")
+            measure = partial(self.measure_viewer, number)
+            action.triggered.connect(partial(without_argument, measure))
+        if not shown:
+            menu.addAction("No viewer shows a picture").setEnabled(False)
 
     def export(self, path: Path) -> None:
         """Write the results in the background: .json, .csv or .html, by the name."""
@@ -196,13 +244,12 @@ class MeasureView(QWidget):
         self.measured = change(measured, self.current)
         self._show_all()
 
-    def network_changed(self, network: Network) -> None:
+    def _network_changed(self, *_: object) -> None:
         """Say whether a measured picture is that of the network as it stands."""
-        before, self._now = self._title, network
-        if self._title != before and not self.worker.busy:
+        if self._shown is not None and not self.worker.busy:
             self._say_shown()
 
-    def forget_network(self) -> None:
+    def _forget_network(self) -> None:
         """Show no picture of a network any more: another one is open."""
         if self._coming is not None and self._coming.network is not None:
             self.worker.drop()
@@ -219,7 +266,7 @@ class MeasureView(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
-        for part in (self.canvas, self.chart, self.table, self.figures):
+        for part in (self.chart, self.table):
             part.set_theme(theme)
 
     def sizeHint(self) -> QSize:
@@ -235,7 +282,7 @@ class MeasureView(QWidget):
         else:
             super().keyPressEvent(event)
 
-    def _build(self) -> None:
+    def _build(self, theme: Theme) -> None:
         self.viewer = menu_button(
             "measure.viewer", "Measure Viewer", "Measure the picture of a viewer (Ctrl+M)", self
         )
@@ -266,21 +313,13 @@ class MeasureView(QWidget):
         bar = QWidget(self)
         flow = FlowLayout(bar, across=4, down=2)
         flow.setContentsMargins(4, 4, 4, 2)
-        buttons = (
-            self.viewer,
-            self.file,
-            self.stop,
-            self.remove,
-            self.unused,
-            self.fit,
-            self.write,
-        )
-        for widget in (*buttons, self.band, self.pictures):
+        buttons = (self.viewer, self.file, self.stop, self.remove, self.unused, self.fit)
+        for widget in (*buttons, self.write, self.band, self.pictures):
             flow.addWidget(widget)
-        self.canvas = EdgeCanvas(self.theme, self)
-        self.chart = MtfChart(self.theme, self)
-        self.table = EdgeTable(self.theme, self)
-        self.figures = FigureTable(self.theme, self)
+        self.canvas = EdgeCanvas(self)
+        self.chart = MtfChart(theme, self)
+        self.table = EdgeTable(theme, self)
+        self.figures = FigureTable(self)
         self.tabs = QTabWidget(self)
         self.tabs.setObjectName("measure.tabs")
         self.tabs.setDocumentMode(True)
@@ -308,9 +347,10 @@ class MeasureView(QWidget):
         column.addWidget(self.status)
 
     def _connect(self) -> None:
-        self.file.clicked.connect(self.file_wanted)
+        self.file.clicked.connect(self._choose_files)
+        self.viewer.menu().aboutToShow.connect(self._list_viewers)
         self.band.valueChanged.connect(self._measure_band)
-        self.write.clicked.connect(self.export_wanted)
+        self.write.clicked.connect(self._choose_target)
         self.stop.clicked.connect(self.cancel)
         self.remove.clicked.connect(self.switch)
         self.fit.clicked.connect(self.canvas.fit)
@@ -326,13 +366,16 @@ class MeasureView(QWidget):
         self.worker.done.connect(self._take)
         self.worker.failed.connect(self._fail)
         self.worker.cancelled.connect(self._stopped)
+        self._session.changed.connect(self._network_changed)
+        self._session.opened.connect(self._forget_network)
 
     @property
     def _title(self) -> str:
         if self._shown is None:
             return ""
         title, own = self._shown.title, self._shown.network
-        old = own is not None and own is not self._now and own != self._now
+        now = self._session.document.network
+        old = own is not None and own is not now and own != now
         return f"{title}, as it was before an edit" if old else title
 
     def _begin(self, measuring: _Measuring, job: Callable[..., object]) -> None:
@@ -346,7 +389,7 @@ class MeasureView(QWidget):
 
     def _take(self, result: object) -> None:
         if isinstance(result, Path):
-            self.message.emit("note", f"wrote {result}")
+            self._session.message.emit("note", f"wrote {result}")
             self._say_shown()
             self._show_buttons()
             return

@@ -9,12 +9,14 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, QTimer, Signal
 
-from app.run.job import Job, Result, Step, job_text, read_message
+from app.editor.session import Session
+from app.run.job import Job, Kind, Result, Step, job_text, read_message
 from app.run.shipped import command, environment
+from core.errors import NetworkError
 from core.leftovers import sweep
 from core.names import in_line
 
@@ -235,13 +237,6 @@ class RunProcess(QObject):
 
     The process stops by itself when its input ends, which it does whatever becomes of this one.
 
-    Parameters
-    ----------
-    job : Job
-        What to do.
-    parent : QObject
-        Qt's owner.
-
     Signals
     -------
     stepped(step)
@@ -351,3 +346,42 @@ def _variables(names: Iterable[tuple[str, str]] | dict[str, str]) -> QProcessEnv
 def _last_line(said: str) -> str:
     lines = [line for line in said.splitlines() if line.strip()]
     return in_line(lines[-1].removeprefix(_PREFIX)) if lines else "it ended without a word"
+
+
+# The network of the window as it is now, as a job.
+
+
+def job_of(session: Session, kind: Kind, output: Path, **choices: Any) -> Job:
+    """A job of the document as it stands, unsaved changes too; `choices` as for `Job`.
+
+    Raises
+    ------
+    NetworkError, FileError
+        If there is nothing to run, or it holds what no file can.
+    """
+    document = session.document
+    if not document.network.nodes:
+        raise NetworkError("the network has no nodes")
+    return Job(
+        kind,
+        document.text(),
+        document.folder.absolute(),
+        None if document.path is None else document.path.absolute(),
+        output.absolute(),
+        chosen=session.chosen_outputs,
+        **choices,
+    )
+
+
+def proposed_folder(session: Session, kind: str, taken: set[Path]) -> Path:
+    """A folder beside the document's file that is not there yet, and nobody else's to be."""
+    path = session.document.path
+    base = path.parent.absolute() if path is not None else Path.cwd()
+    number = 1
+    while True:
+        folder = base / (
+            f"{session.stem}-{kind}" if number == 1 else f"{session.stem}-{kind}-{number}"
+        )
+        if folder not in taken and not folder.exists():
+            return folder
+        number += 1

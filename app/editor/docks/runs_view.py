@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 from PySide6.QtCore import (
@@ -41,7 +42,6 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import tip
-from app.editor.docks.network_job import state_text, whole_text
 from app.editor.docks.run_queue import Entry, RunQueue
 from app.editor.theme import Theme
 from app.editor.widgets import ElidedLabel, FlowLayout, centred_hint, tool_button
@@ -59,15 +59,6 @@ _DROP_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 
 class RunsView(QWidget):
     """The queue's entries with what one can do to them.
-
-    Parameters
-    ----------
-    queue : RunQueue
-        What is shown.
-    theme : Theme
-        Colours.
-    parent : QWidget, optional
-        Qt's owner.
 
     Signals
     -------
@@ -152,10 +143,6 @@ class RunsView(QWidget):
         if number in self._items:
             self.list.setCurrentItem(self._items[number])
 
-    def take_focus(self) -> None:
-        """Where the keyboard begins: the list, or what fills it."""
-        (self.list if self._items else self.add).setFocus(Qt.FocusReason.OtherFocusReason)
-
     def open(self) -> None:
         """Open what the marked run has made: its report or trade-off, else its folder."""
         entry = self.current
@@ -187,6 +174,7 @@ class RunsView(QWidget):
         self.hint.setVisible(not entries)
         self.list.setVisible(bool(entries))
         self.detail.setVisible(bool(entries))
+        self.setFocusProxy(self.list if entries else self.add)
         self._show_current()
 
     def _follow(self, number: int) -> None:
@@ -352,13 +340,6 @@ class _Progress(QStyledItemDelegate):
 class ReportStatus(QWidget):
     """Follows the report that was begun last.
 
-    Parameters
-    ----------
-    queue : RunQueue
-        Carries it out.
-    parent : QWidget
-        The status bar.
-
     Signals
     -------
     message(kind, text)
@@ -441,3 +422,53 @@ class ReportStatus(QWidget):
         entry = self._queue.entry(self._number)
         if entry is not None and entry.page is not None:
             QDesktopServices.openUrl(QUrl.fromLocalFile(str(entry.page)))
+
+
+# What the list says of a run, without Qt.
+
+_MINUTE, _HOUR = 60, 3600
+
+
+def duration(seconds: float) -> str:
+    """A time in words, as exact as one can use: ``0.8 s``, ``45 s``, ``3 min``, ``2 h 10 min``."""
+    if seconds < 9.95:
+        return f"{seconds:.1f} s"
+    if seconds < _MINUTE:
+        return f"{math.ceil(seconds)} s"
+    if seconds < _HOUR:
+        return f"{math.ceil(seconds / _MINUTE)} min"
+    hours, minutes = divmod(math.ceil(seconds / _MINUTE), 60)
+    return f"{hours} h {minutes} min" if minutes else f"{hours} h"
+
+
+def state_text(entry: Entry, now: float) -> str:
+    """The state of a run in a line."""
+    if entry.state == "running":
+        parts = [f"{100 * entry.share:.0f} %"]
+        left = entry.left_s(now)
+        if left is not None:
+            parts.append(f"{duration(max(1.0, round(left)))} left")
+        return " · ".join([*parts, *filter(None, [entry.doing])])
+    if entry.state == "failed":
+        return f"failed: {entry.text}"
+    if entry.state == "done":
+        return " · ".join(filter(None, ["done", duration(entry.seconds), failures_text(entry)]))
+    return entry.state
+
+
+def failures_text(entry: Entry) -> str:
+    """How many of several runs could not be made, and why the first of them; empty where all."""
+    result = entry.result
+    if result is None or not result.failures:
+        return ""
+    name, why = result.failures[0]
+    return f"{len(result.failures)} of {result.runs} failed: {name}: {why}"
+
+
+def whole_text(entry: Entry, now: float) -> str:
+    """All there is to say of a run, in lines."""
+    lines = [entry.title, state_text(entry, now), f"Output: {entry.job.output}"]
+    if entry.result is not None:
+        lines += [f"{name}: {why}" for name, why in entry.result.failures[1:10]]
+        lines += entry.result.warnings[:10]
+    return "\n".join(lines)

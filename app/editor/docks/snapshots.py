@@ -1,28 +1,204 @@
-"""The snapshots of the open document: kept, named, compared with the present, gone back to."""
+"""Snapshots of the open document: what was shown of a state, A, beside the present one, B."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import datetime
-from typing import Any, Protocol
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple, Protocol
 
+import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from app.editor.docks.snapshot_states import KeepQuery, KeptResults, KeptState, Source, bounded
+from app.editor.declared_text import error_text, label_of
+from app.editor.docks.tradeoff_view import SideWork
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.queries import Query
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.picture.kept_side import KeptSide, Way
+from app.editor.viewers.pixels.picture_layers import KeptPicture
+from app.editor.viewers.pixels.picture_query import PictureQuery
+from app.editor.viewers.plot.figures_strip import NONE, figure_text
 from app.editor.viewers.plot.plot_export import Data
 from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.run.readout_tables import number_text, without_rounding
+from core.chain.engine import Plan
 from core.editing.operations import Restored
+from core.errors import Cancelled, ImagechainError
+from core.evaluation.work import Work
 from core.machine import store_bytes
+from core.network.network import Network
 
-OWNER = "snapshots.kept"
+MOST_CURVES = 8
+"""Of a plot turned to many angles, the curves of the last ones are kept."""
 SHARE = 4
 """Snapshots keep at most this part of what computed values may take, in pictures."""
+NOTHING_KEPT = "nothing is kept yet: Ctrl+K keeps the present state"
+_OWNER = "snapshots.kept"
+
+Figures = Mapping[tuple[str, str], tuple[Any, str]]
+"""Value and unit of every read-out, by node and name."""
+
+
+def all_figures(passing: Passing, work: Work) -> Figures:
+    """The read-outs of all nodes in the network's order; of those that fail, none."""
+    figures: dict[tuple[str, str], tuple[Any, str]] = {}
+    for name, planned in passing.plan.nodes.items():
+        if planned.error is not None or planned.node.disabled:
+            continue
+        declared = {readout.name: readout for readout in planned.declaration.readouts}
+        if not declared:
+            continue
+        try:
+            values = passing.engine.readouts(passing.plan, name, work)
+        except Cancelled:
+            raise
+        except ImagechainError:  # the node's badge has it
+            continue
+        for key, value in values.items():
+            figures[name, key] = value, planned.unit(declared[key])
+    return figures
+
+
+@dataclass(frozen=True)
+class AllFiguresQuery(Query):
+    """The figures of the network as it stands, once edits pause."""
+
+    waits: ClassVar[bool] = True
+
+    def key(self, plan: Plan) -> Hashable:
+        """What the nodes make their figures of."""
+        return tuple(
+            (
+                name,
+                repr(planned.module),
+                planned.node.disabled,
+                planned.error is None,
+                tuple(getattr(value, "key", None) for value in planned.inputs.values()),
+                tuple(getattr(value, "key", None) for value in planned.outputs.values()),
+            )
+            for name, planned in plan.nodes.items()
+        )
+
+    def answer(self, passing: Passing) -> Figures:
+        """The figures."""
+        return all_figures(passing, SideWork(passing.work))
+
+
+@dataclass(eq=False)
+class Source:
+    """The network of a snapshot as it was computed, and its plan once that is known.
+
+    A plan is of recipes, and holds no arrays.
+    """
+
+    network: Network
+    folder: Path
+    plan: Plan | None = None
+
+
+class Results(NamedTuple):
+    """What was computed of a snapshot: see there."""
+
+    pictures: Mapping[str, KeptPicture]
+    curves: Mapping[Query, Data | None]
+    figures: Figures | None
+    missing: Mapping[str, str]
+
+
+@dataclass(eq=False)
+class Snapshot:
+    """A state that is kept: the document, and what was shown of it.
+
+    `pictures` are by ``NODE.PORT``, `missing` says of which there is none and why. `curves` are
+    what the plot viewer shows for its queries, None where that is nothing. `figures` are None until
+    they are computed.
+    """
+
+    number: int
+    name: str
+    taken: datetime
+    network: Network
+    source: Source
+    pictures: dict[str, KeptPicture] = field(default_factory=dict)
+    curves: dict[Query, Data | None] = field(default_factory=dict)
+    figures: Figures | None = None
+    missing: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def time(self) -> str:
+        """When it was kept, for people."""
+        return f"{self.taken:%H:%M:%S}"
+
+    def add(self, results: Results) -> None:
+        """Take what was computed later; of curves the last few stay."""
+        self.pictures |= results.pictures
+        self.missing |= results.missing
+        curves = {**self.curves, **results.curves}
+        self.curves = dict(list(curves.items())[-MOST_CURVES:])
+        self.figures = self.figures if results.figures is None else results.figures
+
+
+@dataclass(frozen=True)
+class SnapshotQuery(Query):
+    """What is computed of a snapshot, whatever the network has become meanwhile.
+
+    It waits for all that is shown, and stops for whatever comes: no pass is slower for it. What
+    has been shown is in the store already, and only referred to; what has to be computed is not
+    left there, where the next edit needs the room.
+    """
+
+    waits: ClassVar[bool] = True
+
+    source: Source
+    ports: tuple[str, ...] = ()
+    curves: tuple[Query, ...] = ()
+    figures: bool = False
+
+    def key(self, plan: Plan) -> Hashable:  # noqa: ARG002 - it is of another state
+        """The question: its answer never changes."""
+        return self
+
+    def answer(self, passing: Passing) -> Results:
+        """What is kept; a picture or curve that fails is left out, with the reason."""
+        source = self.source
+        if source.plan is None and passing.plan.network is source.network:
+            source.plan = passing.plan
+        elif source.plan is None:
+            source.plan = passing.engine.plan(source.network, folder=source.folder)
+        of_state = replace(passing, plan=source.plan, work=SideWork(passing.work), reduced=1)
+        pictures: dict[str, KeptPicture] = {}
+        curves: dict[Query, Data | None] = {}
+        missing: dict[str, str] = {}
+        for port in self.ports:
+            try:
+                pictures[port] = PictureQuery(port).kept_picture(of_state)
+            except Cancelled:
+                raise
+            except ImagechainError as error:
+                missing[port] = error_text(error)
+        for query in self.curves:
+            try:
+                curves[query] = query.answer(of_state)
+            except Cancelled:
+                raise
+            except ImagechainError:  # the plot then has the present curves alone
+                curves[query] = None
+        figures = all_figures(of_state, of_state.work) if self.figures else None
+        return Results(pictures, curves, figures, missing)
+
+
+class Viewers(Protocol):
+    """The viewers of the window, by number, and the plot."""
+
+    images: dict[int, ImageViewer]
+    plot: PlotViewer
+
+    @property
+    def made(self) -> Any:
+        """Signals that a viewer has been made."""
 
 
 class Snapshots(QObject):
@@ -31,21 +207,16 @@ class Snapshots(QObject):
     One of them is A, the one that the present, B, is compared with: the newest, until another is
     chosen. The document knows nothing of them: undo leaves them alone.
 
-    Parameters
-    ----------
-    session : Session
-        The open document.
-    evaluator : Evaluator
-        Collects what is kept, in moments when nothing else is computed.
-    parent : QObject
-        Qt's owner.
-    capacity_bytes : int, optional
-        Most bytes of pictures that are kept; by default a quarter of what computed values may take.
-
     Attributes
     ----------
-    shown : frozenset of str
-        Ports that are on display: their pictures of A are not dropped.
+    states : list of Snapshot
+        The oldest first.
+    chosen : Snapshot or None
+        The one that is A.
+    way : "flip", "wipe" or None
+        How pictures are compared now; None where B is shown alone.
+    capacity_bytes : int
+        Most bytes of pictures that are kept.
 
     Signals
     -------
@@ -56,293 +227,139 @@ class Snapshots(QObject):
     changed = Signal()
 
     def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator,
-        parent: QObject,
-        capacity_bytes: int | None = None,
+        self, session: Session, evaluator: Evaluator, viewers: Viewers, parent: QObject
     ) -> None:
         super().__init__(parent)
         self._session = session
         self._evaluator = evaluator
-        self.capacity_bytes = store_bytes() // SHARE if capacity_bytes is None else capacity_bytes
-        self._states: tuple[KeptState, ...] = ()
-        self._chosen: int | None = None
+        self._viewers = viewers
+        self.capacity_bytes = store_bytes() // SHARE
+        self.states: list[Snapshot] = []
+        self.chosen: Snapshot | None = None
+        self.way: Way | None = None
         self._numbers = 0
-        self._way: Way | None = None
-        self._wanted: dict[KeepQuery, int] = {}
-        self.shown: frozenset[str] = frozenset()
+        self._wanted: dict[SnapshotQuery, Snapshot] = {}
+        self._followed: set[int] = set()
         session.opened.connect(self._forget)
         evaluator.answered.connect(self._answered)
-
-    @property
-    def states(self) -> tuple[KeptState, ...]:
-        """The states that are kept, the oldest first."""
-        return self._states
-
-    @property
-    def chosen(self) -> KeptState | None:
-        """The one that the present is compared with."""
-        return self.state(self._chosen)
-
-    @property
-    def way(self) -> Way | None:
-        """How pictures are compared now; None where B is shown alone."""
-        return self._way
-
-    def state(self, number: int | None) -> KeptState | None:
-        """The state of that number; None where there is none."""
-        return next((state for state in self._states if state.number == number), None)
-
-    def keep(self, ports: Iterable[str], curves: Iterable[Query]) -> KeptState:
-        """Keep the present state with these pictures and curves; it is A from now on."""
-        session, evaluator = self._session, self._evaluator
-        posted, plan = evaluator.posted, evaluator.plan
-        network = session.plain if posted is None else posted
-        planned = plan if plan is not None and plan.network is network else None
-        source = Source(network, session.folder, planned)
-        self._numbers += 1
-        state = KeptState(
-            self._numbers,
-            f"Snapshot {self._numbers}",
-            datetime.now(),
-            session.document.network,
-            session.network,
-            KeptResults(source),
-        )
-        self._states = (*self._states, state)
-        self._chosen = state.number
-        if self._way == "flip":  # it would look as if nothing followed edits
-            self._way = None
-        query = KeepQuery(source, tuple(dict.fromkeys(ports)), tuple(curves), figures=True)
-        self._wanted[query] = state.number
-        self._ask()
-        session.message.emit(
-            "note", f"kept as {state.name}: K flips to it and back, W wipes between it and now"
-        )
-        self.changed.emit()
-        return state
-
-    def choose(self, number: int) -> None:
-        """Compare the present with that state."""
-        if number != self._chosen and self.state(number) is not None:
-            self._chosen = number
-            self._bound()
-            self.changed.emit()
-
-    def rename(self, number: int, name: str) -> None:
-        """Give a state another name; an empty one is not taken."""
-        name = " ".join(name.split())
-        state = self.state(number)
-        if state is not None and name:
-            self._put(replace(state, name=name))
-        self.changed.emit()
-
-    def remove(self, number: int) -> None:
-        """Keep a state no longer; where it was A, the newest left is."""
-        self._states = tuple(state for state in self._states if state.number != number)
-        self._wanted = {query: of for query, of in self._wanted.items() if of != number}
-        if self._chosen == number:
-            self._chosen = self._states[-1].number if self._states else None
-        if self._chosen is None:
-            self._way = None
-        self._ask()
-        self.changed.emit()
-
-    def go_back(self, number: int | None = None) -> None:
-        """Make the document what it was in that state, or in A: a step that can be undone."""
-        state = self.chosen if number is None else self.state(number)
-        session = self._session
-        if state is None:
-            self._say_none()
-        elif session.do(Restored(state.network, f"Go back to {state.name}")):
-            session.message.emit("note", f"back at {state.name}; Ctrl+Z undoes it")
-        else:
-            session.message.emit("note", f"the network is as in {state.name} already")
-
-    def flip(self) -> None:
-        """Show A in the place of B, or B again."""
-        self._compare(None if self._way == "flip" else "flip")
-
-    def wipe(self) -> None:
-        """Show A and B on both sides of a wipe, or B alone again."""
-        self._compare(None if self._way == "wipe" else "wipe")
-
-    def want_picture(self, port: str) -> str:
-        """Have a picture of A; why there is none, or empty where it is there."""
-        state = self.chosen
-        if state is None or port in state.results.pictures:
-            return ""
-        if (why := state.results.missing.get(port)) is not None:
-            return f"{state.name} has no {port}: {why}"
-        if not any(port in query.ports for query in self._of(state)):
-            self._want(state, KeepQuery(state.results.source, (port,)))
-        return f"{port} of {state.name} is being computed"
-
-    def want_curve(self, query: Query) -> None:
-        """Have the curves of A that answer a query of the plot viewer."""
-        state = self.chosen
-        if state is None or query in state.results.curves:
-            return
-        if not any(query in wanted.curves for wanted in self._of(state)):
-            for other in self._of(state):  # of an angle that is turned only the last one counts
-                if not (other.ports or other.figures):
-                    del self._wanted[other]
-            self._want(state, KeepQuery(state.results.source, (), (query,)))
-
-    def _compare(self, way: Way | None) -> None:
-        if self.chosen is None:
-            self._say_none()
-            return
-        self._way = way
-        self.changed.emit()
-
-    def _say_none(self) -> None:
-        self._session.message.emit("advice", "nothing is kept yet: Ctrl+K keeps the present state")
-
-    def _of(self, state: KeptState) -> list[KeepQuery]:
-        return [query for query, number in self._wanted.items() if number == state.number]
-
-    def _want(self, state: KeptState, query: KeepQuery) -> None:
-        self._wanted[query] = state.number
-        self._ask()
-
-    def _ask(self) -> None:
-        if self._wanted:
-            self._evaluator.ask(OWNER, tuple(self._wanted))
-        else:
-            self._evaluator.forget(OWNER)
-
-    def _answered(self, answer: Any) -> None:
-        if answer.owner != OWNER or answer.query not in self._wanted:
-            return
-        query: KeepQuery = answer.query
-        state = self.state(self._wanted.pop(query))
-        self._ask()
-        if state is None:
-            return
-        results = answer.value
-        if not isinstance(results, KeptResults):  # the network as a whole cannot be planned
-            results = KeptResults(
-                state.results.source,
-                curves=dict.fromkeys(query.curves),
-                figures=() if query.figures else None,
-                missing=dict.fromkeys(query.ports, str(answer.error)),
-            )
-        self._put(replace(state, results=state.results.joined(results)))
-        self._bound()
-        self.changed.emit()
-
-    def _put(self, changed: KeptState) -> None:
-        self._states = tuple(
-            changed if state.number == changed.number else state for state in self._states
-        )
-
-    def _bound(self) -> None:
-        """Drop pictures beyond what may be kept, and say so."""
-        self._states, dropped = bounded(self._states, self.capacity_bytes, self._chosen, self.shown)
-        if dropped:
-            names = ", ".join(dropped)
-            self._session.message.emit(
-                "note",
-                f"snapshots keep {self.capacity_bytes / 2**20:.0f} MiB of pictures: some of "
-                f"{names} are dropped, and computed again when compared",
-            )
-
-    def _forget(self) -> None:
-        """Another document is open: what was kept of the last one goes with it."""
-        count = len(self._states)
-        self._states, self._chosen, self._way, self._numbers = (), None, None, 0
-        self._wanted.clear()
-        self._evaluator.forget(OWNER)
-        self.changed.emit()
-        if count:
-            text = "the snapshot" if count == 1 else f"the {count} snapshots"
-            QTimer.singleShot(
-                0, self, lambda: self._say(f"{text} of the last network went with it")
-            )
-
-    def _say(self, text: str) -> None:
-        self._session.message.emit("note", text)
-
-
-class Viewers(Protocol):
-    """The viewers of the window."""
-
-    images: dict[int, ImageViewer]
-    plot: PlotViewer
-
-    @property
-    def made(self) -> Any:
-        """Signals that a viewer has been made."""
-
-
-class Comparing(QObject):
-    """Has the viewers compare with the state that is A, each its own wire.
-
-    Parameters
-    ----------
-    session : Session
-        The open document.
-    snapshots : Snapshots
-        The states.
-    viewers : Viewers
-        The viewers by number, and the plot.
-    """
-
-    def __init__(self, session: Session, snapshots: Snapshots, viewers: Viewers) -> None:
-        super().__init__(snapshots)
-        self._session = session
-        self._snapshots = snapshots
-        self._viewers = viewers
-        self._followed: set[int] = set()
-        snapshots.changed.connect(self.follow)
         viewers.plot.posted.connect(self.follow)
         # A viewer that is made is in its place a moment later.
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self.follow)
-        viewers.made.connect(self._follow_soon)
+        viewers.made.connect(lambda _: self._soon.start())
         self.follow()
 
     def keep(self) -> None:
-        """Keep the present state, with what the viewers show of it."""
-        if not self._session.network.nodes:
-            self._session.message.emit("advice", "the network is empty: there is nothing to keep")
+        """Keep the present state, with what the viewers show of it; it is A from now on."""
+        session, evaluator = self._session, self._evaluator
+        if not session.network.nodes:
+            self._say("the network is empty: there is nothing to keep", "advice")
             return
-        self._snapshots.keep(self._ports(), self._curves())
+        network = session.plain if evaluator.posted is None else evaluator.posted
+        plan = evaluator.plan
+        planned = plan if plan is not None and plan.network is network else None
+        source = Source(network, session.folder, planned)
+        self._numbers += 1
+        name = f"Snapshot {self._numbers}"
+        state = Snapshot(self._numbers, name, datetime.now(), session.document.network, source)
+        self.states.append(state)
+        self.chosen = state
+        if self.way == "flip":  # it would look as if nothing followed edits
+            self.way = None
+        ports, curves = tuple(dict.fromkeys(self._ports())), tuple(self._viewers.plot.queries())
+        self._want(state, SnapshotQuery(source, ports, curves, figures=True))
+        self._say(f"kept as {name}: K flips to it and back, W wipes between it and now")
+        self._update()
+
+    def choose(self, state: Snapshot) -> None:
+        """Compare the present with that state."""
+        if state is not self.chosen:
+            self.chosen = state
+            self._drop_pictures()
+            self._update()
+
+    def rename(self, state: Snapshot, name: str) -> None:
+        """Give a state another name; an empty one is not taken."""
+        state.name = " ".join(name.split()) or state.name
+        self._update()
+
+    def remove(self, state: Snapshot) -> None:
+        """Keep a state no longer; where it was A, the newest left is."""
+        self.states.remove(state)
+        self._wanted = {query: of for query, of in self._wanted.items() if of is not state}
+        if self.chosen is state:
+            self.chosen = self.states[-1] if self.states else None
+        if self.chosen is None:
+            self.way = None
+        self._ask()
+        self._update()
+
+    def go_back(self, state: Snapshot | None = None) -> None:
+        """Make the document what it was in that state, or in A: a step that can be undone."""
+        state = state or self.chosen
+        if state is None:
+            self._say(NOTHING_KEPT, "advice")
+        elif self._session.do(Restored(state.network, f"Go back to {state.name}")):
+            self._say(f"back at {state.name}; Ctrl+Z undoes it")
+        else:
+            self._say(f"the network is as in {state.name} already")
+
+    def flip(self) -> None:
+        """Show A in the place of B, or B again."""
+        self._compare("flip")
+
+    def wipe(self) -> None:
+        """Show A and B on both sides of a wipe, or B alone again."""
+        self._compare("wipe")
+
+    def _compare(self, way: Way) -> None:
+        if self.chosen is None:
+            self._say(NOTHING_KEPT, "advice")
+        else:
+            self.way = None if self.way == way else way
+            self._update()
+
+    # --- beside the present ------------------------------------------------------------------
 
     def follow(self, *_: object) -> None:
         """Show beside the present what A has of it; what it lacks is computed in a quiet moment."""
-        images = self._viewers.images
-        self._snapshots.shown = frozenset(self._ports())
-        for number, viewer in images.items():
+        for number, viewer in self._viewers.images.items():
             if number not in self._followed:
                 self._followed.add(number)
                 viewer.posted.connect(self.follow)
             viewer.compare_kept(self._side(viewer))
-            if self._snapshots.chosen is None:
+            if self.chosen is None:
                 viewer.forget_kept()
-        self._viewers.plot.compare_kept(*self._kept_curves())
-
-    def _follow_soon(self, _made: object) -> None:
-        self._soon.start()
+        state, plot = self.chosen, self._viewers.plot
+        if state is None or not plot.isVisible():
+            plot.compare_kept(None)
+        else:
+            (query,) = plot.queries()
+            self._want_curves(state, query)
+            plot.compare_kept(state.curves.get(query), state.name)
 
     def _side(self, viewer: ImageViewer) -> KeptSide | None:
-        state, way, port = self._snapshots.chosen, self._snapshots.way, viewer.choices.port
-        if state is None or way is None or port is None or not viewer.isVisible():
+        state, port = self.chosen, viewer.choices.port
+        if state is None or self.way is None or port is None or not viewer.isVisible():
             return None
-        missing = self._snapshots.want_picture(port)
-        return KeptSide(state.results.pictures.get(port), _name(state), way, missing)
+        missing = ""
+        if port in state.missing:
+            missing = f"{state.name} has no {port}: {state.missing[port]}"
+        elif port not in state.pictures:
+            missing = f"{port} of {state.name} is being computed"
+            if not any(port in query.ports for query in self._wanted_of(state)):
+                self._want(state, SnapshotQuery(state.source, (port,)))
+        name = f"{state.name} · {state.time}"
+        return KeptSide(state.pictures.get(port), name, self.way, missing)
 
-    def _kept_curves(self) -> tuple[Data | None, str]:
-        state, plot = self._snapshots.chosen, self._viewers.plot
-        if state is None or not plot.isVisible():
-            return None, ""
-        curves = state.results.curves
-        for query in plot.queries():
-            self._snapshots.want_curve(query)
-            return curves.get(query), state.name
-        return None, ""
+    def _want_curves(self, state: Snapshot, query: Query) -> None:
+        wanted = self._wanted_of(state)
+        if query in state.curves or any(query in other.curves for other in wanted):
+            return
+        for other in wanted:  # of an angle that is turned only the last one counts
+            if not (other.ports or other.figures):
+                del self._wanted[other]
+        self._want(state, SnapshotQuery(state.source, curves=(query,)))
 
     def _ports(self) -> list[str]:
         """Wires on display; without any, those that the viewers would show."""
@@ -351,9 +368,133 @@ class Comparing(QObject):
         ports = seen or [viewer.choices.port for viewer in images]
         return [port for port in ports if port is not None]
 
-    def _curves(self) -> list[Query]:
-        return list(self._viewers.plot.queries())
+    # --- what is computed --------------------------------------------------------------------
+
+    def _wanted_of(self, state: Snapshot) -> list[SnapshotQuery]:
+        return [query for query, of in self._wanted.items() if of is state]
+
+    def _want(self, state: Snapshot, query: SnapshotQuery) -> None:
+        self._wanted[query] = state
+        self._ask()
+
+    def _ask(self) -> None:
+        if self._wanted:
+            self._evaluator.ask(_OWNER, tuple(self._wanted))
+        else:
+            self._evaluator.forget(_OWNER)
+
+    def _answered(self, answer: Any) -> None:
+        query = answer.query
+        if answer.owner != _OWNER or not isinstance(query, SnapshotQuery):
+            return
+        state = self._wanted.pop(query, None)
+        if state is None:
+            return
+        self._ask()
+        if answer.error is None:
+            state.add(answer.value)
+        else:  # the network as a whole cannot be planned
+            missing = dict.fromkeys(query.ports, str(answer.error))
+            state.add(
+                Results({}, dict.fromkeys(query.curves), {} if query.figures else None, missing)
+            )
+        self._drop_pictures()
+        self._update()
+
+    def _drop_pictures(self) -> None:
+        """Drop pictures beyond what may be kept, and say so."""
+        dropped = drop_pictures(self.states, self.capacity_bytes, self.chosen, self._ports())
+        if dropped:
+            self._say(
+                f"snapshots keep {self.capacity_bytes / 2**20:.0f} MiB of pictures: some of "
+                f"{', '.join(dropped)} are dropped, and computed again when compared"
+            )
+
+    def _forget(self) -> None:
+        """Another document is open: what was kept of the last one goes with it."""
+        count = len(self.states)
+        self.states, self.chosen, self.way, self._numbers = [], None, None, 0
+        self._wanted.clear()
+        self._ask()
+        self._update()
+        if count:
+            text = "the snapshot" if count == 1 else f"the {count} snapshots"
+            text += " of the last network went with it"
+            QTimer.singleShot(0, self, lambda: self._say(text))
+
+    def _update(self) -> None:
+        self.follow()
+        self.changed.emit()
+
+    def _say(self, text: str, kind: str = "note") -> None:
+        self._session.message.emit(kind, text)
 
 
-def _name(state: KeptState) -> str:
-    return f"{state.name} · {state.time}"
+def held_bytes(states: Iterable[Snapshot]) -> int:
+    """Bytes of the samples that these states hold; what they share counts once."""
+    arrays = {
+        id(array): array.nbytes
+        for state in states
+        for picture in state.pictures.values()
+        for array in (_owner(picture.samples),)
+    }
+    return sum(arrays.values())
+
+
+def _owner(array: np.ndarray) -> np.ndarray:
+    """The array whose memory it is."""
+    while isinstance(array.base, np.ndarray):
+        array = array.base
+    return array
+
+
+def drop_pictures(
+    states: Sequence[Snapshot],
+    capacity_bytes: int,
+    chosen: Snapshot | None,
+    shown: Collection[str] = (),
+) -> list[str]:
+    """Drop pictures until the rest takes no more than so many bytes; the names of what lost some.
+
+    The oldest lose theirs first; the one that is compared with comes last, and keeps those of the
+    ports that are `shown`.
+    """
+    dropped = []
+    for state in sorted(states, key=lambda state: state is chosen):
+        if held_bytes(states) <= capacity_bytes:
+            break
+        ports = shown if state is chosen else ()
+        left = {port: picture for port, picture in state.pictures.items() if port in ports}
+        if len(left) < len(state.pictures):
+            state.pictures = left
+            dropped.append(state.name)
+    return dropped
+
+
+def changed_figures(before: Figures, now: Figures) -> tuple[list[str], int]:
+    """A line for each figure that is another one now, and how many there are in all.
+
+    What six digits do not show is no difference.
+    """
+    lines, count = [], 0
+    for node, name in dict.fromkeys((*now, *before)):
+        pair = before.get((node, name)), now.get((node, name))
+        digits = [_digits(*figure) if figure else "" for figure in pair]
+        count += any(digits)
+        if digits[0] != digits[1]:
+            shown = [_shown(*figure) if figure else NONE for figure in pair]
+            if shown[0] == shown[1]:
+                shown = [text or NONE for text in digits]
+            lines.append(f"{node} {label_of(name)}: {shown[0]} → {shown[1]}")
+    return lines, count
+
+
+def _digits(value: Any, unit: str) -> str:
+    """The value in six digits with its unit; empty where there is none."""
+    if value is None:
+        return ""
+    return f"{number_text(without_rounding(value, unit))} {unit}".rstrip()
+
+
+def _shown(value: Any, unit: str) -> str:
+    return number_text(value) if isinstance(value, bool) else figure_text(value, unit)

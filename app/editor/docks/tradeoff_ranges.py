@@ -68,15 +68,7 @@ class Span:
 
 
 def usual_span(parameter: Parameter, present: Any) -> Span:
-    """A range to begin with: the declared one, else around the present value.
-
-    Parameters
-    ----------
-    parameter : Parameter
-        A number, whole or not.
-    present : object
-        Its value; None where it is empty.
-    """
+    """A range to begin with: the declared one, else around the present value."""
     scale, param = scale_of(parameter), parameter.param
     whole = parameter.kind == "integer"
     bounded = param.low is not None and param.high is not None
@@ -144,15 +136,7 @@ _STEP = 0.01  # of the range, for an arrow key
 
 
 class Varied:
-    """A parameter of a node of the open document, or none.
-
-    Parameters
-    ----------
-    session : Session
-        The document, which edits go to.
-    refuse : callable
-        Called with the reason why a value is not allowed.
-    """
+    """A parameter of a node of the open document, or none."""
 
     def __init__(self, session: Session, refuse: Callable[[str], None]) -> None:
         self.node, self.name = "", ""

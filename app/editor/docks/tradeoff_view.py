@@ -54,11 +54,6 @@ _HOW = "The upright line is the value now: drag it, or press ← and →"
 class TradeOffView(Viewer):
     """Charts of figures over one parameter.
 
-    Parameters
-    ----------
-    session, evaluator, theme, parent
-        As for `Viewer`.
-
     Signals
     -------
     export_wanted

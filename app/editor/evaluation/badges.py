@@ -168,15 +168,7 @@ class OwnFailure(ImagechainError):
 
 
 def as_error(error: Exception, node: str | None = None) -> ImagechainError:
-    """The error to show for whatever was raised; one of the project's own is kept.
-
-    Parameters
-    ----------
-    error : Exception
-        What was raised; `Cancelled` is for the caller to look after.
-    node : str, optional
-        The node it happened on.
-    """
+    """The error to show for whatever was raised; one of the project's own is kept."""
     if isinstance(error, ImagechainError) and not isinstance(error, Cancelled):
         return error
     if isinstance(error, MemoryError):

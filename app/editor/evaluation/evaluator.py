@@ -46,17 +46,6 @@ class Evaluator(QObject):
     Lives in the window's thread; all work is done in another. Of edits that come while a pass
     runs, the next pass takes the newest.
 
-    Parameters
-    ----------
-    session : Session
-        Its document is evaluated.
-    policy : Policy, optional
-        Precision, tolerance and threads.
-    store : Store, optional
-        Where computed values are kept.
-    parent : QObject, optional
-        Qt's owner.
-
     Signals
     -------
     planned(plan)
@@ -330,15 +319,7 @@ shown: of 4, 8, 12 and 16 ms, 8 had the shortest gaps at their full number.
 
 
 class Frames(QObject):
-    """Has news taken at once, or a frame after the last ones.
-
-    Parameters
-    ----------
-    take : callable
-        Takes them.
-    parent : QObject
-        Qt's owner.
-    """
+    """Has news taken at once, or a frame after the last ones."""
 
     def __init__(self, take: Callable[[], None], parent: QObject) -> None:
         super().__init__(parent)

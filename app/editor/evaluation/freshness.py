@@ -17,15 +17,6 @@ OLD_AFTER_MS = 250  # an answer sooner than that is no older than the picture
 class Freshness(QObject):
     """Follows edits and full passes: a preview of the pictures leaves all else as it was.
 
-    Parameters
-    ----------
-    session : Session
-        The document.
-    evaluator : Evaluator
-        Does the passes.
-    parent : QObject
-        Qt's owner.
-
     Signals
     -------
     changed(old)

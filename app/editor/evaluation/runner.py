@@ -41,19 +41,7 @@ from core.network.network import Network
 
 
 class Runner:
-    """Works in a thread of its own until its inbox is stopped.
-
-    Parameters
-    ----------
-    library : mapping
-        Modules by key.
-    policy : Policy
-        Precision, tolerance and threads.
-    store : Store
-        Computed values; emptied when another document opens.
-    inbox, outbox : Inbox and Outbox
-        Where snapshots come from, and answers go.
-    """
+    """Works in a thread of its own until its inbox is stopped."""
 
     def __init__(
         self, library: Library, policy: Policy, store: Store, inbox: Inbox, outbox: Outbox
@@ -345,15 +333,7 @@ class Runner:
 
 
 class Position:
-    """Where a pass is. Written by the worker, read by the window: each field on its own is true.
-
-    Parameters
-    ----------
-    wanted : int
-        Number of queries the pass is to answer.
-    must_stop : callable
-        Given the position, whether the pass is to stop now.
-    """
+    """Where a pass is. Written by the worker, read by the window: each field on its own is true."""
 
     def __init__(self, wanted: int, must_stop: Callable[[Position], bool]) -> None:
         self.started = time.perf_counter()

@@ -2,65 +2,73 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QPointF, Qt, QTimer
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent
-from PySide6.QtWidgets import QApplication, QMainWindow, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QDockWidget, QMainWindow, QMenu, QVBoxLayout, QWidget
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.canvas.crumbs import Crumbs
+from app.editor.docks.fit_view import FitView
+from app.editor.docks.measure_view import MeasureView
+from app.editor.docks.snapshots import Snapshots
+from app.editor.docks.snapshots_view import SnapshotsView
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level
 from app.editor.library_view import LibraryView
 from app.editor.panels.panel_area import PanelArea
-from app.editor.recovery_files import Autosaver
+from app.editor.recovery_files import Autosaver, Recovered, recoverable
 from app.editor.session import Session
 from app.editor.theme import THEMES, Look, Theme
-from app.editor.viewers.network_ports import PLOT_TYPES
+from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.window.actions.action_specs import CANVAS_MENU, NODE_MENU
-from app.editor.window.actions.action_targets import targets
 from app.editor.window.actions.edit_commands import EditCommands
-from app.editor.window.actions.focus import go_to_next
 from app.editor.window.actions.help import Help
 from app.editor.window.actions.menu_actions import Actions
-from app.editor.window.background.background_runs import BackgroundRuns
-from app.editor.window.docks.dock_toggles import add_dock_toggles, follow_docks
-from app.editor.window.docks.fit_dock import FitDock
+from app.editor.window.docks.background_runs import BackgroundRuns
+from app.editor.window.docks.first_views import FirstViews
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
-from app.editor.window.docks.measure_dock import MeasureDock
-from app.editor.window.docks.snapshot_dock import SnapshotDock
-from app.editor.window.docks.viewer_docks import FirstViews, ViewerDocks, add_dock, stand_behind
-from app.editor.window.docks.window_layout import Docks, LayoutName, WindowLayout, first_size
+from app.editor.window.docks.viewer_docks import (
+    ViewerDocks,
+    add_dock,
+    bring_forward,
+    in_front,
+    stand_behind,
+    toggle_dock,
+)
+from app.editor.window.docks.window_layout import (
+    DEFAULT,
+    Docks,
+    LayoutName,
+    WindowLayout,
+    first_size,
+)
 from app.editor.window.documents.drops import Drops
 from app.editor.window.documents.files import Files
+from app.editor.window.documents.opening import Opened
 from app.editor.window.documents.preset_shelf import PresetShelf
 from app.editor.window.documents.recent_files import RecentMenu, Settings
-from app.editor.window.documents.recovery import Recovery
 from app.editor.window.documents.welcome import WelcomePage
 from app.editor.window.pages import Pages, StatusBar
+from core.editing.layout import EDGES, WAYS
 from core.errors import ImagechainError
 from core.modules.declaration import Library
 
 _LEFT, _RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
+_BOTTOM, _TAB = Qt.DockWidgetArea.BottomDockWidgetArea, Qt.FocusPolicy.TabFocus
 
 
 class MainWindow(QMainWindow):
     """One window with one document.
 
-    Parameters
-    ----------
-    library : mapping
-        Modules by key.
-    settings : Settings
-        What is remembered.
-    recovery : Path
-        Folder for work that no file holds yet.
-    remembered : bool
-        Whether to take size and docks from the settings, and leave them there.
+    `recovery` is the folder for work that no file holds yet; `remembered` says whether size and
+    docks are those of the settings, and left there.
     """
 
     def __init__(
@@ -74,6 +82,7 @@ class MainWindow(QMainWindow):
         self.theme: Theme = THEMES[settings.look]
         QApplication.setPalette(self.theme.palette())  # what is built now takes its colours from it
         self.evaluator = Evaluator(self.session, parent=self)
+        self._recovery = recovery
         self._remembered = remembered
         self._ended = False
         self._build(library)
@@ -87,23 +96,14 @@ class MainWindow(QMainWindow):
         self.panels.sets_folder = self.shelf.folder / "parameters"
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.full_screen = FullScreen(self.viewers, self.session, self)
-        self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
-        self.viewers.set_picture_actions(
-            self.actions_by_name["full_screen"], self.actions_by_name["export"]
-        )
-        self.kept.follow_actions(self.actions_by_name)
-        for name in ("minimap", "thumbnails"):
-            self.actions_by_name[name].setChecked(True)
+        self.actions_by_name = Actions(self._targets(), window=self, canvas=self.canvas)
+        self._spread_actions()
         self.layout_in_use.place()
         self.menus = self.actions_by_name.fill(self.menuBar())
-        self._add_dock_toggles()
+        self._add_dock_toggles(self.menus["&View"])
         self.recent_menu = RecentMenu(settings, self.files.open, self._show_lists, self)
         self.recent_menu.stand_after(self.actions_by_name["open"], self.menus["&File"])
-        self.canvas.set_menus(
-            self.actions_by_name.of_names(NODE_MENU), self.actions_by_name.of_names(CANVAS_MENU)
-        )
         self.autosaver = Autosaver(self.session, recovery, self)
-        self.recovery = Recovery(recovery, self.autosaver, self)
         self._connect()
         self.set_theme(self.theme)
         self.resize(first_size(self.screen().availableSize()))
@@ -111,7 +111,7 @@ class MainWindow(QMainWindow):
             with self.layout_in_use.placing():
                 has_sizes = settings.restore_window(self)
                 stand_behind(self, self.viewers.plot_dock, self.history_dock)
-                stand_behind(self, self.measuring.dock, self.fitting.dock)
+                stand_behind(self, self.measure_dock, self.fit_dock)
             # Where a layout is remembered, it sizes the docks.
             self.pages.sizes_remembered = has_sizes and not self.layout_in_use.restore(
                 settings.layout
@@ -127,12 +127,8 @@ class MainWindow(QMainWindow):
         if isinstance(app, QApplication):
             app.setPalette(theme.palette())
         parts = (self.canvas, self.crumbs, self.library_view)
-        for part in (*parts, self.history, self.status):
+        for part in (*parts, self.viewers, self.runs, self.measuring, self.fitting, self.status):
             part.set_theme(theme)
-        self.viewers.set_theme(theme)
-        self.runs.set_theme(theme)
-        self.measuring.set_theme(theme)
-        self.fitting.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
 
     def toggle_light(self) -> None:
@@ -143,10 +139,12 @@ class MainWindow(QMainWindow):
 
     def open_first(self, text: str) -> None:
         """Open a network in place of the first page, and say what is offered there."""
-        if self.files.open_now(text) and (left := self.recovery.unsaved_work()):
+        if self.files.open_now(text) and (left := recoverable(self._recovery)):
             names = dict.fromkeys(each.original.name if each.original else "" for each in left)
             of = ", ".join(name or "a network never saved" for name in names)
-            self._warn(f"unsaved work was left behind, of {of}: see File > Welcome Page")
+            self.status.report(
+                "error", f"unsaved work was left behind, of {of}: see File > Welcome Page"
+            )
 
     def show_welcome(self) -> None:
         """Show the first page."""
@@ -155,7 +153,7 @@ class MainWindow(QMainWindow):
         self.pages.show_first()
 
     def _show_lists(self) -> None:
-        self.welcome.show_lists(self.settings.recent, self.recovery.unsaved_work())
+        self.welcome.show_lists(self.settings.recent, recoverable(self._recovery))
 
     def show_canvas(self) -> None:
         """Show the network."""
@@ -169,11 +167,18 @@ class MainWindow(QMainWindow):
 
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""
-        beside = (self.viewers.plot, self.viewers.tradeoff, self.kept.view)
-        viewers = [*self.viewers.images.values(), *beside, self.runs.view, self.measuring.view]
-        viewers += [self.fitting.view, self.history]
-        sides = self.library_view, self.panels
-        go_to_next([self.welcome, self.canvas, *sides, *viewers], step)
+        beside = (self.viewers.plot, self.viewers.tradeoff, self.snapshots_view, self.runs.view)
+        sides: tuple[QWidget, ...] = (self.welcome, self.canvas, self.library_view, self.panels)
+        docks = (*self.viewers.images.values(), *beside, self.measuring, self.fitting, self.history)
+        seen = [part for part in (*sides, *docks) if part.isVisible()]
+        focus = QApplication.focusWidget()
+        at = next((number for number, part in enumerate(seen) if _holds(part, focus)), -1)
+        part = seen[(at + step) % len(seen)]
+        for widget in (part, *part.findChildren(QWidget)):
+            if widget is part or (widget.isVisible() and widget.focusPolicy() & _TAB):
+                widget.setFocus(Qt.FocusReason.TabFocusReason)
+                if _holds(part, QApplication.focusWidget()):
+                    return
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Close, unless work would be lost: then ask first, and change nothing until answered."""
@@ -227,9 +232,9 @@ class MainWindow(QMainWindow):
         for other in self.findChildren(QWidget):
             if other.isWindow():
                 other.hide()
-        self.runs.close()
-        self.measuring.close()
-        self.fitting.close()
+        self.runs.queue.close()
+        self.measuring.worker.close()
+        self.fitting.close_worker()
         self.help.handbook.close()
         self.autosaver.close()
         self.evaluator.close()  # last: Python may collect in any thread afterwards
@@ -261,11 +266,26 @@ class MainWindow(QMainWindow):
         self.history = HistoryList(self.session)
         self.history_dock = add_dock(self, "History", "dock.history", self.history, _RIGHT)
         self.history_dock.hide()
-        self.kept = SnapshotDock(self.session, self.evaluator, self.viewers, self)
+        self.snapshots = Snapshots(self.session, self.evaluator, self.viewers, self)
+        self.snapshots_view = SnapshotsView(self.session, self.evaluator, self.snapshots)
+        self.snapshots_dock = self._hidden_dock("Snapshots", "snapshots", self.snapshots_view)
         self.runs = BackgroundRuns(self.session, self.theme, self, self.finish_typing)
-        self.measuring = MeasureDock(self.session, self.theme, self.viewers, self)
-        parts = (self.measuring, self.viewers, self, self.finish_typing)
-        self.fitting = FitDock(self.session, self.theme, *parts)
+        self.runs.dock.visibilityChanged.connect(self.viewers.name_tabs)
+        self.measuring = measuring = MeasureView(self.session, self.theme, self.viewers.images)
+        self.measure_dock = self._hidden_dock("Measure", "measure", measuring)
+        self.fitting = FitView(
+            self.session, self.theme, lambda: measuring.source, self.finish_typing
+        )
+        self.fit_dock = self._hidden_dock("Fit", "fit", self.fitting)
+        self.fit_dock.visibilityChanged.connect(self.fitting.show_state)
+        measuring.source_changed.connect(self.fitting.show_state)
+
+    def _hidden_dock(self, title: str, name: str, widget: QWidget) -> QDockWidget:
+        """A dock at the bottom, hidden until it is wanted."""
+        dock = add_dock(self, title, f"dock.{name}", widget, _BOTTOM)
+        dock.hide()
+        dock.visibilityChanged.connect(self.viewers.name_tabs)
+        return dock
 
     def _docks(self) -> Docks:
         viewers = self.viewers
@@ -274,28 +294,117 @@ class MainWindow(QMainWindow):
             panels=self.panel_dock,
             curves=viewers.plot_dock,
             tradeoff=viewers.tradeoff_dock,
-            snapshots=self.kept.dock,
+            snapshots=self.snapshots_dock,
             runs=self.runs.dock,
             history=self.history_dock,
-            measuring=self.measuring.dock,
-            fitting=self.fitting.dock,
+            measuring=self.measure_dock,
+            fitting=self.fit_dock,
             viewers=tuple(viewers.docks.values()),
             picture=viewers.images[1],
         )
 
-    def _add_dock_toggles(self) -> None:
-        viewers = self.viewers
-        sides = (self.library_dock, self.panel_dock, viewers.plot_dock)
-        docks = (*sides, self.measuring.dock, *viewers.docks.values())
-        add_dock_toggles(self.menus["&View"], docks, viewers)
-        named = {
-            "trade_off": viewers.tradeoff_dock,
-            "runs": self.runs.dock,
-            "history": self.history_dock,
-            "fit": self.fitting.dock,
+    def _targets(self) -> dict[str, Callable[..., object]]:
+        """What each action does, by its name."""
+        session, files, edits, canvas = self.session, self.files, self.edits, self.canvas
+        viewers, snapshots = self.viewers, self.snapshots
+        return {
+            "new": files.new,
+            "open": files.open_dialog,
+            "save": files.save,
+            "save_as": files.save_as,
+            "export": self.help.export,
+            "report": self.runs.report,
+            "welcome": self.show_welcome,
+            "quit": self.close,
+            "undo": session.undo,
+            "redo": session.redo,
+            "cut": edits.cut,
+            "copy": edits.copy,
+            "paste": edits.paste,
+            "copy_values": partial(self._typed_first, edits.copy_values),
+            "paste_values": partial(self._typed_first, edits.paste_values),
+            "duplicate": edits.duplicate,
+            "delete": edits.delete,
+            "select_all": edits.select_all,
+            "rename": self.panels.edit_name,
+            "disable": edits.disable,
+            "mark_output": edits.mark_output,
+            "add_module": canvas.open_search,
+            "connect": canvas.connect_selected,
+            "backdrop": edits.backdrop,
+            "note": edits.note,
+            "wire_dot": canvas.add_dot,
+            "find_node": canvas.find_node,
+            **{f"align_{edge}": partial(edits.align, edge) for edge in EDGES},
+            **{f"distribute_{way}": partial(edits.distribute, way) for way in WAYS},
+            "thumbnails": canvas.toggle_thumbnails,
+            "minimap": canvas.minimap.toggle,
+            "group": self._group,
+            "ungroup": edits.ungroup,
+            "save_preset": self.shelf.save,
+            "leave_macro": self.level.leave,
+            "frame": edits.frame,
+            "arrange": edits.arrange,
+            "zoom_in": partial(canvas.zoom_by, 1.25),
+            "zoom_out": partial(canvas.zoom_by, 0.8),
+            "trade_off": partial(
+                toggle_dock, viewers.tradeoff_dock, viewers.tradeoff.bar.parameter
+            ),
+            "history": partial(toggle_dock, self.history_dock, self.history),
+            "fit": partial(toggle_dock, self.fit_dock, self.fitting.table),
+            "full_screen": self.full_screen.toggle,
+            "picture_below": partial(self.choose_layout, "picture_below"),
+            "picture_beside": partial(self.choose_layout, "picture_beside"),
+            "canvas_first": partial(self.choose_layout, "canvas_first"),
+            "reset_layout": partial(self.choose_layout, DEFAULT),
+            "next_part": partial(self.go_to_part, 1),
+            "previous_part": partial(self.go_to_part, -1),
+            "light": self.toggle_light,
+            "generate": self.generate,
+            "runs": partial(toggle_dock, self.runs.dock, self.runs.view),
+            "add_run": self.runs.add,
+            "measure": self._measure,
+            "cancel": self.cancel,
+            "keep_snapshot": partial(self._typed_first, snapshots.keep),
+            "flip": snapshots.flip,
+            "wipe": snapshots.wipe,
+            "go_back": snapshots.go_back,
+            "snapshots": partial(toggle_dock, self.snapshots_dock, self.snapshots_view.list),
+            "shortcuts": self.help.shortcuts,
+            "module_help": self.help.module,
+            "handbook": self.help.handbook.open,
+            "about": self.help.about,
+            **{f"view_{number}": partial(self._view, number) for number in VIEWER_NUMBERS},
         }
-        follow_docks(self.actions_by_name, named)
-        self.runs.dock.visibilityChanged.connect(viewers.name_tabs)
+
+    def _spread_actions(self) -> None:
+        """Offer actions in the menus of parts, and let their keys work there."""
+        actions, viewers = self.actions_by_name, self.viewers
+        viewers.set_picture_actions(actions["full_screen"], actions["export"])
+        compare = actions.of_names(("keep_snapshot", "flip", "wipe"))
+        viewers.add_compare_actions(compare)
+        for widget in (self.snapshots_view.list, self.snapshots_view.figures):
+            widget.addActions(compare)
+        self.canvas.set_menus(actions.of_names(NODE_MENU), actions.of_names(CANVAS_MENU))
+        for name in ("minimap", "thumbnails"):
+            actions[name].setChecked(True)
+        for name, dock in (
+            ("trade_off", viewers.tradeoff_dock),
+            ("runs", self.runs.dock),
+            ("history", self.history_dock),
+            ("fit", self.fit_dock),
+            ("snapshots", self.snapshots_dock),
+        ):
+            dock.visibilityChanged.connect(actions[name].setChecked)
+
+    def _add_dock_toggles(self, menu: QMenu) -> None:
+        """Entries that show and hide docks, those made later too."""
+        viewers = self.viewers
+        menu.addSeparator()
+        sides = (self.library_dock, self.panel_dock, viewers.plot_dock)
+        for dock in (*sides, self.measure_dock, *viewers.docks.values()):
+            menu.addAction(dock.toggleViewAction())
+        viewers.made.connect(lambda dock: menu.addAction(dock.toggleViewAction()))
 
     def _connect(self) -> None:
         session, evaluator = self.session, self.evaluator
@@ -307,7 +416,7 @@ class MainWindow(QMainWindow):
         session.selection_changed.connect(self._follow_selection)
         self.files.opened.connect(self.show_canvas)
         self.files.about_to_save.connect(self.finish_typing)
-        self.autosaver.failed.connect(self._warn)
+        self.autosaver.failed.connect(partial(self.status.report, "error"))
         evaluator.badges_changed.connect(self._badges_changed)
         evaluator.busy_changed.connect(self.status.show_busy)
         evaluator.behind_changed.connect(self.status.show_behind)
@@ -315,7 +424,7 @@ class MainWindow(QMainWindow):
         self.status.cancel_wanted.connect(evaluator.cancel)
         self.library_view.chosen.connect(self._chosen_in_library)
         self.canvas.activated.connect(self._activated)
-        self.canvas.files_dropped.connect(self._files_dropped)
+        self.canvas.files_dropped.connect(self.drops.files)
         self.panels.view_requested.connect(self._view_requested)
         self.panels.generate_requested.connect(self.generate)
         self.panels.handbook_requested.connect(self.help.handbook_of)
@@ -325,7 +434,6 @@ class MainWindow(QMainWindow):
         welcome.new_wanted.connect(self.files.new)
         welcome.open_wanted.connect(self.files.open_dialog)
         welcome.recovered.connect(self._recover)
-        welcome.discarded.connect(self._discard)
 
     def _opened(self) -> None:
         self.viewers.forget_pictures()
@@ -370,10 +478,7 @@ class MainWindow(QMainWindow):
 
     def _chosen_in_library(self, key: str) -> None:
         if not self.shelf.add(key):
-            self.drops.add_module(key)
-
-    def _files_dropped(self, paths: list[str], point: QPointF) -> None:
-        self.drops.files(paths, (point.x(), point.y()))
+            self.canvas.add_module(key)
 
     def _view_requested(self, node: str, port: str, number: int) -> None:
         declared = self.session.declared(node)
@@ -394,11 +499,46 @@ class MainWindow(QMainWindow):
         self.measuring.cancel()
         self.fitting.cancel()
 
-    def _warn(self, text: str) -> None:
-        self.status.report("error", text)
+    def _typed_first(self, target: Callable[[], object]) -> None:
+        """Take what is being typed, then do it."""
+        self.panels.finish_typing()
+        target()
 
-    def _recover(self, work: object) -> None:
-        self.recovery.open(work, self.files)
+    def _group(self) -> None:
+        """Group, and have the macro's name typed in its panel."""
+        history = self.session.document.history
+        steps = history.position
+        self.edits.group()
+        if history.position != steps:
+            self.panels.edit_name()
 
-    def _discard(self, work: object) -> None:
-        self.recovery.discard(work)
+    def _view(self, number: int) -> None:
+        for name in self.session.selection[-1:]:
+            self.viewers.look_at_node(name, number)
+
+    def _measure(self) -> None:
+        """Measure what a viewer shows, unless files were measured that are out of sight.
+
+        Those are brought to the front first: edges may have been chosen in them by hand.
+        """
+        before = isinstance(self.measuring.source, tuple) and not in_front(self.measure_dock)
+        bring_forward(self.measure_dock, self.measuring.canvas)
+        if not before:
+            self.measuring.measure_shown()
+
+    def _recover(self, work: Any) -> None:
+        self.files.after_asking(lambda: self._show_recovered(work))
+
+    def _show_recovered(self, work: Recovered) -> None:
+        """Open it as unsaved; its file stays until the window has written its own."""
+        try:
+            document = work.document(self.session.library)
+        except ImagechainError as error:
+            self.status.report("error", f"not recovered: {error}")
+            return
+        self.files.show(Opened(document, "recovered: save it to keep it"))
+        self.autosaver.write_now(work.discard)
+
+
+def _holds(part: QWidget, widget: QWidget | None) -> bool:
+    return widget is not None and (part is widget or part.isAncestorOf(widget))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QByteArray, Qt, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
+    QDockWidget,
     QLabel,
     QMainWindow,
     QProgressBar,
@@ -18,22 +19,11 @@ from PySide6.QtWidgets import (
 
 from app.editor.gestures import SecondClick
 from app.editor.theme import Theme
-from app.editor.window.docks.viewer_docks import Curtain
 from app.editor.window.docks.window_layout import LayoutName, WindowLayout
 
 
 class Pages(QStackedWidget):
-    """Shows one of both. The docks get their sizes with the network that is shown first.
-
-    Parameters
-    ----------
-    first, work : QWidget
-        The first page, and the one of the network.
-    layout : WindowLayout
-        Places and sizes the docks.
-    window : QMainWindow
-        The window, which has the docks.
-    """
+    """Shows one of both. The docks get their sizes with the network that is shown first."""
 
     def __init__(
         self, first: QWidget, work: QWidget, layout: WindowLayout, window: QMainWindow
@@ -41,7 +31,8 @@ class Pages(QStackedWidget):
         super().__init__(window)
         self._first, self._work = first, work
         self._layout = layout
-        self._curtain = Curtain(window)
+        self._window = window
+        self._docks: QByteArray | None = None  # as they were before the first page hid them
         self._second_click = SecondClick(self)
         self._sized = False
         self.sizes_remembered = False
@@ -57,7 +48,7 @@ class Pages(QStackedWidget):
     def show_first(self) -> None:
         """Show the first page, without docks."""
         self.setCurrentWidget(self._first)
-        self._curtain.close()
+        self._hide_docks()
 
     def show_work(self) -> None:
         """Show the network, with the docks."""
@@ -71,15 +62,25 @@ class Pages(QStackedWidget):
 
     def show_docks(self) -> None:
         """Show the docks, on either page."""
-        with self._layout.placing():
-            self._curtain.open()
+        docks, self._docks = self._docks, None
+        if docks is not None:
+            with self._layout.placing():
+                self._window.restoreState(docks)
+
+    def _hide_docks(self) -> None:
+        """Hide those that belong to the window."""
+        if self._docks is None:
+            self._docks = self._window.saveState()
+            for dock in self._window.findChildren(QDockWidget):
+                if not dock.isFloating():
+                    dock.hide()
 
     def choose_layout(self, name: LayoutName) -> None:
         """Place the docks by a named layout; beside the first page they stay hidden until later."""
         self.show_docks()
         self._layout.choose(name)
         if self.at_first:
-            self._curtain.close()
+            self._hide_docks()
             self.sizes_remembered = self._sized = False
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 from app.editor.viewers.network_ports import VIEWER_NUMBERS
@@ -16,12 +17,8 @@ class ActionSpec:
 
     Parameters
     ----------
-    name : str
-        Its name in the window.
-    menu : str
-        Menu it stands in.
-    text : str
-        Its text in the menu.
+    menu, name, text : str
+        Menu it stands in, its name in the window, and its text in the menu.
     tip : str
         What it does, in one line.
     keys : tuple of str
@@ -36,8 +33,8 @@ class ActionSpec:
         Whether it works on the selected nodes.
     """
 
-    name: str
     menu: str
+    name: str
     text: str
     tip: str
     keys: tuple[str, ...] = ()
@@ -46,256 +43,139 @@ class ActionSpec:
     needs_selection: bool = False
 
 
-def _edit(name: str, text: str, tip: str, *keys: str, selection: bool = True) -> ActionSpec:
-    return ActionSpec(name, "&Edit", text, tip, keys, "canvas", needs_selection=selection)
+def _action(
+    menu: str,
+    name: str,
+    text: str,
+    tip: str,
+    *keys: str,
+    scope: Scope = "window",
+    checkable: bool = False,
+    selected: bool = False,
+) -> ActionSpec:
+    return ActionSpec(menu, name, text, tip, keys, scope, checkable, selected)
 
 
-_SEPARATED = frozenset(
+_file, _edit, _view = (partial(_action, menu) for menu in ("&File", "&Edit", "&View"))
+_run, _compare, _help = (partial(_action, menu) for menu in ("&Run", "&Compare", "&Help"))
+_selected = partial(_edit, scope="canvas", selected=True)
+
+# fmt: off
+ACTIONS: tuple[ActionSpec, ...] = (
+    _file("new", "&New", "Begin an empty network", "Ctrl+N"),
+    _file("open", "&Open…", "Open a network file", "Ctrl+O"),
+    _file("save", "&Save", "Save the network", "Ctrl+S"),
+    _file("save_as", "Save &As…", "Save the network to another file", "Ctrl+Shift+S"),
+    _file("export", "&Export…", "Write what the last used viewer shows", "Ctrl+E"),
+    _file("report", "Re&port…",
+          "Write a report of the network as it stands, as a page for the browser", "Ctrl+Shift+R"),
+    _file("welcome", "&Welcome Page", "Shipped networks, recent files, lost work"),
+    _file("quit", "&Quit", "Close the window", "Ctrl+Q", scope="application"),
+    _edit("undo", "&Undo", "Undo the last step", "Ctrl+Z"),
+    _edit("redo", "&Redo", "Do again what was undone", "Ctrl+Shift+Z", "Ctrl+Y"),
+    _selected("cut", "Cu&t",
+              "Take the selected nodes out to the clipboard, and lead wires past them", "Ctrl+X"),
+    _selected("copy", "&Copy", "Copy the selected nodes as JSON", "Ctrl+C"),
+    _edit("paste", "&Paste", "Put the clipboard's nodes at the mouse", "Ctrl+V", scope="canvas"),
+    _edit("copy_values", "Copy &Values", "Copy the values of the selected node as JSON",
+          "Ctrl+Shift+C", selected=True),
+    _edit("paste_values", "Paste Va&lues",
+          "Give the selected nodes the copied values that fit them", "Ctrl+Shift+V", selected=True),
+    _selected("duplicate", "D&uplicate", "Copy the selected nodes to free ground beside them",
+              "Ctrl+D"),
+    _edit("delete", "&Delete",
+          "Delete the selected nodes or wire; where there is one way through, it is led past",
+          "Del", "Backspace", scope="canvas"),
+    _edit("select_all", "Select &All", "Select every node", "Ctrl+A", scope="canvas"),
+    _selected("rename", "Re&name", "Give the selected node another name", "F2"),
+    _selected("disable", "D&isable", "Let the selected nodes pass their input through", "D"),
+    _selected("mark_output", "Mark as &Output",
+              "Make the selected node's picture what the network delivers; again: unmark it", "O"),
+    _edit("add_module", "Add &Module…", "Search a module and add it", "Tab", scope="canvas"),
+    _selected("connect", "Conn&ect…", "Wire the selected node by its ports' names", "C"),
+    _edit("backdrop", "Add &Backdrop",
+          "Put a titled backdrop behind the selected nodes, or at the mouse", "B", scope="canvas"),
+    _edit("note", "Add No&te", "Put a note at the mouse", "N", scope="canvas"),
+    _edit("wire_dot", "Bend Wi&re",
+          "Put a dot on the wire at the mouse, or the selected one, to bend it through", "R",
+          scope="canvas"),
+    _edit("find_node", "&Find Node…", "Find a node by its name", "Ctrl+F"),
+    _selected("align_left", "Align Le&ft", "Left edges of the selected nodes in line", "Alt+Left"),
+    _selected("align_right", "Align Ri&ght", "Right edges of the nodes in line", "Alt+Right"),
+    _selected("align_top", "Align &Top", "Upper edges of the selected nodes in line", "Alt+Up"),
+    _selected("align_bottom", "Align Botto&m", "Lower edges of the nodes in line", "Alt+Down"),
+    _selected("distribute_across", "Distribute Acr&oss", "Equal gaps side by side", "Alt+Shift+H"),
+    _selected("distribute_down", "Distribute Do&wn", "Equal gaps from top to bottom",
+              "Alt+Shift+V"),
+    _selected("group", "&Group", "Make one node of the selected ones: a macro", "Ctrl+G"),
+    _selected("ungroup", "Un&group", "Put the nodes of the selected macro in its place",
+              "Ctrl+Shift+G"),
+    _edit("save_preset", "Save as Pre&set",
+          "Keep the selected macro, to be found in the library in any network", selected=True),
+    _view("frame", "&Frame", "Show the selected nodes, or all", "F", scope="canvas"),
+    _view("arrange", "&Lay Out", "Arrange the selected nodes, or all", "L", scope="canvas"),
+    _view("minimap", "&Map", "A map of the network where it is larger than the canvas", "M",
+          scope="canvas", checkable=True),
+    _view("thumbnails", "T&humbnails", "Small pictures and curves of what comes out of the nodes",
+          "T", scope="canvas", checkable=True),
+    _view("leave_macro", "Leave &Macro", "Show what lies around the macro shown", "Alt+PgUp"),
+    _view("zoom_in", "Zoom &In", "Enlarge the canvas", "Ctrl++", "Ctrl+="),
+    _view("zoom_out", "Zoom &Out", "Shrink the canvas", "Ctrl+-"),
+    _view("trade_off", "&Trade-off", "Show figures of merit as a parameter moves", "Ctrl+T",
+          checkable=True),
+    _view("history", "Hi&story", "List the steps that undo and redo go through", "Ctrl+H",
+          checkable=True),
+    _view("fit", "F&it to a Picture",
+          "Fit the free parameters (right-click a number) to the edges of a real picture",
+          "Ctrl+Shift+F", checkable=True),
+    _view("full_screen", "F&ull Screen",
+          "Show the viewer used last over the whole screen; again or Esc: back", "F11"),
+    _view("picture_below", "Picture &Below", "Layout: the chain as a band above the picture"),
+    _view("picture_beside", "Picture Be&side", "Layout: the picture left, all else right"),
+    _view("canvas_first", "&Canvas First", "Layout: a large canvas, small viewers below"),
+    _view("reset_layout", "&Reset Layout", "Put every part where it was at first"),
+    _view("next_part", "&Next Part", "Go to the next part of the window", "F6"),
+    _view("previous_part", "&Previous Part", "Go to the part before", "Shift+F6"),
+    _view("light", "Li&ght Colours", "Light or dark", checkable=True),
+    _run("generate", "&Generate Image", "Compute everything afresh, held nodes too", "Ctrl+Return",
+         "Ctrl+Enter"),
+    _run("runs", "&Runs in the Background",
+         "Show the queue of sweeps, frames and lists of pictures", "Ctrl+Shift+T", checkable=True),
+    _run("add_run", "&Add to the Queue…", "Queue a sweep, frames, or pictures"),
+    _run("measure", "&Measure Picture",
+         "Measure edges, MTF and noise of the picture that a viewer shows, or of a file", "Ctrl+M"),
+    _run("cancel", "&Cancel", "Stop the computation", "Esc"),
+    _compare("keep_snapshot", "&Keep Snapshot",
+             "Keep the present state as A, to compare with what it will be", "Ctrl+K"),
+    _compare("flip", "&Flip A and B",
+             "Show the snapshot, A, in the place of the picture now, B; again: back", "K",
+             scope="canvas"),
+    _compare("wipe", "&Wipe A and B",
+             "Show the snapshot, A, left of a divider and B right of it; again: B alone", "W",
+             scope="canvas"),
+    _compare("go_back", "Go &Back to A",
+             "Make the network what it was in the snapshot; can be undone"),
+    _compare("snapshots", "&Snapshots",
+             "List the snapshots, and show their figures beside those of now", "Ctrl+Shift+K",
+             checkable=True),
+    _help("shortcuts", "&Shortcuts", "List every shortcut", "?", "Ctrl+/"),
+    _help("handbook", "&Handbook", "Open the handbook in the browser"),
+    _help("module_help", "&Module", "Show what the selected module does", "F1"),
+    _help("about", "&About", "Version and sources"),
+    *(_run(f"view_{number}", f"Show in Viewer &{number}",
+           f"Show the selected node in viewer {number}", str(number), scope="canvas", selected=True)
+      for number in VIEWER_NUMBERS),
+)
+# fmt: on
+
+BELOW_A_LINE = frozenset(
     {
-        *("save", "export", "welcome", "quit", "cut", "rename", "add_module"),
-        *("find_node", "align_left", "group"),
+        *("save", "export", "welcome", "quit", "cut", "rename", "add_module", "find_node"),
+        *("align_left", "group", "zoom_in", "trade_off", "picture_below", "next_part", "light"),
+        "view_1",
     }
 )
-
-ACTIONS: tuple[ActionSpec, ...] = (
-    ActionSpec("new", "&File", "&New", "Begin an empty network", ("Ctrl+N",)),
-    ActionSpec("open", "&File", "&Open…", "Open a network file", ("Ctrl+O",)),
-    ActionSpec("save", "&File", "&Save", "Save the network", ("Ctrl+S",)),
-    ActionSpec(
-        "save_as", "&File", "Save &As…", "Save the network to another file", ("Ctrl+Shift+S",)
-    ),
-    ActionSpec("export", "&File", "&Export…", "Write what the last used viewer shows", ("Ctrl+E",)),
-    ActionSpec(
-        "report",
-        "&File",
-        "Re&port…",
-        "Write a report of the network as it stands, as a page for the browser",
-        ("Ctrl+Shift+R",),
-    ),
-    ActionSpec("welcome", "&File", "&Welcome Page", "Shipped networks, recent files, lost work"),
-    ActionSpec("quit", "&File", "&Quit", "Close the window", ("Ctrl+Q",), "application"),
-    ActionSpec("undo", "&Edit", "&Undo", "Undo the last step", ("Ctrl+Z",)),
-    ActionSpec("redo", "&Edit", "&Redo", "Do again what was undone", ("Ctrl+Shift+Z", "Ctrl+Y")),
-    _edit(
-        "cut",
-        "Cu&t",
-        "Take the selected nodes out to the clipboard, and lead wires past them",
-        "Ctrl+X",
-    ),
-    _edit("copy", "&Copy", "Copy the selected nodes as JSON", "Ctrl+C"),
-    _edit("paste", "&Paste", "Put the clipboard's nodes at the mouse", "Ctrl+V", selection=False),
-    ActionSpec(
-        "copy_values",
-        "&Edit",
-        "Copy &Values",
-        "Copy the values of the selected node as JSON",
-        ("Ctrl+Shift+C",),
-        needs_selection=True,
-    ),
-    ActionSpec(
-        "paste_values",
-        "&Edit",
-        "Paste Va&lues",
-        "Give the selected nodes the copied values that fit them",
-        ("Ctrl+Shift+V",),
-        needs_selection=True,
-    ),
-    _edit(
-        "duplicate", "D&uplicate", "Copy the selected nodes to free ground beside them", "Ctrl+D"
-    ),
-    _edit(
-        "delete",
-        "&Delete",
-        "Delete the selected nodes or wire; where there is one way through, it is led past",
-        "Del",
-        "Backspace",
-        selection=False,
-    ),
-    _edit("select_all", "Select &All", "Select every node", "Ctrl+A", selection=False),
-    _edit("rename", "Re&name", "Give the selected node another name", "F2"),
-    _edit("disable", "D&isable", "Let the selected nodes pass their input through", "D"),
-    _edit(
-        "mark_output",
-        "Mark as &Output",
-        "Make the selected node's picture what the network delivers; again: unmark it",
-        "O",
-    ),
-    _edit("add_module", "Add &Module…", "Search a module and add it", "Tab", selection=False),
-    _edit("connect", "Conn&ect…", "Wire the selected node by its ports' names", "C"),
-    _edit(
-        "backdrop",
-        "Add &Backdrop",
-        "Put a titled backdrop behind the selected nodes, or at the mouse",
-        "B",
-        selection=False,
-    ),
-    _edit("note", "Add No&te", "Put a note at the mouse", "N", selection=False),
-    _edit(
-        "wire_dot",
-        "Bend Wi&re",
-        "Put a dot on the wire at the mouse, or the selected one, to bend it through",
-        "R",
-        selection=False,
-    ),
-    ActionSpec("find_node", "&Edit", "&Find Node…", "Find a node by its name", ("Ctrl+F",)),
-    _edit("align_left", "Align Le&ft", "Left edges of the selected nodes in line", "Alt+Left"),
-    _edit("align_right", "Align Ri&ght", "Right edges of the nodes in line", "Alt+Right"),
-    _edit("align_top", "Align &Top", "Upper edges of the selected nodes in line", "Alt+Up"),
-    _edit("align_bottom", "Align Botto&m", "Lower edges of the nodes in line", "Alt+Down"),
-    _edit("distribute_across", "Distribute Acr&oss", "Equal gaps side by side", "Alt+Shift+H"),
-    _edit("distribute_down", "Distribute Do&wn", "Equal gaps from top to bottom", "Alt+Shift+V"),
-    _edit("group", "&Group", "Make one node of the selected ones: a macro", "Ctrl+G"),
-    _edit(
-        "ungroup", "Un&group", "Put the nodes of the selected macro in its place", "Ctrl+Shift+G"
-    ),
-    ActionSpec(
-        "save_preset",
-        "&Edit",
-        "Save as Pre&set",
-        "Keep the selected macro, to be found in the library in any network",
-        needs_selection=True,
-    ),
-    ActionSpec("frame", "&View", "&Frame", "Show the selected nodes, or all", ("F",), "canvas"),
-    ActionSpec(
-        "arrange", "&View", "&Lay Out", "Arrange the selected nodes, or all", ("L",), "canvas"
-    ),
-    ActionSpec(
-        "minimap",
-        "&View",
-        "&Map",
-        "A map of the network where it is larger than the canvas",
-        ("M",),
-        "canvas",
-        checkable=True,
-    ),
-    ActionSpec(
-        "thumbnails",
-        "&View",
-        "T&humbnails",
-        "Small pictures and curves of what comes out of the nodes",
-        ("T",),
-        "canvas",
-        checkable=True,
-    ),
-    ActionSpec(
-        "leave_macro",
-        "&View",
-        "Leave &Macro",
-        "Show what lies around the macro shown",
-        ("Alt+PgUp",),
-    ),
-    ActionSpec("zoom_in", "&View", "Zoom &In", "Enlarge the canvas", ("Ctrl++", "Ctrl+=")),
-    ActionSpec("zoom_out", "&View", "Zoom &Out", "Shrink the canvas", ("Ctrl+-",)),
-    ActionSpec(
-        "trade_off",
-        "&View",
-        "&Trade-off",
-        "Show figures of merit as a parameter moves",
-        ("Ctrl+T",),
-        checkable=True,
-    ),
-    ActionSpec(
-        "history",
-        "&View",
-        "Hi&story",
-        "List the steps that undo and redo go through",
-        ("Ctrl+H",),
-        checkable=True,
-    ),
-    ActionSpec(
-        "fit",
-        "&View",
-        "F&it to a Picture",
-        "Fit the free parameters (right-click a number) to the edges of a real picture",
-        ("Ctrl+Shift+F",),
-        checkable=True,
-    ),
-    ActionSpec(
-        "full_screen",
-        "&View",
-        "F&ull Screen",
-        "Show the viewer used last over the whole screen; again or Esc: back",
-        ("F11",),
-    ),
-    ActionSpec(
-        "picture_below", "&View", "Picture &Below", "Layout: the chain as a band above the picture"
-    ),
-    ActionSpec(
-        "picture_beside", "&View", "Picture Be&side", "Layout: the picture left, all else right"
-    ),
-    ActionSpec(
-        "canvas_first", "&View", "&Canvas First", "Layout: a large canvas, small viewers below"
-    ),
-    ActionSpec("reset_layout", "&View", "&Reset Layout", "Put every part where it was at first"),
-    ActionSpec("next_part", "&View", "&Next Part", "Go to the next part of the window", ("F6",)),
-    ActionSpec("previous_part", "&View", "&Previous Part", "Go to the part before", ("Shift+F6",)),
-    ActionSpec("light", "&View", "Li&ght Colours", "Light or dark", (), checkable=True),
-    ActionSpec(
-        "generate",
-        "&Run",
-        "&Generate Image",
-        "Compute everything afresh, held nodes too",
-        ("Ctrl+Return", "Ctrl+Enter"),
-    ),
-    ActionSpec(
-        "runs",
-        "&Run",
-        "&Runs in the Background",
-        "Show the queue of sweeps, frames and lists of pictures",
-        ("Ctrl+Shift+T",),
-        checkable=True,
-    ),
-    ActionSpec("add_run", "&Run", "&Add to the Queue…", "Queue a sweep, frames, or pictures"),
-    ActionSpec(
-        "measure",
-        "&Run",
-        "&Measure Picture",
-        "Measure edges, MTF and noise of the picture that a viewer shows, or of a file",
-        ("Ctrl+M",),
-    ),
-    ActionSpec("cancel", "&Run", "&Cancel", "Stop the computation", ("Esc",)),
-    ActionSpec(
-        "keep_snapshot",
-        "&Compare",
-        "&Keep Snapshot",
-        "Keep the present state as A, to compare with what it will be",
-        ("Ctrl+K",),
-    ),
-    ActionSpec(
-        "flip",
-        "&Compare",
-        "&Flip A and B",
-        "Show the snapshot, A, in the place of the picture now, B; again: back",
-        ("K",),
-        "canvas",
-    ),
-    ActionSpec(
-        "wipe",
-        "&Compare",
-        "&Wipe A and B",
-        "Show the snapshot, A, left of a divider and B right of it; again: B alone",
-        ("W",),
-        "canvas",
-    ),
-    ActionSpec(
-        "go_back",
-        "&Compare",
-        "Go &Back to A",
-        "Make the network what it was in the snapshot; can be undone",
-    ),
-    ActionSpec(
-        "snapshots",
-        "&Compare",
-        "&Snapshots",
-        "List the snapshots, and show their figures beside those of now",
-        ("Ctrl+Shift+K",),
-        checkable=True,
-    ),
-    ActionSpec("shortcuts", "&Help", "&Shortcuts", "List every shortcut", ("?", "Ctrl+/")),
-    ActionSpec("handbook", "&Help", "&Handbook", "Open the handbook in the browser"),
-    ActionSpec("module_help", "&Help", "&Module", "Show what the selected module does", ("F1",)),
-    ActionSpec("about", "&Help", "&About", "Version and sources"),
-)
+"""What begins a part of its menu."""
 
 NODE_MENU = (
     *("rename", "disable", "mark_output"),
@@ -307,31 +187,3 @@ NODE_MENU = (
 
 CANVAS_MENU = ("add_module", "paste", "select_all", "arrange", "frame")
 """What the menu of the empty canvas has."""
-
-
-def viewer_specs() -> tuple[ActionSpec, ...]:
-    """One action for each viewer: show the selected node in it."""
-    return tuple(
-        ActionSpec(
-            f"view_{number}",
-            "&Run",
-            f"Show in Viewer &{number}",
-            f"Show the selected node in viewer {number}",
-            (str(number),),
-            "canvas",
-            needs_selection=True,
-        )
-        for number in VIEWER_NUMBERS
-    )
-
-
-def starts_a_group(spec: ActionSpec) -> bool:
-    """Whether a line stands above it in its menu."""
-    return spec.name in _SEPARATED or spec.name in (
-        "view_1",
-        "zoom_in",
-        "trade_off",
-        "picture_below",
-        "next_part",
-        "light",
-    )

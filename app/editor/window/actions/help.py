@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import flowing
+from app.editor.dialogs import SaveDialog, show_beside
 from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
@@ -26,7 +27,6 @@ from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.actions.shortcut_list import ShortcutList
 from app.editor.window.docks.viewer_docks import ViewerDocks
-from app.editor.window.documents.files import SaveDialog
 from app.options.command_options import version
 from app.run.shipped import command, environment
 from core.errors import ImagechainError
@@ -39,12 +39,8 @@ Exported = ImageViewer | PlotViewer | TradeOffView
 _MACROS = "network_files"  # the handbook's page on them
 _PICTURES = ";;".join(
     (
-        dialog_filter(
-            "Pictures", *(file_format for file_format in WRITTEN if not file_format.plain)
-        ),
-        dialog_filter(
-            "Samples", *(file_format for file_format in WRITTEN if file_format.plain), CSV
-        ),
+        dialog_filter("Pictures", *(one for one in WRITTEN if not one.plain)),
+        dialog_filter("Samples", *(one for one in WRITTEN if one.plain), CSV),
     )
 )
 _CURVES = ";;".join(
@@ -70,13 +66,12 @@ class Help(QObject):
         self._viewers = viewers
         self._actions = actions
         self._window = window
-        self._exported: Exported | None = None
         self.handbook = HandbookOpening(session, self)
-        viewers.tradeoff.export_wanted.connect(self._export_trade_off)
+        viewers.tradeoff.export_wanted.connect(lambda: self._export_of(viewers.tradeoff))
 
     def shortcuts(self) -> None:
         """List every shortcut."""
-        self._show(ShortcutList(self._actions(), self._window))
+        show_beside(self._window, ShortcutList(self._actions(), self._window))
 
     def module(self) -> None:
         """Show what the selected node's module does."""
@@ -87,7 +82,7 @@ class Help(QObject):
         else:
             text = ModuleText(declared, self._window)
             text.more_wanted.connect(self._open_page)
-            self._show(text)
+            show_beside(self._window, text)
 
     def handbook_of(self, name: str) -> None:
         """Open the handbook at the page of a node's module."""
@@ -100,41 +95,38 @@ class Help(QObject):
 
     def about(self) -> None:
         """Version and sources."""
-        self._message(
-            "Imagechain",
+        box = QMessageBox(self._window)
+        box.setObjectName("message")
+        box.setWindowTitle("Imagechain")
+        box.setText(
             f"Version {version()}\n\nSimulates electro-optical and infrared sensors as a chain of "
             "transfer functions and noise.\n\nAfter D. C. Tantalo, Modeling the MTF and noise "
-            "characteristics of an image chain for a synthetic image generation system, RIT 1996.",
+            "characteristics of an image chain for a synthetic image generation system, RIT 1996."
         )
+        show_beside(self._window, box)
 
     def export(self) -> None:
         """Ask the person where to write what the viewer used last shows."""
-        self.export_of(self._viewer())
+        self._export_of(self._viewer())
 
-    def export_of(self, viewer: Exported) -> None:
-        """Ask the person where to write what it shows."""
-        self._exported = viewer
+    def _export_of(self, viewer: Exported) -> None:
         kinds = _PICTURES if isinstance(viewer, ImageViewer) else _CURVES
         dialog = SaveDialog(self._window, "Export", str(Path.cwd()), kinds)
         dialog.setObjectName("export_dialog")
         dialog.setDefaultSuffix("png")
-        dialog.fileSelected.connect(self._export_to)
-        self._show(dialog)
+        dialog.fileSelected.connect(lambda text: self._export_to(viewer, Path(text)))
+        show_beside(self._window, dialog)
 
-    def _export_trade_off(self) -> None:
-        self.export_of(self._viewers.tradeoff)
-
-    def _export_to(self, text: str) -> None:
-        viewer = self._exported or self._viewer()  # the dialog has had the focus meanwhile
+    def _export_to(self, viewer: Exported, path: Path) -> None:
         try:
             if isinstance(viewer, ImageViewer):
-                viewer.save_as(Path(text))
+                viewer.save_as(path)
             else:
-                viewer.export(Path(text))
+                viewer.export(path)
         except ImagechainError as error:
             self._session.message.emit("error", f"not exported: {error}")
         else:
-            self._session.message.emit("note", f"wrote {text}")
+            self._session.message.emit("note", f"wrote {path}")
 
     def _viewer(self) -> Exported:
         """The viewer that has the focus, else the first."""
@@ -146,23 +138,6 @@ class Help(QObject):
                 return viewer
         return viewers.images[1]
 
-    def _message(self, title: str, text: str) -> None:
-        box = QMessageBox(self._window)
-        box.setObjectName("message")
-        box.setWindowTitle(title)
-        box.setText(text)
-        self._show(box)
-
-    def _show(self, dialog: QDialog) -> None:
-        """Show it beside the work, in the place of another of its kind."""
-        for other in self._window.findChildren(QDialog, dialog.objectName()):
-            if other is not dialog:
-                other.reject()
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.setModal(False)  # as a message box begins
-        dialog.show()
-        dialog.activateWindow()
-
 
 # Opening a page of the handbook in the browser; its pages are made where there are none yet.
 
@@ -171,15 +146,7 @@ _CLOSING_MS = 3_000
 
 
 class HandbookOpening(QObject):
-    """Has a process of its own find a page, and write the pages first if need be.
-
-    Parameters
-    ----------
-    session : Session
-        Where to say what becomes of it.
-    parent : QObject
-        Qt's owner.
-    """
+    """Has a process of its own find a page, and write the pages first if need be."""
 
     def __init__(self, session: Session, parent: QObject) -> None:
         super().__init__(parent)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu, QMenuBar, QWidget
 
-from app.editor.window.actions.action_specs import ACTIONS, ActionSpec, starts_a_group, viewer_specs
-from app.editor.window.actions.shortcut_search import OR
+from app.editor.gestures import without_argument
+from app.editor.window.actions.action_specs import ACTIONS, BELOW_A_LINE, ActionSpec
 from core.editing.history import History
 
 _SCOPES = {
@@ -20,29 +21,15 @@ _SCOPES = {
 
 
 class Actions:
-    """Every action by name.
-
-    Parameters
-    ----------
-    targets : mapping
-        What each does, by its name.
-    window, canvas : QWidget
-        Where the keys work.
-
-    Raises
-    ------
-    KeyError
-        If an action has no target.
-    """
+    """Every action by name. `targets` has what each does; its keys work in `window` or `canvas`."""
 
     def __init__(
         self, targets: Mapping[str, Callable[[], object]], *, window: QWidget, canvas: QWidget
     ) -> None:
-        self.specs = (*ACTIONS, *viewer_specs())
         self._actions: dict[str, QAction] = {}
-        for spec in self.specs:
+        for spec in ACTIONS:
             action = _action(spec, window)
-            action.triggered.connect(targets[spec.name])
+            action.triggered.connect(partial(without_argument, targets[spec.name]))
             (canvas if spec.scope == "canvas" else window).addAction(action)
             self._actions[spec.name] = action
 
@@ -56,19 +43,19 @@ class Actions:
     def fill(self, bar: QMenuBar) -> dict[str, QMenu]:
         """Make the menus; returns them by title."""
         menus: dict[str, QMenu] = {}
-        for spec in self.specs:
+        for spec in ACTIONS:
             menu = menus.get(spec.menu)
             if menu is None:
                 menu = menus[spec.menu] = bar.addMenu(spec.menu)
                 menu.setToolTipsVisible(True)
-            if starts_a_group(spec) and menu.actions():
+            if spec.name in BELOW_A_LINE and menu.actions():
                 menu.addSeparator()
             menu.addAction(self._actions[spec.name])
         return menus
 
     def follow_selection(self, selected: bool) -> None:
         """Grey out what works on selected nodes where there are none."""
-        for spec in self.specs:
+        for spec in ACTIONS:
             if spec.needs_selection:
                 self._actions[spec.name].setEnabled(selected)
 
@@ -81,21 +68,6 @@ class Actions:
             action = self._actions[name]
             action.setEnabled(bool(step))
             action.setText(f"{verb} {step.replace('&', '&&')}".strip())
-
-    def listed(self) -> list[tuple[str, str, str, str]]:
-        """Menu, text, keys and meaning of every action that has keys, read off the actions."""
-        rows = []
-        for spec in self.specs:
-            action = self._actions[spec.name]
-            keys = [key.toString(_NATIVE) for key in action.shortcuts()]
-            if keys:
-                plain = action.text().replace("&", "").rstrip("…")
-                menu = spec.menu.replace("&", "")
-                rows.append((menu, plain, OR.join(keys), action.toolTip()))
-        return rows
-
-
-_NATIVE = QKeySequence.SequenceFormat.NativeText
 
 
 def _action(spec: ActionSpec, parent: QWidget) -> QAction:

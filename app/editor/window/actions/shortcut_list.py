@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 from PySide6.QtCore import QEvent, QKeyCombination, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
@@ -18,12 +21,32 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.widgets import centred_hint
+from app.editor.window.actions.action_specs import ACTIONS
 from app.editor.window.actions.menu_actions import Actions
-from app.editor.window.actions.shortcut_search import OR, ShortcutRow, rows_for, rows_of_keys
 
 _KEY = Qt.Key
+_NATIVE = QKeySequence.SequenceFormat.NativeText
+_PORTABLE = QKeySequence.SequenceFormat.PortableText
 _MODIFIERS = (_KEY.Key_Control, _KEY.Key_Shift, _KEY.Key_Alt, _KEY.Key_Meta, _KEY.Key_AltGr)
 _ARROWS = ("Left", "Right", "Up", "Down")
+
+OR = "  or  "
+
+
+class ShortcutRow(NamedTuple):
+    """A line of the list as shown, and its key combinations as ``Ctrl+S``; none of the mouse's."""
+
+    menu: str
+    action: str
+    keys: str
+    meaning: str
+    sequences: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """All that is shown of it."""
+        return " ".join(self[:4]).casefold()
+
 
 # What keys do on the canvas without being an action.
 CANVAS = (
@@ -70,8 +93,7 @@ class ShortcutList(QDialog):
         super().__init__(parent)
         self.setObjectName("shortcuts")
         self.setWindowTitle("Shortcuts")
-        listed = [ShortcutRow(*row, _sequences(row[2])) for row in actions.listed()]
-        self._rows = [*listed, *CANVAS, *(ShortcutRow(*row) for row in MOUSE)]
+        self._rows = [*shortcuts_of(actions), *CANVAS, *(ShortcutRow(*row) for row in MOUSE)]
         self.search = QLineEdit(self)
         self.search.setObjectName("shortcuts.search")
         self.search.setAccessibleName("Search the shortcuts")
@@ -124,7 +146,7 @@ class ShortcutList(QDialog):
 
     def _search_keys(self, pressed: tuple[str, ...]) -> None:
         rows = rows_of_keys(self._rows, pressed)
-        native = QKeySequence(pressed[0]).toString(QKeySequence.SequenceFormat.NativeText)
+        native = QKeySequence(pressed[0]).toString(_NATIVE)
         self.search.setText(native)
         self._show(rows, f"Nothing has the keys {native}")
         self.search.setFocus(Qt.FocusReason.OtherFocusReason)
@@ -165,13 +187,8 @@ class KeyCatcher(QPushButton):
 
     def sizeHint(self) -> QSize:
         """Room for either text."""
-        return (
-            super()
-            .sizeHint()
-            .expandedTo(
-                QSize(self.fontMetrics().averageCharWidth() * 22, super().sizeHint().height())
-            )
-        )
+        hint = super().sizeHint()
+        return hint.expandedTo(QSize(self.fontMetrics().averageCharWidth() * 22, hint.height()))
 
     def event(self, event: QEvent) -> bool:
         """Take every key before shortcuts, and before Tab moves the focus."""
@@ -203,19 +220,21 @@ def _pressed(event: QKeyEvent) -> tuple[str, ...]:
     text = event.text().strip()
     if keys & shift and text and text.isprintable() and not text.isalnum():
         ways.insert(0, keys & ~shift)  # of ? and + Shift is only how they are typed
-    return tuple(
-        QKeySequence(QKeyCombination(way, key)).toString(QKeySequence.SequenceFormat.PortableText)
-        for way in ways
-    )
+    return tuple(QKeySequence(QKeyCombination(way, key)).toString(_PORTABLE) for way in ways)
 
 
-def _sequences(keys: str) -> tuple[str, ...]:
-    """The combinations that a text of the list names."""
-    native, portable = (
-        QKeySequence.SequenceFormat.NativeText,
-        QKeySequence.SequenceFormat.PortableText,
-    )
-    return tuple(QKeySequence.fromString(one, native).toString(portable) for one in keys.split(OR))
+def shortcuts_of(actions: Actions) -> list[ShortcutRow]:
+    """A row for every action that has keys, read off the actions."""
+    rows = []
+    for spec in ACTIONS:
+        action = actions[spec.name]
+        keys = action.shortcuts()
+        if keys:
+            native = OR.join(key.toString(_NATIVE) for key in keys)
+            sequences = tuple(key.toString(_PORTABLE) for key in keys)
+            text, menu = action.text().replace("&", "").rstrip("…"), spec.menu.replace("&", "")
+            rows.append(ShortcutRow(menu, text, native, action.toolTip(), sequences))
+    return rows
 
 
 def _table(parent: QWidget) -> QTableWidget:
@@ -231,3 +250,25 @@ def _table(parent: QWidget) -> QTableWidget:
     table.setAlternatingRowColors(True)
     table.setTabKeyNavigation(False)
     return table
+
+
+# Which rows a search finds: by words of the action, by the text of keys, by keys pressed.
+
+
+def rows_for(rows: Sequence[ShortcutRow], text: str) -> list[ShortcutRow]:
+    """The rows that have every word of a text, first those whose keys or action it is."""
+    whole, words = text.casefold().strip(), text.casefold().split()
+
+    def rank(row: ShortcutRow) -> int:
+        if "".join(words) in [one.casefold() for one in row.sequences]:
+            return 0
+        return 1 if row.action.casefold().startswith(whole) else 2
+
+    having = [row for row in rows if all(word in row.text for word in words) or not rank(row)]
+    return sorted(having, key=rank) if words else having
+
+
+def rows_of_keys(rows: Sequence[ShortcutRow], pressed: Sequence[str]) -> list[ShortcutRow]:
+    """The rows that have one of these key combinations."""
+    wanted = {one.casefold() for one in pressed}
+    return [row for row in rows if wanted & {one.casefold() for one in row.sequences}]

@@ -13,33 +13,33 @@ from PySide6.QtCore import (
     QSize,
     Qt,
 )
-from PySide6.QtGui import QColor, QFont, QIcon, QKeyEvent, QPainter, QPixmap, QPolygonF, QShowEvent
-from PySide6.QtWidgets import QDockWidget, QListView, QWidget
+from PySide6.QtGui import (
+    QFont,
+    QGuiApplication,
+    QIcon,
+    QKeyEvent,
+    QPainter,
+    QPalette,
+    QPixmap,
+    QPolygonF,
+    QShowEvent,
+)
+from PySide6.QtWidgets import QListView, QWidget
 
 from app.editor.session import Session
-from app.editor.theme import DARK, Theme
 from core.editing.history import History
 
 _Index = QModelIndex | QPersistentModelIndex
-_ROLE = Qt.ItemDataRole
+_ROLE, _PALETTE = Qt.ItemDataRole, QPalette.ColorRole
 _START = "Start"
 
 
 class HistoryModel(QAbstractListModel):
-    """The positions of the document's history; it reads them off the document when drawn.
-
-    Parameters
-    ----------
-    session : Session
-        The document.
-    parent : QObject
-        What owns it.
-    """
+    """The positions of the document's history; it reads them off the document when drawn."""
 
     def __init__(self, session: Session, parent: QObject) -> None:
         super().__init__(parent)
         self._session = session
-        self._theme: Theme = DARK
         self._rows = self._history.last + 1  # as Qt has been notified
 
     @property
@@ -58,11 +58,6 @@ class HistoryModel(QAbstractListModel):
             self.endRemoveRows()
         self.dataChanged.emit(self.index(0), self.index(rows - 1), [])
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self._theme = theme
-        self.dataChanged.emit(self.index(0), self.index(self._rows - 1), [])
-
     def rowCount(self, parent: _Index = QModelIndex()) -> int:  # noqa: B008
         """The start, and one for each step."""
         return 0 if parent.isValid() else self._rows
@@ -76,6 +71,7 @@ class HistoryModel(QAbstractListModel):
         present = row == history.position
         saved = row == history.saved and self._session.document.path is not None
         undone = row > history.position
+        palette = QGuiApplication.palette()
         match role:
             case _ROLE.DisplayRole:
                 return f"{line}  (saved)" if saved else line
@@ -89,9 +85,9 @@ class HistoryModel(QAbstractListModel):
                 font.setItalic(undone)
                 return font
             case _ROLE.ForegroundRole:
-                return QColor(self._theme.faint_text if undone else self._theme.text)
+                return palette.color(_PALETTE.PlaceholderText if undone else _PALETTE.Text)
             case _ROLE.DecorationRole:
-                return _mark(self._theme, present=present)
+                return _mark(palette, present=present)
         return None
 
     @staticmethod
@@ -106,15 +102,7 @@ class HistoryModel(QAbstractListModel):
 
 
 class HistoryList(QListView):
-    """The list of the history. A click or Enter goes there, as one step of the view.
-
-    Parameters
-    ----------
-    session : Session
-        The document.
-    parent : QWidget, optional
-        Its parent.
-    """
+    """The list of the history. A click or Enter goes there, as one step of the view."""
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -132,22 +120,6 @@ class HistoryList(QListView):
         self.clicked.connect(self._go)
         session.opened.connect(self._follow)
         session.state_changed.connect(self._follow)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
-        self._shown_model.set_theme(theme)
-
-    def toggle(self) -> None:
-        """Show it with the focus, or put it away where it is in front."""
-        dock = self._dock()
-        if dock is None:
-            return
-        if self.isVisible():
-            dock.hide()
-            return
-        dock.show()
-        dock.raise_()
-        self.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Enter goes to the line that the arrows have led to."""
@@ -180,19 +152,13 @@ class HistoryList(QListView):
         self.setCurrentIndex(present)
         self.scrollTo(present)
 
-    def _dock(self) -> QDockWidget | None:
-        above = self.parentWidget()
-        while above is not None and not isinstance(above, QDockWidget):
-            above = above.parentWidget()
-        return above
 
-
-def _mark(theme: Theme, *, present: bool) -> QIcon:
+def _mark(palette: QPalette, *, present: bool) -> QIcon:
     """A triangle that points at the present line; for others room as wide."""
     icon = QIcon()
-    for mode, colour in (
-        (QIcon.Mode.Normal, theme.accent),
-        (QIcon.Mode.Selected, theme.accent_text),
+    for mode, role in (
+        (QIcon.Mode.Normal, _PALETTE.Highlight),
+        (QIcon.Mode.Selected, _PALETTE.HighlightedText),
     ):
         pixmap = QPixmap(24, 24)
         pixmap.fill(Qt.GlobalColor.transparent)
@@ -200,7 +166,7 @@ def _mark(theme: Theme, *, present: bool) -> QIcon:
             painter = QPainter(pixmap)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             painter.setPen(Qt.PenStyle.NoPen)
-            painter.setBrush(QColor(colour))
+            painter.setBrush(palette.color(role))
             painter.drawPolygon(QPolygonF([QPointF(5, 3), QPointF(21, 12), QPointF(5, 21)]))
             painter.end()
         icon.addPixmap(pixmap, mode)

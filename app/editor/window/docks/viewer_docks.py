@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QByteArray, QObject, Qt, Signal
+from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QWidget
 from shiboken6 import isValid
@@ -16,7 +16,6 @@ from app.editor.theme import Theme
 from app.editor.viewers.network_ports import PICTURE_TYPES, PLOT_TYPES
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from app.editor.window.documents.welcome import FirstLook, first_look
 
 _BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 
@@ -69,15 +68,6 @@ class ViewerDocks(QObject):
         self.docks[number].show()
         self.docks[number].raise_()
 
-    def look_beside(self, look: FirstLook) -> None:
-        """Show what stands beside the first picture of an opened network, where nothing does."""
-        shown = self.images.get(2)
-        if len(look.pictures) > 1 and (shown is None or shown.choices.port is None):
-            self.look_at(2, look.pictures[1])
-            self.docks[look.front].raise_()
-        if look.curve is not None:
-            self.plot.look_at(look.curve)
-
     def plot_port(self, port: str) -> None:
         """Show the curve or table on ``node.port``, and bring it to the front."""
         self.plot.look_at(port)
@@ -106,19 +96,7 @@ class ViewerDocks(QObject):
     def trade_off(self, node: str, parameter: str) -> None:
         """Show figures of merit as a parameter moves."""
         self.tradeoff.trade_off(*self._session.plain.parameter_behind(node, parameter))
-        self._show_trade_off()
-
-    def toggle_trade_off(self) -> None:
-        """Show the trade-off, or hide it where it is in front."""
-        if self.tradeoff.isVisible():
-            self.tradeoff_dock.hide()
-        else:
-            self._show_trade_off()
-
-    def _show_trade_off(self) -> None:
-        self.tradeoff_dock.show()
-        self.tradeoff_dock.raise_()
-        self.tradeoff.bar.parameter.setFocus(Qt.FocusReason.OtherFocusReason)
+        bring_forward(self.tradeoff_dock, self.tradeoff.bar.parameter)
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
@@ -189,86 +167,21 @@ def stand_behind(window: QMainWindow, front: QDockWidget, dock: QDockWidget) -> 
         window.tabifyDockWidget(front, dock)
 
 
-class Curtain(QObject):
-    """Hides the docks while the first page is shown."""
-
-    def __init__(self, window: QMainWindow) -> None:
-        super().__init__(window)
-        self._window = window
-        self._arranged: QByteArray | None = None
-
-    def close(self) -> None:
-        """Hide the docks that belong to the window."""
-        if self._arranged is None:
-            self._arranged = self._window.saveState()
-            for dock in self._window.findChildren(QDockWidget):
-                if not dock.isFloating():
-                    dock.hide()
-
-    def open(self) -> None:
-        """Show them again as they were."""
-        if self._arranged is not None:
-            self._window.restoreState(self._arranged)
-            self._arranged = None
+def in_front(dock: QDockWidget) -> bool:
+    """Whether a dock is seen: Qt calls one visible behind another's tab, and has it outside."""
+    return dock.isVisible() and not dock.visibleRegion().isEmpty()
 
 
-# Showing what is most useful of a network that has just been opened: its picture first.
+def bring_forward(dock: QDockWidget, focus: QWidget) -> None:
+    """Show a dock, with the focus in it."""
+    dock.show()
+    dock.raise_()
+    focus.setFocus(Qt.FocusReason.OtherFocusReason)
 
 
-class FirstViews(QObject):
-    """Follows what is opened.
-
-    The picture is looked at as soon as the network is planned, before anything is computed. What
-    stands beside it comes with the end of that pass: a viewer of its own takes 0.1 s to make, in
-    which the picture would wait.
-
-    Parameters
-    ----------
-    session : Session
-        The document.
-    evaluator : Evaluator
-        Plans and computes.
-    viewers : ViewerDocks
-        Where it is shown.
-    """
-
-    def __init__(self, session: Session, evaluator: Evaluator, viewers: ViewerDocks) -> None:
-        super().__init__(viewers)
-        self._session = session
-        self._evaluator = evaluator
-        self._viewers = viewers
-        self._due = False
-        self._beside: FirstLook | None = None
-        session.opened.connect(self._opened)
-        evaluator.planned.connect(self._planned)
-        evaluator.pass_done.connect(self._pass_done)
-
-    def _opened(self) -> None:
-        self._due = True
-        self._beside = None
-
-    def _planned(self, _plan: object) -> None:
-        plan = self._evaluator.plan
-        if not self._due or plan is None or not plan.network.nodes:
-            return  # an empty network waits for its first nodes
-        self._due = False
-        self._beside = look = first_look(plan)
-        if look.pictures:
-            self._viewers.look_at(1, look.pictures[0])
-        if look.front > 1:
-            self._look_beside()
-
-    def _pass_done(self, done: object) -> None:
-        if self._due:
-            self._planned(done)
-        elif self._beside is not None:
-            self._viewers.images[1].canvas.viewport().repaint()  # before the others are made
-            self._look_beside()
-
-    def _look_beside(self) -> None:
-        look, self._beside = self._beside, None
-        if look is None:
-            return
-        self._viewers.look_beside(look)
-        if look.node is not None and not self._session.selection:
-            self._session.select([look.node])
+def toggle_dock(dock: QDockWidget, focus: QWidget) -> None:
+    """Show a dock with the focus in it, or hide it where it is in front."""
+    if in_front(dock):
+        dock.hide()
+    else:
+        bring_forward(dock, focus)

@@ -28,15 +28,7 @@ def first_size(available: QSize) -> QSize:
 
 
 class WindowLayout(QObject):
-    """Places the docks by a named layout, and sizes them when the window is resized.
-
-    Parameters
-    ----------
-    window : QMainWindow
-        The window.
-    docks : callable
-        Gives its docks as they are now.
-    """
+    """Places the docks by a named layout, and sizes them when the window is resized."""
 
     def __init__(self, window: QMainWindow, docks: Callable[[], Docks]) -> None:
         super().__init__(window)
@@ -176,17 +168,7 @@ _Area, _Across, _Along = Qt.DockWidgetArea, Qt.Orientation.Horizontal, Qt.Orient
 
 @dataclass(frozen=True)
 class Docks:
-    """The docks of the window, by what they hold.
-
-    Parameters
-    ----------
-    library, history, panels, curves, tradeoff, snapshots, runs, measuring, fitting : QDockWidget
-        One of each.
-    viewers : sequence of QDockWidget
-        Those of pictures, by number.
-    picture : ImageViewer
-        The first picture's viewer; not in its dock while it is over the whole screen.
-    """
+    """The docks of the window, by what they hold."""
 
     library: QDockWidget
     history: QDockWidget
@@ -198,7 +180,7 @@ class Docks:
     measuring: QDockWidget
     fitting: QDockWidget
     viewers: Sequence[QDockWidget]
-    picture: ImageViewer
+    picture: ImageViewer  # of the first picture; over the whole screen it is not in its dock
 
     @property
     def all(self) -> tuple[QDockWidget, ...]:

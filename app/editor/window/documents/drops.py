@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QMimeData, QObject, QPointF, Qt
+from PySide6.QtCore import QEvent, QMimeData, QObject, QPointF
 from PySide6.QtGui import QDropEvent
-from PySide6.QtWidgets import QDialog, QFileDialog, QMainWindow, QWidget
+from PySide6.QtWidgets import QWidget
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.gestures import accept_copy
@@ -20,8 +19,6 @@ from core.editing.operations import Operation, Restored, Together, set_parameter
 from core.editing.wiring import new_node
 from core.errors import ImagechainError
 from core.network.macro import expanded
-from nodes.files.common.file_format import dialog_filter
-from nodes.files.formats import PICTURES
 
 READ_IMAGE = "read_image"
 _DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
@@ -47,27 +44,23 @@ class Drops(QObject):
         if paths:
             accept_copy(event)
             if event.type() == QEvent.Type.Drop:
-                self.files(paths, self._canvas.cursor_point())
+                self.files(paths, QPointF(*self._canvas.cursor_point()))
         return bool(paths)
 
-    def add_module(self, key: str) -> None:
-        """Put a module of the library where the mouse was last, or behind the selected node."""
-        self._canvas.add_module(key)
-
-    def files(self, paths: list[str], point: tuple[float, float]) -> None:
+    def files(self, paths: list[str], point: QPointF) -> None:
         """Open a network, or read pictures: each becomes a Read Image at the point."""
         networks = [path for path in paths if is_network_file(Path(path))]
         if networks:
             self._files.open(networks[0])
             return
-        under = self._canvas.node_or_thumbnail_at(QPointF(*point))
+        under = self._canvas.node_or_thumbnail_at(point)
         if len(paths) == 1 and under is not None and self._replaced(under, Path(paths[0])):
             return
         steps: list[Operation] = []
         names = []
         network = self._session.network
         for number, path in enumerate(paths):
-            at = (point[0] + number * _STEP, point[1] + number * _STEP)
+            at = (point.x() + number * _STEP, point.y() + number * _STEP)
             name, adding = new_node(network, self._session.library, READ_IMAGE, at)
             step = Together((adding, set_parameter(name, "path", self._stored(Path(path)))))
             network = step.apply(network)
@@ -114,31 +107,3 @@ def dropped_files(data: QMimeData) -> list[str]:
 
 def _named(paths: list[str]) -> str:
     return Path(paths[0]).name if len(paths) == 1 else f"{len(paths)} files"
-
-
-# The dialog in which pictures to look at are chosen, beside the work.
-
-
-def choose_pictures(
-    window: QMainWindow, title: str, *, name: str, chosen: Callable[[tuple[Path, ...]], object]
-) -> None:
-    """Ask the person for files with pictures or frames; `name` is that of the dialog."""
-    formats = [one for one in PICTURES if one.suffixes]
-    kinds = ";;".join((dialog_filter("Pictures and frames", *formats), "All files (*)"))
-    dialog = QFileDialog(window, title, str(Path.cwd()), kinds)
-    dialog.setObjectName(name)
-    dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
-    dialog.setFileMode(QFileDialog.FileMode.ExistingFiles)
-    dialog.filesSelected.connect(lambda texts: chosen(tuple(map(Path, texts))))
-    show_beside(window, dialog)
-
-
-def show_beside(window: QMainWindow, dialog: QDialog) -> None:
-    """Show a dialog beside the work, in the place of another of its name."""
-    for other in window.findChildren(QDialog, dialog.objectName()):
-        if other is not dialog:
-            other.reject()
-    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-    dialog.setModal(False)
-    dialog.show()
-    dialog.activateWindow()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
 
-from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
+from app.editor.dialogs import ROLE, Question, SaveDialog, drop_dialogs, show_beside
 from app.editor.session import Session
 from app.editor.window.documents.opening import NETWORK_SUFFIX, Opened, open_named
 from app.editor.window.documents.recent_files import Settings
@@ -17,6 +17,7 @@ from core.errors import ImagechainError
 from core.network.network import Network
 
 _FILTER = f"Networks (*{NETWORK_SUFFIX});;All files (*)"
+_DIALOG = "file_dialog"
 Next = Callable[[], object]
 
 
@@ -45,7 +46,6 @@ class Files(QObject):
         self._window = window
         self._next: Next | None = None
         self._question: Question | None = None
-        self._dialog: QFileDialog | None = None
 
     def new(self, following: Next | None = None) -> None:
         """Begin an empty network, after the question about unsaved work; then go on."""
@@ -53,12 +53,12 @@ class Files(QObject):
 
     def open_dialog(self) -> None:
         """Ask the person for a file and open it."""
-        dialog = self._in_place_of_other(QFileDialog(*self._words("Open a network")))
+        dialog = QFileDialog(*self._words("Open a network"))
+        dialog.setObjectName(_DIALOG)
         dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
         dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
         dialog.fileSelected.connect(self.open)
-        dialog.show()
-        dialog.activateWindow()
+        show_beside(self._window, dialog)
 
     def open(self, text: str) -> None:
         """Open a network by path or shipped name, after the question about unsaved work."""
@@ -76,17 +76,13 @@ class Files(QObject):
 
     def show(self, opened: Opened) -> None:
         """Put an opened document in the window."""
-        self._drop_dialog()  # it names a file for the document that is closed
+        drop_dialogs(self._window, _DIALOG)  # it names a file for the document that is closed
         if opened.document.path is not None:
             self._settings.add_recent(opened.document.path)
         self._session.open(opened.document)
         self.opened.emit()
         if opened.remark:
             self._session.message.emit("note", opened.remark)
-
-    def refuse(self, text: str) -> None:
-        """Show why something was not done."""
-        self._session.message.emit("error", text)
 
     def save(self, following: Next | None = None) -> None:
         """Save to the document's file, or one the person chooses; then go on, if it was saved."""
@@ -100,12 +96,13 @@ class Files(QObject):
     def save_as(self, following: Next | None = None) -> None:
         """Let the person choose a file and save to it; then go on, if it was saved."""
         self.about_to_save.emit()
-        dialog = self._in_place_of_other(SaveDialog(*self._words("Save the network")))
+        dialog = SaveDialog(*self._words("Save the network"))
+        dialog.setObjectName(_DIALOG)
         dialog.setDefaultSuffix(NETWORK_SUFFIX.removeprefix("."))
-        dialog.selectFile(self._proposal())
+        path = self._session.document.path
+        dialog.selectFile(str(path) if path else f"{self._session.stem}{NETWORK_SUFFIX}")
         dialog.fileSelected.connect(lambda text: self.save_to(Path(text), following))
-        dialog.show()
-        dialog.activateWindow()
+        show_beside(self._window, dialog)
 
     def save_to(self, path: Path, following: Next | None = None, *, over: bool = False) -> None:
         """Save, then go on; file names in the network keep pointing at the same files.
@@ -113,25 +110,21 @@ class Files(QObject):
         Another program's changes to the document's own file are written over only with `over`;
         else the person is asked first.
         """
-        document = self._session.document
+        session, document = self._session, self._session.document
         if not over and document.is_own(path) and (done := document.disagreement()):
             self._next = following
             self._ask(changed_file(self._window, path.name, done))
             return
-        moved = rebased(
-            document.network,
-            self._session.library,
-            document.folder.absolute(),
-            path.absolute().parent,
-        )
+        here, there = document.folder.absolute(), path.absolute().parent
+        moved = rebased(document.network, session.library, here, there)
         if moved is not None:
-            self._session.do(moved)
-        if not self._session.save(path, over=over):
+            session.do(moved)
+        if not session.save(path, over=over):
             if moved is not None:
-                self._session.undo()
+                session.undo()
             return
         self._settings.add_recent(path)
-        self._session.message.emit("note", f"saved {path}")
+        session.message.emit("note", f"saved {path}")
         if following is not None:
             following()
 
@@ -178,146 +171,16 @@ class Files(QObject):
             self.open_now(str(path))
 
     def _new(self, following: Next | None) -> None:
-        library = self._session.library
-        self.show(Opened(Document(Network(), library=library)))
+        self.show(Opened(Document(Network(), library=self._session.library)))
         if following is not None:
             following()
-
-    def _proposal(self) -> str:
-        path = self._session.document.path
-        if path is not None:
-            return str(path)
-        name = self._session.network.name or "network"
-        stem = "".join(c if c.isalnum() or c in "-_" else "_" for c in name.lower())
-        return f"{stem}{NETWORK_SUFFIX}"
 
     def _words(self, title: str) -> tuple[QWidget, str, str, str]:
         path = self._session.document.path
         return self._window, title, str(path.parent if path else Path.cwd()), _FILTER
 
-    def _in_place_of_other(self, dialog: QFileDialog) -> QFileDialog:
-        """The dialog, to be filled and shown; the one that is open is closed."""
-        self._drop_dialog()
-        dialog.setObjectName("file_dialog")
-        dialog.finished.connect(lambda: self._forget(dialog))
-        dialog.finished.connect(dialog.deleteLater)
-        self._dialog = dialog
-        return dialog
-
-    def _drop_dialog(self) -> None:
-        if self._dialog is not None:
-            self._dialog.reject()
-
-    def _forget(self, dialog: QFileDialog) -> None:
-        if self._dialog is dialog:
-            self._dialog = None
-
-
-# A dialog for the name of a file to be written, with a question before one is replaced.
-
-_ROLE = QMessageBox.ButtonRole
-
-
-class SaveDialog(QFileDialog):
-    """Asks the person, without blocking, whether an existing file is to be replaced.
-
-    Qt's own question would stop the window until it is answered, and swallow the close that the
-    window's manager sends meanwhile.
-    """
-
-    def __init__(self, parent: QWidget, title: str, folder: str, kinds: str) -> None:
-        super().__init__(parent, title, folder, kinds)
-        self.setOption(QFileDialog.Option.DontUseNativeDialog)
-        self.setOption(QFileDialog.Option.DontConfirmOverwrite)
-        self.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
-        self._agreed: str | None = None
-        self._question: QMessageBox | None = None
-
-    def accept(self) -> None:
-        """Take the name, unless a file of that name is there and the person has not agreed."""
-        files = self.selectedFiles()
-        if files and Path(files[0]).is_file() and files[0] != self._agreed:
-            self._ask(files[0])
-        else:
-            super().accept()
-
-    def done(self, result: int) -> None:
-        """Take the question away with the dialog."""
-        self._drop_question()
-        super().done(result)
-
-    def _ask(self, file: str) -> None:
-        self._drop_question()
-        box = QMessageBox(self)
-        box.setObjectName("replace_file")
-        box.setIcon(QMessageBox.Icon.Question)
-        box.setWindowTitle("Replace file?")
-        box.setText(f"{Path(file).name} is there already. Replace it?")
-        replace = box.addButton("&Replace", _ROLE.AcceptRole)
-        replace.setObjectName("replace")
-        cancel = box.addButton("Cancel", _ROLE.RejectRole)
-        cancel.setObjectName("cancel")
-        box.setDefaultButton(cancel)
-        box.setEscapeButton(cancel)
-        replace.clicked.connect(lambda: self._agree(file))
-        box.finished.connect(self._forget_question)  # before it is deleted
-        box.finished.connect(box.deleteLater)
-        self._question = box
-        box.setModal(False)
-        box.show()
-        box.activateWindow()
-
-    def _agree(self, file: str) -> None:
-        self._agreed = file
-        self.accept()
-
-    def _forget_question(self) -> None:
-        self._question = None
-
-    def _drop_question(self) -> None:
-        box, self._question = self._question, None
-        if box is not None:
-            box.hide()
-            box.deleteLater()
-
 
 # The questions before work is lost. Each blocks the window until it is answered.
-
-Answer = Literal["save", "discard", "reload", "overwrite", "save_as", "stop", "cancel"]
-
-
-class Question(QMessageBox):
-    """A question whose answers have names; Esc, or closing it, is to cancel."""
-
-    def __init__(self, parent: QWidget, name: str, title: str) -> None:
-        super().__init__(parent)
-        self.setObjectName(name)
-        self.setIcon(QMessageBox.Icon.Question)
-        self.setWindowTitle(title)
-        self.finished.connect(self.deleteLater)
-
-    def offer(self, answer: Answer, text: str, role: QMessageBox.ButtonRole) -> None:
-        """Offer an answer with a text of its own; Enter takes the first one."""
-        button = self.addButton(text, role)
-        button.setObjectName(answer)
-        if len(self.buttons()) == 1:
-            self.setDefaultButton(button)
-        if role == _ROLE.RejectRole:
-            self.setEscapeButton(button)
-
-    @property
-    def answer(self) -> Answer:
-        """What was answered."""
-        button = self.clickedButton()
-        names: dict[str, Answer] = {
-            "save": "save",
-            "discard": "discard",
-            "reload": "reload",
-            "overwrite": "overwrite",
-            "save_as": "save_as",
-            "stop": "stop",
-        }
-        return names.get(button.objectName(), "cancel") if button is not None else "cancel"
 
 
 def save_changes(parent: QWidget, network: str) -> Question:
@@ -341,25 +204,13 @@ def changed_file(parent: QWidget, file: str, done: str) -> Question:
     """What is to become of a file that was changed or removed by another program."""
     box = Question(parent, "changed_file", "Save over it?")
     box.setText(f"{file} has been {done} by another program since it was opened or saved here.")
-    box.offer("save_as", "Save &As…", _ROLE.AcceptRole)
+    box.offer("save_as", "Save &As…", ROLE.AcceptRole)
     if done == "removed":
         box.setInformativeText("Overwrite makes it anew.")
     else:
         consequence = "Overwrite loses what was changed there; Reload loses the changes made here."
         box.setInformativeText(consequence)
-        box.offer("reload", "&Reload", _ROLE.DestructiveRole)
-    box.offer("overwrite", "&Overwrite", _ROLE.DestructiveRole)
-    box.offer("cancel", "Cancel", _ROLE.RejectRole)
-    return box
-
-
-def runs_go_on(parent: QWidget, runs: Sequence[str]) -> Question:
-    """Whether runs in the background are to end with the window."""
-    box = Question(parent, "runs_go_on", "Stop the runs?")
-    number = f"{len(runs)} runs are" if len(runs) > 1 else "A run is"
-    box.setText(f"{number} not done yet: {runs[0]}{' …' if len(runs) > 1 else ''}")
-    box.setTextFormat(Qt.TextFormat.PlainText)
-    box.setInformativeText("Quitting stops them; what they have not written yet is lost.")
-    box.offer("cancel", "&Keep Running", _ROLE.RejectRole)
-    box.offer("stop", "&Stop and Quit", _ROLE.DestructiveRole)
+        box.offer("reload", "&Reload", ROLE.DestructiveRole)
+    box.offer("overwrite", "&Overwrite", ROLE.DestructiveRole)
+    box.offer("cancel", "Cancel", ROLE.RejectRole)
     return box

@@ -24,21 +24,7 @@ from core.network.network import Network
 
 
 class PresetShelf(QObject):
-    """The presets there are, and what is done with them.
-
-    Parameters
-    ----------
-    level : Level
-        What the canvas shows.
-    canvas : Canvas
-        Where presets are put.
-    library_view : LibraryView
-        Where they are listed.
-    folder : Path
-        Where the person's own are kept.
-    parent : QObject
-        What owns it.
-    """
+    """The presets there are, and what is done with them."""
 
     def __init__(
         self, level: Level, canvas: Canvas, library_view: LibraryView, folder: Path, parent: QObject

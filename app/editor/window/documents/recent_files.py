@@ -21,19 +21,7 @@ _NUMBERED = 10  # the tenth by 0
 
 
 class RecentMenu(QMenu):
-    """The list as a menu, made anew each time it opens: another window may have added to it.
-
-    Parameters
-    ----------
-    settings : Settings
-        What holds the list.
-    choose : callable
-        Opens the file of that path.
-    cleared : callable
-        Called when the list has been cleared.
-    parent : QWidget
-        The window.
-    """
+    """The list as a menu, made anew each time it opens: another window may have added to it."""
 
     def __init__(
         self,
@@ -85,15 +73,7 @@ class RecentMenu(QMenu):
 
 
 def folder_text(folder: Path, letters: int = FOLDER_LETTERS) -> str:
-    """A folder in one short line: the home folder as ``~``, what is too long left out mid-way.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder.
-    letters : int
-        Most letters of the line.
-    """
+    """A folder in one short line: the home folder as ``~``, what is too long left out mid-way."""
     home, text = Path.home(), str(folder)
     if folder != home and folder.is_relative_to(home):
         text = str(Path("~") / folder.relative_to(home))
@@ -123,11 +103,6 @@ _DOCKS_VERSION = 2  # of the docks' stored places; of an earlier one the default
 
 class Settings:
     """Settings in an ini file of the user; a damaged one counts as empty.
-
-    Parameters
-    ----------
-    path : Path, optional
-        The file; None for the usual place.
 
     Attributes
     ----------

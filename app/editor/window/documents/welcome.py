@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
 from pathlib import Path
@@ -23,12 +22,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.editor.gestures import without_argument
 from app.editor.recovery_files import Recovered
 from app.editor.window.documents.recent_files import folder_text
-from app.run.output import ANALYSIS, find_output, source_images
 from app.run.shipped import shipped_networks
-from core.chain.engine import Plan
-from core.chain.wires import Curve, Image, Table
 from core.errors import ImagechainError
 from core.modules.declaration import Library
 from core.network.file import read_unchanged
@@ -46,15 +43,14 @@ class WelcomePage(QScrollArea):
         Open this path or shipped network.
     new_wanted, open_wanted
         Begin an empty network; choose a file.
-    recovered(work), discarded(work)
-        What to do with work that a crash left behind: a `Recovered`.
+    recovered(work)
+        Open work that a crash left behind: a `Recovered`.
     """
 
     chosen = Signal(str)
     new_wanted = Signal()
     open_wanted = Signal()
     recovered = Signal(object)
-    discarded = Signal(object)
 
     def __init__(self, library: Library, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -160,19 +156,22 @@ class WelcomePage(QScrollArea):
         about = QLabel(f"{name}, {when}" + (f": {work.problem}" if work.problem else ""))
         about.setWordWrap(True)
         layout.addWidget(about, 1)
-        choices = [("Discard", "discard", self.discarded)]
         if not work.problem:
-            choices.insert(0, ("Recover", "recover", self.recovered))
-        for text, key, signal in choices:
-            button = QPushButton(text)
-            button.setObjectName(f"welcome.{key}")
-            button.setAccessibleName(f"{text} {name} of {when}")
-            button.clicked.connect(partial(signal.emit, work))
-            layout.addWidget(button)
+            recover = self._choice("recover", f"{name} of {when}", layout)
+            recover.clicked.connect(partial(self.recovered.emit, work))
+        discard = self._choice("discard", f"{name} of {when}", layout)
+        discard.clicked.connect(partial(without_argument, work.discard))
         # It stays where it is: a second click must not throw away the work that moves up.
-        button.clicked.connect(lambda: row.setDisabled(True))
-        button.clicked.connect(lambda: about.setText(f"{name}, {when}: discarded"))
+        discard.clicked.connect(lambda: row.setDisabled(True))
+        discard.clicked.connect(lambda: about.setText(f"{name}, {when}: discarded"))
         return row
+
+    def _choice(self, key: str, what: str, layout: QHBoxLayout) -> QPushButton:
+        button = QPushButton(key.capitalize())
+        button.setObjectName(f"welcome.{key}")
+        button.setAccessibleName(f"{button.text()} {what}")
+        layout.addWidget(button)
+        return button
 
 
 def thumbnail_path(network: Path) -> Path:
@@ -210,15 +209,7 @@ _MARGIN = 8
 
 
 class NetworkCard(QToolButton):
-    """A button as high as its description needs at its width.
-
-    Parameters
-    ----------
-    name, title, about : str
-        The network's short name, its own name, and what it shows.
-    picture : Path
-        Its thumbnail; there may be none.
-    """
+    """A button as high as its description needs at its width."""
 
     def __init__(
         self, name: str, title: str, about: str, picture: Path, parent: QWidget | None = None
@@ -252,7 +243,7 @@ class NetworkCard(QToolButton):
         """Wide enough for the picture; as high as all of it is at its present width."""
         line = self.fontMetrics().height()
         width = max(self.width(), _PICTURE.width() * line + 2 * _MARGIN)
-        return QSize(_PICTURE.width() * line + 2 * _MARGIN, self._needed(width))
+        return QSize(_PICTURE.width() * line + 2 * _MARGIN, self._column.totalHeightForWidth(width))
 
     def minimumSizeHint(self) -> QSize:
         """The same: nothing of it is cut."""
@@ -263,9 +254,6 @@ class NetworkCard(QToolButton):
         super().resizeEvent(event)
         if event.size().width() != event.oldSize().width():
             self.updateGeometry()
-
-    def _needed(self, width: int) -> int:
-        return self._column.totalHeightForWidth(width)
 
     def _scaled(self, file: Path) -> QPixmap:
         """Sharp on screens of any scale; Qt holds it for the next window."""
@@ -291,73 +279,3 @@ class NetworkCard(QToolButton):
         scaled.setDevicePixelRatio(ratio)
         QPixmapCache.insert(key, scaled)
         return scaled
-
-
-# What to show of a network that has just been opened.
-#
-# Of a network with an analysis node that has figures, the control panel of the first such node is
-# opened, and its first curve plotted. Else no node is selected, and the chain's transfer
-# functions
-# are plotted.
-
-DIFFERENCE = "difference"  # the output of what a node's picture differs in from the usual
-
-
-@dataclass(frozen=True)
-class FirstLook:
-    """Ports and a node to look at.
-
-    Parameters
-    ----------
-    node : str or None
-        The node whose panel is opened.
-    curve : str or None
-        What is plotted; None for the chain's transfer functions.
-    pictures : tuple of str
-        What the image viewers show: as many as there are, up to two.
-    front : int
-        Number of the viewer in front.
-    """
-
-    node: str | None
-    curve: str | None
-    pictures: tuple[str, ...]
-    front: int = 1
-
-
-def first_look(plan: Plan) -> FirstLook:
-    """The node with figures, its curve; the final picture, and beside it the input picture.
-
-    In front of the input picture's place comes the difference that this node makes, if it makes
-    one: it is what cannot be seen by comparing the two.
-    """
-    node = node_with_figures(plan)
-    outputs = plan.nodes[node].outputs if node is not None else {}
-    curves = [f"{node}.{name}" for name, value in outputs.items() if isinstance(value, Curve)]
-    pictures = first_ports(plan)
-    if pictures and isinstance(outputs.get(DIFFERENCE), Image):
-        return FirstLook(node, (*curves, None)[0], (pictures[0], f"{node}.{DIFFERENCE}"), 2)
-    return FirstLook(node, (*curves, None)[0], pictures)
-
-
-def node_with_figures(plan: Plan) -> str | None:
-    """The first analysis node, in the network's order, that has a table of figures; None for none.
-
-    Slices of transfer functions have none: the curves of the chain show the same.
-    """
-    for name, planned in plan.nodes.items():
-        if planned.module is None or planned.declaration.group != ANALYSIS:
-            continue
-        if any(isinstance(value, Table) for value in planned.outputs.values()):
-            return name
-    return None
-
-
-def first_ports(plan: Plan) -> tuple[str, ...]:
-    """The final picture and the input picture it is to be compared with; as many as there are."""
-    try:
-        final = find_output(plan).port
-    except ImagechainError:
-        final = None
-    sources = [port for port in source_images(plan) if port != final]
-    return tuple(port for port in (final, *sources[:1]) if port is not None)

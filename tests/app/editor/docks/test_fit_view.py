@@ -43,7 +43,7 @@ def files(tmp_path_factory):
 def fitting(window, files):
     window.files.open_now(str(files / "net.json"))
     window.actions_by_name["fit"].trigger()
-    assert window.fitting.view.isVisible()
+    assert window.fitting.isVisible()
     window.session.select(["blur"])
     return window
 
@@ -68,7 +68,7 @@ def right_click(window, name, action):
 
 
 def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
-    window, view = fitting, fitting.fitting.view
+    window, view = fitting, fitting.fitting
     assert not view.fit.isEnabled()
     field, entry = right_click(window, "sigma_x_mrad", "free")
     assert "not saved" in entry.toolTip()
@@ -111,7 +111,7 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
 
 
 def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, files, qtbot):
-    window, view = fitting, fitting.fitting.view
+    window, view = fitting, fitting.fitting
     session = window.session
     session.free.put(FreeNumber("init", "range_m"))  # no blur depends on it
     session.free.put(FreeNumber("blur", "sigma_x_mrad"))
@@ -167,7 +167,7 @@ def test_what_is_free_comes_back_with_its_node(fitting):
 
 
 def test_a_result_is_said_to_be_of_what_was_fitted(fitting, files, qtbot):
-    view, free = fitting.fitting.view, fitting.session.free
+    view, free = fitting.fitting, fitting.session.free
     free.put(FreeNumber("blur", "sigma_x_mrad"))
     free.put(FreeNumber("init", "range_m"))
     both = (files / "edge.npy", files / "edge_too.npy")
@@ -195,32 +195,33 @@ def test_the_key_of_the_dock_brings_it_before_another(window, qtbot):
     qtbot.waitUntil(lambda: not fit.isChecked())
     fit.trigger()
     qtbot.waitUntil(fit.isChecked)
-    assert not window.fitting.dock.isHidden()
+    assert not window.fit_dock.isHidden()
     fit.trigger()
-    assert window.fitting.dock.isHidden()
+    assert window.fit_dock.isHidden()
 
 
 def test_pictures_are_dropped_on_the_docks(fitting, files, two_hands, qtbot):
-    window, view = fitting, fitting.fitting.view
+    window, view = fitting, fitting.fitting
     steps = window.session.document.history.position
     assert two_hands.drop_files(view.chart, QPoint(9, 9), [files / "edge.npy"])
     assert view.pictures == (files / "edge.npy",)
     measuring = window.measuring
-    measuring.show()
+    window.measure_dock.show()
+    window.measure_dock.raise_()
     assert two_hands.drop_files(
-        measuring.view.canvas, QPoint(9, 9), [files / "edge.npy", files / "edge_too.npy"]
+        measuring.canvas, QPoint(9, 9), [files / "edge.npy", files / "edge_too.npy"]
     )
-    qtbot.waitUntil(lambda: measuring.view.measured is not None)
-    assert len(measuring.view.measured.previews) == 2
+    qtbot.waitUntil(lambda: measuring.measured is not None)
+    assert len(measuring.measured.previews) == 2
     assert window.session.document.history.position == steps
     before = window.session.document
-    assert two_hands.drop_files(measuring.view.canvas, QPoint(9, 9), [files / "net.json"])
+    assert two_hands.drop_files(measuring.canvas, QPoint(9, 9), [files / "net.json"])
     qtbot.waitUntil(lambda: window.session.document is not before)  # networks are opened anywhere
 
 
 def test_a_known_scene_is_fitted_as_a_whole(fitting, files, qtbot):
     """The picture that a viewer shows is of the network's own scene, with the values it has."""
-    window, view = fitting, fitting.fitting.view
+    window, view = fitting, fitting.fitting
     viewer = window.viewers.images[1]
     qtbot.waitUntil(lambda: viewer.picture is not None and viewer.picture.reduced == 1)
     shown = picture_of(1, viewer)

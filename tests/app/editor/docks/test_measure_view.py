@@ -37,14 +37,14 @@ def two_edges(tmp_path_factory):
 
 
 @pytest.fixture
-def view(qtbot):
-    made = MeasureView(DARK)
+def view(qtbot, session):
+    made = MeasureView(session, DARK, {})
     qtbot.addWidget(made)
     made.resize(1000, 420)
     made.show()
     qtbot.waitExposed(made)
     yield made
-    made.close_worker()
+    made.worker.close()
 
 
 @pytest.fixture
@@ -102,7 +102,7 @@ def test_the_looks_differ_to_every_sight_and_by_their_lines(measured):
 
 def test_results_are_written_and_what_fails_is_said(measured, qtbot, tmp_path, two_edges):
     view = measured
-    with qtbot.waitSignal(view.message) as said:
+    with qtbot.waitSignal(view._session.message) as said:
         view.export(tmp_path / "m.json")
     assert said.args == ["note", f"wrote {tmp_path / 'm.json'}"]
     facts = json.loads((tmp_path / "m.json").read_text())
@@ -144,7 +144,7 @@ def test_the_window_measures_what_a_viewer_shows(window, qtbot):
     viewer = window.viewers.images[1]
     qtbot.waitUntil(lambda: viewer.picture is not None and viewer.picture.reduced == 1)
     window.actions_by_name["measure"].trigger()
-    view = window.measuring.view
+    view = window.measuring
     assert view.isVisible()
     qtbot.waitUntil(lambda: view.measured is not None)
     assert view.measured.files[0].name.startswith("viewer 1: ")
@@ -159,7 +159,7 @@ def test_the_window_measures_what_a_viewer_shows(window, qtbot):
     assert old in view.status.title.text()
     session.undo()
     assert old not in view.status.title.text()
-    window.measuring.view.viewer.menu().aboutToShow.emit()
+    view.viewer.menu().aboutToShow.emit()
     listed = [action.text() for action in view.viewer.menu().actions()]
     assert any(text.startswith("Viewer &1: ") for text in listed)
     for button in (view.viewer, view.file, view.stop, view.remove, view.unused, view.write):
@@ -177,13 +177,14 @@ def test_the_key_brings_files_that_were_measured_to_the_front(window, qtbot, two
     window.open_first("first_steps")
     viewer = window.viewers.images[1]
     qtbot.waitUntil(lambda: viewer.picture is not None and viewer.picture.reduced == 1)
-    view, measure = window.measuring.view, window.actions_by_name["measure"]
-    window.measuring.show()
+    view, measure = window.measuring, window.actions_by_name["measure"]
+    window.measure_dock.show()
+    window.measure_dock.raise_()
     view.measure_files((two_edges,))
     qtbot.waitUntil(lambda: view.measured is not None)
     view.switch()
     kept = view.measured
-    window.measuring.dock.close()
+    window.measure_dock.close()
     measure.trigger()
     assert view.isVisible()
     assert not view.worker.busy

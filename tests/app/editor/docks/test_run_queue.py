@@ -1,20 +1,13 @@
 """The queue with its real processes: one after the other, stopped, failed, and none left over."""
 
-import os
-import signal
-from pathlib import Path
-
 import pytest
 from PySide6.QtCore import QObject
 
-from app.editor.docks.network_job import job_of, proposed_folder
-from app.editor.docks.run_queue import RunQueue
+from app.editor.docks.run_queue import RunQueue, job_of, proposed_folder
 from core.editing.document import Document
 from core.editing.operations import set_parameter
 from core.errors import ImagechainError
 from core.network.network import Network
-
-LONG = 100_000  # frames
 
 
 @pytest.fixture
@@ -39,17 +32,6 @@ def small(opened):
 def waits(queue, qtbot, number, state):
     qtbot.waitUntil(lambda: queue.entry(number).state == state)
     return queue.entry(number)
-
-
-def computing(queue, qtbot, number):
-    """Wait until a long run writes frames; gives its process's number."""
-    qtbot.waitUntil(lambda: queue.entry(number).doing.startswith("frames"))
-    (pid,) = queue.pids()
-    return pid
-
-
-def is_running(pid):
-    return Path(f"/proc/{pid}").exists()
 
 
 def names(folder):
@@ -86,18 +68,6 @@ def test_a_job_is_the_network_as_it_was(queue, qtbot, small, tmp_path):
     assert before == same != after
 
 
-def test_cancelled_while_it_runs_nothing_of_it_stays(queue, qtbot, small, tmp_path):
-    long = queue.add("long", job_of(small, "frames", tmp_path / "long", frames=LONG))
-    after = queue.add("after", job_of(small, "run", tmp_path / "after"))
-    pid = computing(queue, qtbot, long)
-    queue.cancel(long)
-    assert queue.entry(long).state in ("stopping", "cancelled")
-    waits(queue, qtbot, long, "cancelled")
-    assert not is_running(pid)
-    waits(queue, qtbot, after, "done")  # the next one goes on
-    assert names(tmp_path) == ["after"]
-
-
 def test_cancelled_while_it_waits_it_never_begins(queue, qtbot, small, tmp_path):
     first = queue.add("first", job_of(small, "run", tmp_path / "first"))
     waiting = queue.add("waiting", job_of(small, "run", tmp_path / "waiting"))
@@ -111,30 +81,11 @@ def test_cancelled_while_it_waits_it_never_begins(queue, qtbot, small, tmp_path)
     assert queue.entries == ()
 
 
-def test_a_process_that_is_killed_is_a_failure_in_one_line(queue, qtbot, small, tmp_path):
-    """As by the system, where memory runs out: its hidden folder is cleared away."""
-    number = queue.add("long", job_of(small, "frames", tmp_path / "long", frames=LONG))
-    os.kill(computing(queue, qtbot, number), signal.SIGKILL)
-    entry = waits(queue, qtbot, number, "failed")
-    assert entry.text == "its process was ended by the system (signal 9): is the memory full?"
-    assert names(tmp_path) == []
-
-
 def test_a_failure_is_the_commands_line(queue, qtbot, small, tmp_path):
     (tmp_path / "file").write_text("")
     number = queue.add("bad", job_of(small, "run", tmp_path / "file"))
     entry = waits(queue, qtbot, number, "failed")
     assert entry.text == f"cannot write to {tmp_path / 'file'}: it is not a folder"
-
-
-def test_closing_leaves_no_process(queue, qtbot, small, tmp_path):
-    long = queue.add("long", job_of(small, "frames", tmp_path / "long", frames=LONG))
-    queue.add("waiting", job_of(small, "run", tmp_path / "waiting"))
-    pid = computing(queue, qtbot, long)
-    queue.close()
-    assert not is_running(pid)
-    assert queue.pids() == ()
-    assert names(tmp_path) == []
 
 
 def test_folders_are_proposed_that_are_free(small, tmp_path):

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from app.editor.docks.network_job import duration, state_text, whole_text
 from app.editor.docks.run_queue import Entry
+from app.editor.docks.runs_view import duration, state_text, whole_text
 from app.run.job import Job, Result
 
 

@@ -134,15 +134,6 @@ def test_a_pupil_module_dropped_on_a_wire_gets_the_one_pupil_there_is(window, ha
 # --- deleting, copying, undoing ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("key", [KEY.Key_Delete, KEY.Key_Backspace])
-def test_delete_takes_the_selected_nodes(hand, chain, key):
-    hand.select("scene", "blur")
-    hand.key(key)
-    assert set(chain.network.nodes) == {"init", "back"}
-    hand.key(KEY.Key_Z, CTRL)
-    assert chain.network == chain_and_free_blur()
-
-
 def test_delete_takes_a_selected_wire(hand, chain):
     wire = Link.between("init.magnitude", "back.magnitude")
     hand.click(hand.wire(wire))

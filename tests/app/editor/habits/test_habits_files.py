@@ -74,12 +74,6 @@ def test_ctrl_shift_s_saves_to_another_file(window, hand, files):
     assert "other.json" in window.windowTitle()
 
 
-def test_ctrl_o_opens(window, hand, files):
-    hand.key(KEY.Key_O, CTRL)
-    type_name(window, files / "mine.json")
-    assert window.session.document.path == files / "mine.json"
-
-
 def test_ctrl_n_asks_for_unsaved_work_and_begins_anew(window, hand, qtbot):
     add(window, "test_scene")
     hand.key(KEY.Key_N, CTRL)
@@ -124,15 +118,6 @@ def test_a_network_dropped_asks_for_unsaved_work(window, hand, files, qtbot):
     hand.drop_files(window.canvas.view.viewport(), hand.at(0, 0), [files / "mine.json"])
     answer(qtbot, window, _BUTTON.Cancel)
     assert "test_scene" in window.session.network.nodes
-
-
-def test_a_network_dropped_on_the_welcome_page_is_opened(window, files):
-    hand = WindowHands(window)
-    assert window.welcome.isVisible()
-    spot = window.welcome.viewport().rect().center()
-    assert hand.drop_files(window.welcome.viewport(), spot, [files / "mine.json"])
-    assert window.session.document.path == files / "mine.json"
-    assert window.canvas.isVisible()
 
 
 def test_a_picture_dropped_on_the_welcome_page_begins_a_network(window, files):
@@ -197,20 +182,6 @@ def test_a_file_that_may_only_be_read_is_not_written_over(window, hand, files):
     assert stat.S_IMODE(path.stat().st_mode) == 0o444
     assert "not saved" in window.status.error
     assert window.isWindowModified()
-
-
-def test_a_network_whose_file_was_removed_is_saved_again(window, hand, files, qtbot):
-    path = files / "mine.json"
-    window.files.open_now(str(path))
-    path.unlink()
-    add(window, "test_scene")
-    hand.focus()
-    hand.key(KEY.Key_S, CTRL)
-    box = window.findChild(QMessageBox, "changed_file")
-    assert "has been removed" in box.text()
-    QTest.mouseClick(box.findChild(QPushButton, "overwrite"), Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(lambda: not window.isWindowModified())
-    assert "test_scene" in json.loads(path.read_text())["nodes"]
 
 
 def test_a_network_whose_folder_was_removed_is_kept_in_the_window(window, hand, files):

@@ -95,14 +95,6 @@ def test_of_a_node_without_outputs_what_comes_into_it_is_shown(window, hand, idl
     assert window.viewers.images[2].choices.port == "back.image"
 
 
-def test_of_a_node_with_nothing_to_show_that_is_said(window, hand):
-    name = add(window, "write_image", (900, 300))
-    window.canvas.frame_all()
-    hand.select(name)
-    hand.key(KEY.Key_2)
-    assert "nothing comes into it" in window.statusBar().currentMessage()
-
-
 def test_a_node_that_gives_curves_is_shown_among_the_curves(window, hand, idle):
     name = add(window, "mtf_slices", (900, 300))
     window.canvas.frame_all()
@@ -246,7 +238,7 @@ def test_curves_are_exported(window, hand, idle, tmp_path):
 
 def test_an_export_that_cannot_be_written_is_said(window, hand, idle, tmp_path):
     window.viewers.images[1].canvas.setFocus()
-    window.help._export_to(str(tmp_path / "nowhere" / "shown.png"))
+    window.help._export_to(window.viewers.images[1], tmp_path / "nowhere" / "shown.png")
     assert "not exported" in window.status.error
 
 

@@ -8,44 +8,20 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QMessageBox, QPushButton, QWidget
+from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QPushButton, QWidget
 
-from app.editor.recovery_files import DELAY_MS, recoverable
+from app.editor.recovery_files import DELAY_MS
 from app.editor.theme import DARK, LIGHT
+from app.editor.window.actions.action_specs import ACTIONS
+from app.editor.window.actions.shortcut_list import OR, shortcuts_of
 from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow
 from app.editor.window.start import built
 from app.options.command_options import Options
-from app.run.shipped import shipped_networks
 from core.editing.operations import set_parameter
-from window_hands import add, answer
+from window_hands import add
 
 # --- beginning, opening ------------------------------------------------------------------------
-
-
-def test_it_begins_with_the_welcome_page(window):
-    assert window.welcome.isVisible()
-    for name in shipped_networks():
-        assert window.findChild(QWidget, f"welcome.{name}") is not None
-
-
-def test_a_shipped_network_is_one_click_away(window, idle):
-    QTest.mouseClick(window.findChild(QWidget, "welcome.first_steps"), Qt.MouseButton.LeftButton)
-    assert window.canvas.isVisible()
-    assert window.session.network.nodes
-    assert window.session.document.path is None
-    idle(window)
-    assert window.viewers.images[1].choices.port is not None
-
-
-@pytest.mark.thorough(but=2, always=("kodak_kir310",))
-@pytest.mark.parametrize("name", shipped_networks())
-def test_every_shipped_network_opens_and_shows_a_picture(window, idle, name):
-    """In its own size; of all of them in a small one in `test_every_panel_says…`."""
-    assert window.files.open_now(name)
-    idle(window)
-    assert window.status.error == ""
-    assert window.viewers.images[1].picture is not None
 
 
 def test_a_broken_file_leaves_the_open_network_as_it_is(window, tmp_path):
@@ -56,20 +32,6 @@ def test_a_broken_file_leaves_the_open_network_as_it_is(window, tmp_path):
     assert not window.files.open_now(str(broken))
     assert window.session.network is before
     assert "broken.json" in window.status.error
-
-
-def test_files_dropped_become_nodes_or_networks(window, tmp_path):
-    np.save(tmp_path / "scene.npy", np.ones((4, 4)))
-    window.canvas.files_dropped.emit([str(tmp_path / "scene.npy")], QPointF(30, 40))
-    (node,) = window.session.network.nodes.values()
-    assert node.module == "read_image"
-    assert Path(node.params["path"]) == tmp_path / "scene.npy"
-    assert window.session.network.layout[node.id] == (30.0, 40.0)
-    window.session.undo()
-    network = tmp_path / "mine.json"
-    network.write_text(shipped_networks()["first_steps"].read_text())
-    window.canvas.files_dropped.emit([str(network)], QPointF(0, 0))
-    assert window.session.document.path == network
 
 
 def test_a_picture_dropped_on_the_scene_replaces_it_in_one_step(window, tmp_path):
@@ -95,60 +57,6 @@ def test_a_picture_dropped_on_the_scene_replaces_it_in_one_step(window, tmp_path
 
 
 # --- saving ------------------------------------------------------------------------------------
-
-
-def test_the_title_tells_what_is_not_saved(window, tmp_path):
-    add(window, "test_scene")
-    assert window.isWindowModified()
-    window.session.save(tmp_path / "mine.json")
-    assert not window.isWindowModified()
-    assert "mine.json" in window.windowTitle()
-    window.session.undo()
-    assert window.isWindowModified()
-
-
-def test_closing_asks_and_cancel_keeps_the_window(window, qtbot):
-    add(window, "test_scene")
-    window.close()
-    answer(qtbot, window, QMessageBox.StandardButton.Cancel)
-    qtbot.wait(20)
-    assert window.isVisible()
-    assert window.session.document.modified
-
-
-def test_closing_and_discarding_leaves_nothing_behind(window, qtbot, tmp_path):
-    add(window, "test_scene")
-    window.close()
-    answer(qtbot, window, QMessageBox.StandardButton.Discard)
-    qtbot.waitUntil(lambda: not window.isVisible())
-    assert recoverable(tmp_path / "recovery") == ()
-
-
-def test_closing_and_saving_saves_first(window, qtbot, tmp_path):
-    path = tmp_path / "mine.json"
-    window.session.save(path)
-    add(window, "test_scene")
-    window.close()
-    answer(qtbot, window, QMessageBox.StandardButton.Save)
-    qtbot.waitUntil(lambda: not window.isVisible())
-    assert "test_scene" in json.loads(path.read_text())["nodes"]
-
-
-def test_new_asks_for_unsaved_work_too(window, qtbot):
-    add(window, "test_scene")
-    window.actions_by_name["new"].trigger()
-    assert window.session.network.nodes
-    answer(qtbot, window, QMessageBox.StandardButton.Discard)
-    qtbot.waitUntil(lambda: not window.session.network.nodes)
-
-
-def test_a_folder_that_cannot_be_written_is_said_and_the_work_kept(window, tmp_path):
-    add(window, "test_scene")
-    window.files.save_to(tmp_path / "nowhere" / "mine.json")
-    assert "not saved" in window.status.error
-    assert "nowhere" in window.status.error
-    assert window.session.document.modified
-    assert window.session.document.path is None
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no full disk to offer")
@@ -179,7 +87,7 @@ def test_files_named_in_a_network_are_found_after_saving_elsewhere(window, tmp_p
     monkeypatch.chdir(tmp_path)
     (tmp_path / "deep").mkdir()
     np.save(tmp_path / "scene.npy", np.ones((8, 8)))
-    window.drops.files([str(tmp_path / "scene.npy")], (0.0, 0.0))
+    window.drops.files([str(tmp_path / "scene.npy")], QPointF(0, 0))
     (name,) = window.session.network.nodes
     assert window.session.network.nodes[name].params["path"] == "scene.npy"
     window.files.save_to(tmp_path / "deep" / "mine.json")
@@ -273,27 +181,21 @@ HABITS = {
 
 def test_every_habit_has_its_keys_in_the_list(window):
     rows = {
-        key: row[1] for row in window.actions_by_name.listed() for key in row[2].split("  or  ")
+        key: row.action
+        for row in shortcuts_of(window.actions_by_name)
+        for key in row.keys.split(OR)
     }
     assert {keys: rows.get(keys) for keys in HABITS} == HABITS
 
 
 def test_no_keys_are_given_twice(window):
-    keys = [key for row in window.actions_by_name.listed() for key in row[2].split("  or  ")]
+    keys = [key for row in shortcuts_of(window.actions_by_name) for key in row.sequences]
     assert len(keys) == len(set(keys))
-
-
-def test_the_list_of_shortcuts_shows_every_action_with_keys(window, qtbot):
-    window.actions_by_name["shortcuts"].trigger()
-    table = window.findChild(QWidget, "shortcuts.table")
-    shown = {table.item(row, 1).text() for row in range(table.rowCount())}
-    assert {row[1] for row in window.actions_by_name.listed()} <= shown
-    table.window().reject()
 
 
 def test_every_action_is_in_a_menu_with_a_tip(window):
     in_menus = {action for menu in window.menus.values() for action in menu.actions()}
-    for spec in window.actions_by_name.specs:
+    for spec in ACTIONS:
         action = window.actions_by_name[spec.name]
         assert action in in_menus
         assert action.toolTip()
@@ -349,14 +251,6 @@ def test_single_letters_typed_in_a_field_are_text(window, qtbot, idle):
     QTest.keyClicks(field, "dlf1")
     assert field.text() == "dlf1"
     assert not window.session.network.nodes[name].disabled
-
-
-def test_a_signal_to_end_keeps_unsaved_work(make_window, qtbot, tmp_path):
-    window = make_window()
-    add(window, "test_scene")
-    window.stop()
-    left = list((tmp_path / "recovery").glob("*"))
-    assert any(b"test_scene" in path.read_bytes() for path in left)
 
 
 def test_the_very_first_start_opens_a_network(qtbot, tmp_path, monkeypatch):

@@ -5,6 +5,7 @@ import pytest
 from app.editor.panels.node_panel import NodePanel
 from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.editor.window.actions.shortcut_list import shortcuts_of
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
 from core.editing.operations import Add, Placed, SetOutput
@@ -72,7 +73,7 @@ def test_what_has_no_picture_is_refused_in_words(window, hand):
 def test_it_is_in_the_nodes_menu_and_in_the_list_of_shortcuts(window):
     action = window.actions_by_name["mark_output"]
     assert action in window.canvas.menus.node_menu.actions()
-    assert any(row[1] == "Mark as Output" for row in window.actions_by_name.listed())
+    assert any(row.action == "Mark as Output" for row in shortcuts_of(window.actions_by_name))
 
 
 def test_the_networks_own_field_is_drawn_as_well(canvas, opened):

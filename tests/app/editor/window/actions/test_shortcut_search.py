@@ -6,7 +6,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QPushButton
 from shiboken6 import isValid
 
-from app.editor.window.actions.shortcut_list import ShortcutList
+from app.editor.window.actions.shortcut_list import OR, ShortcutList, shortcuts_of
 from window_hands import CTRL, KEY, SHIFT, WindowHands
 
 ALT = Qt.KeyboardModifier.AltModifier
@@ -44,7 +44,7 @@ def press(hand, page, key, keys=Qt.KeyboardModifier.NoModifier):
 
 def test_it_begins_with_every_action_and_the_search(page, window):
     shown = actions(page)
-    assert {row[1] for row in window.actions_by_name.listed()} <= set(shown)
+    assert {row.action for row in shortcuts_of(window.actions_by_name)} <= set(shown)
     assert QApplication.focusWidget() is page.search
 
 
@@ -68,8 +68,9 @@ def test_words_and_keys_are_found(hand, page, typed, first, all_of_them):
 
 
 def test_every_action_is_found_by_its_words_and_by_its_keys(page, window):
-    for _, action, keys, _ in window.actions_by_name.listed():
-        for text in (action, *keys.split("  or  ")):
+    for row in shortcuts_of(window.actions_by_name):
+        action = row.action
+        for text in (action, *row.keys.split(OR)):
             page.search.clear()
             QTest.keyClicks(page.search, text)
             assert action in actions(page), text

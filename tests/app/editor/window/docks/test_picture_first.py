@@ -8,7 +8,6 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QMessageBox
 
 from app.editor.window.docks import window_layout
-from app.editor.window.docks.full_screen import FullScreenPage
 from core.editing.operations import set_parameter
 from window_hands import show_small
 
@@ -179,7 +178,7 @@ def test_a_first_window_lies_within_its_screen_and_uses_a_large_one(size):
 
 
 def page_of(window):
-    return window.findChild(FullScreenPage)
+    return window.full_screen.page
 
 
 @pytest.mark.parametrize("way_back", [Qt.Key.Key_F11, Qt.Key.Key_Escape])
@@ -191,7 +190,7 @@ def test_a_key_shows_the_viewer_over_the_whole_screen_and_back(opened, qtbot, id
     idle(opened)
     page = page_of(opened)
     assert page.isFullScreen()
-    assert page.isAncestorOf(viewer)
+    assert page is viewer
     assert viewer.isVisible()
     page.activateWindow()
     QTest.keyClick(page, way_back)
@@ -206,7 +205,7 @@ def test_the_curves_go_over_the_whole_screen_where_they_were_used_last(opened, i
     opened.viewers.plot.canvas.setFocus()
     QTest.keyClick(opened, Qt.Key.Key_F11)
     idle(opened)
-    assert page_of(opened).isAncestorOf(opened.viewers.plot)
+    assert page_of(opened) is opened.viewers.plot
 
 
 def test_closing_the_full_screen_puts_the_viewer_back(opened, idle):

@@ -8,7 +8,7 @@ import pytest
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit
 
-from app.editor.docks.snapshot_states import AllFiguresQuery, KeepQuery
+from app.editor.docks.snapshots import AllFiguresQuery, SnapshotQuery
 from app.editor.viewers.pixels.grey_levels import grey_levels
 from core.editing.operations import Remove, set_parameter
 from region_hands import PictureHand
@@ -60,10 +60,10 @@ def test_the_second_flip_waits_for_nothing(person):
     for _ in range(2):
         person.key(KEY.Key_K)
     assert person.viewer.picture.other is None
-    person.kept.snapshots.flip()  # no event is processed in between
+    person.snapshots.flip()  # no event is processed in between
     assert person.viewer.picture.other is not None
     assert person.viewer.canvas.second.isVisible()
-    person.kept.snapshots.flip()
+    person.snapshots.flip()
     assert not person.viewer.canvas.second.isVisible()
     person.idle()
     assert person.viewer.picture.other is None
@@ -144,10 +144,9 @@ def test_the_keys_work_on_a_picture_over_the_whole_screen(person):
     person.key(KEY.Key_F11)
     page = person.window.full_screen.page
     assert page.isVisible()
-    page.activateWindow()
     give_focus(person.viewer.canvas)
     person.key(KEY.Key_K, CTRL)
-    assert len(person.kept.snapshots.states) == 1
+    assert len(person.snapshots.states) == 1
     person.key(KEY.Key_W)
     assert person.viewer.canvas.wipe.isVisible()
     person.key(KEY.Key_F11)
@@ -163,7 +162,7 @@ def test_what_is_still_being_typed_is_kept(person):
     field.selectAll()
     QTest.keyClicks(field, "7")
     person.key(KEY.Key_K, CTRL)
-    (state,) = person.kept.snapshots.states
+    (state,) = person.snapshots.states
     assert state.network.nodes["blur"].params["sigma_x_mrad"] == 7
     assert field.text() == "7"
 
@@ -175,7 +174,7 @@ def test_of_an_empty_network_nothing_is_kept(window, idle):
     give_focus(window.canvas.view)
     QTest.keyClick(QApplication.focusWidget(), KEY.Key_K, CTRL)
     assert window.status.currentMessage() == "the network is empty: there is nothing to keep"
-    assert window.kept.snapshots.states == ()
+    assert window.snapshots.states == []
 
 
 def test_only_references_are_kept_and_in_a_quiet_moment(person):
@@ -183,11 +182,11 @@ def test_only_references_are_kept_and_in_a_quiet_moment(person):
     viewers = person.window.viewers
     queries = [person.viewer.queries(), viewers.plot.queries()]
     person.keep()
-    (state,) = person.kept.snapshots.states
-    assert state.results.pictures[PORT].samples is samples
+    (state,) = person.snapshots.states
+    assert state.pictures[PORT].samples is samples
     # A pass after an edit has to answer what it had before, and waits for nothing else.
     assert [person.viewer.queries(), viewers.plot.queries()] == queries
-    assert KeepQuery.waits
+    assert SnapshotQuery.waits
     assert AllFiguresQuery.waits
     assert state.network is person.window.session.document.network
 
@@ -204,8 +203,8 @@ def test_of_what_was_computed_nothing_else_is_held(person):
     person.idle()
     store.clear()
     gc.collect()
-    (state,) = person.kept.snapshots.states
-    kept = {id(picture.samples) for picture in state.results.pictures.values()}
+    (state,) = person.snapshots.states
+    kept = {id(picture.samples) for picture in state.pictures.values()}
     left = {id(array()) for array in arrays if array() is not None}
     assert left == kept
     assert len(left) < len(arrays)
@@ -217,8 +216,8 @@ def test_an_edit_right_after_the_key_is_not_in_the_snapshot(person):
     QTest.keyClick(person.viewer.canvas, KEY.Key_K, CTRL)
     person.window.session.do(set_parameter("blur", "sigma_x_mrad", 12.0))
     person.idle()
-    (state,) = person.kept.snapshots.states
-    kept = state.results.pictures[PORT].samples
+    (state,) = person.snapshots.states
+    kept = state.pictures[PORT].samples
     assert (kept == before).all()
     assert not (kept == person.viewer.picture.samples).all()
 
@@ -230,9 +229,9 @@ def test_another_wire_of_a_is_computed_when_it_is_compared(person):
     person.idle()
     person.key(KEY.Key_W)
     person.idle()
-    (state,) = person.kept.snapshots.states
-    assert "blur.mtf" in state.results.pictures
-    assert person.viewer.picture.other.samples is state.results.pictures["blur.mtf"].samples
+    (state,) = person.snapshots.states
+    assert "blur.mtf" in state.pictures
+    assert person.viewer.picture.other.samples is state.pictures["blur.mtf"].samples
 
 
 def test_another_size_is_said_and_b_shown(person):

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtCore import QObject, Qt
-from PySide6.QtWidgets import QDialog, QDockWidget, QMainWindow
+from PySide6.QtWidgets import QMainWindow, QWidget
 
+from app.editor.dialogs import ROLE, Question, SaveDialog, drop_dialogs, show_beside
 from app.editor.docks.add_run import AddRun
-from app.editor.docks.network_job import failures_text, file_stem, job_of
-from app.editor.docks.run_queue import RunQueue
-from app.editor.docks.runs_view import ReportStatus, RunsView
+from app.editor.docks.run_queue import RunQueue, job_of
+from app.editor.docks.runs_view import ReportStatus, RunsView, failures_text
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.editor.window.docks.viewer_docks import add_dock
-from app.editor.window.documents.files import Question, SaveDialog, runs_go_on
+from app.editor.window.docks.viewer_docks import add_dock, bring_forward
 from app.options.option_values import REPORTS
 from core.errors import ImagechainError
 from core.names import shown
@@ -25,19 +25,7 @@ Next = Callable[[], object]
 
 
 class BackgroundRuns(QObject):
-    """What goes on beside the window.
-
-    Parameters
-    ----------
-    session : Session
-        The document.
-    theme : Theme
-        Colours.
-    window : QMainWindow
-        Gets the dock.
-    finish_typing : callable
-        Takes what is being typed, before the document is read.
-    """
+    """What goes on beside the window. `finish_typing` takes what is being typed."""
 
     def __init__(
         self, session: Session, theme: Theme, window: QMainWindow, finish_typing: Next
@@ -51,9 +39,8 @@ class BackgroundRuns(QObject):
         self._next: Next | None = None
         self.queue = RunQueue(self)
         self.view = RunsView(self.queue, theme)
-        self.dock: QDockWidget = add_dock(
-            window, "Runs", "dock.runs", self.view, Qt.DockWidgetArea.BottomDockWidgetArea
-        )
+        area = Qt.DockWidgetArea.BottomDockWidgetArea
+        self.dock = add_dock(window, "Runs", "dock.runs", self.view, area)
         self.dock.hide()
         self.status = ReportStatus(self.queue, window.statusBar())
         window.statusBar().addPermanentWidget(self.status)
@@ -68,8 +55,6 @@ class BackgroundRuns(QObject):
         self._theme = theme
         self.view.set_theme(theme)
 
-    # --- the report --------------------------------------------------------------------------
-
     def report(self) -> None:
         """Ask the person where to write the report of the network as it stands."""
         path = self._session.document.path
@@ -78,9 +63,9 @@ class BackgroundRuns(QObject):
         dialog = SaveDialog(self._window, "Write the report", str(folder.absolute()), kinds)
         dialog.setObjectName("report_dialog")
         dialog.setDefaultSuffix(HTML.suffixes[0].removeprefix("."))
-        dialog.selectFile(f"{path.stem if path is not None else file_stem(self._session)}.html")
+        dialog.selectFile(f"{self._session.stem}.html")
         dialog.fileSelected.connect(self.report_to)
-        self._show(dialog)
+        show_beside(self._window, dialog)
 
     def report_to(self, text: str) -> None:
         """Write the report to that file, in the background."""
@@ -89,41 +74,23 @@ class BackgroundRuns(QObject):
         if not any(form.matches(file) for form in REPORTS):
             ends = " or ".join(suffixes(*REPORTS))
             self._say("error", f"no report {shown(file.name)}: its name must end in {ends}")
-            return
-        if any(entry.job.output == file.absolute() for entry in self.queue.unfinished):
+        elif file.absolute() in self._taken():
             self._say("note", f"{shown(file.name)} is being written already")
-            return
-        try:
-            job = job_of(self._session, "report", file)
-        except ImagechainError as error:
-            self._say("error", f"no report: {error}")
-            return
-        self.status.follow(self.queue.add(f"Report {file.name}", job))
-
-    # --- the queue ---------------------------------------------------------------------------
-
-    def toggle(self) -> None:
-        """Show the runs, or hide them where they are in front."""
-        if self.view.isVisible():
-            self.dock.hide()
         else:
-            self.show()
-
-    def show(self) -> None:
-        """Show the runs, and give them the focus."""
-        self.dock.show()
-        self.dock.raise_()
-        self.view.take_focus()
+            try:
+                job = job_of(self._session, "report", file)
+            except ImagechainError as error:
+                self._say("error", f"no report: {error}")
+            else:
+                self.status.follow(self.queue.add(f"Report {file.name}", job))
 
     def add(self) -> None:
         """Open the dialog that adds a run."""
         dialog = AddRun(self._session, self._theme, self._taken, self._window)
         dialog.about_to_add.connect(self._finish_typing)
         dialog.added.connect(self._added)
-        self._show(dialog)
+        show_beside(self._window, dialog)
         dialog.kinds.setFocus(Qt.FocusReason.OtherFocusReason)
-
-    # --- the end -----------------------------------------------------------------------------
 
     def go_on(self, following: Next) -> bool:
         """Ask whether to end what runs, then go on with `following`; False where nothing runs.
@@ -143,20 +110,16 @@ class BackgroundRuns(QObject):
             self._question.activateWindow()
         return True
 
-    def close(self) -> None:
-        """End what runs; returns once no process is left."""
-        self.queue.close()
-
     def _answered(self) -> None:
         question, self._question = self._question, None
         following, self._next = self._next, None
         if question is not None and question.answer == "stop" and following is not None:
             following()
 
-    def _added(self, title: str, job: object) -> None:
-        number = self.queue.add(title, job)  # type: ignore[arg-type]
+    def _added(self, title: str, job: Any) -> None:
+        number = self.queue.add(title, job)
         self._window.activateWindow()
-        self.show()
+        bring_forward(self.dock, self.view)
         self.view.mark(number)
 
     def _say_end(self, number: int) -> None:
@@ -176,18 +139,19 @@ class BackgroundRuns(QObject):
     def _say(self, kind: str, text: str) -> None:
         self._session.message.emit(kind, text)
 
-    def _show(self, dialog: QDialog) -> None:
-        """Show it beside the work, in the place of another of its kind."""
-        for other in self._window.findChildren(QDialog, dialog.objectName()):
-            if other is not dialog:
-                other.reject()
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.setModal(False)
-        dialog.show()
-        dialog.activateWindow()
-
     def _drop_dialogs(self) -> None:
         """They are about a document that is closed."""
         for name in ("add_run", "report_dialog"):
-            for dialog in self._window.findChildren(QDialog, name):
-                dialog.reject()
+            drop_dialogs(self._window, name)
+
+
+def runs_go_on(parent: QWidget, runs: Sequence[str]) -> Question:
+    """Whether runs in the background are to end with the window."""
+    box = Question(parent, "runs_go_on", "Stop the runs?")
+    number = f"{len(runs)} runs are" if len(runs) > 1 else "A run is"
+    box.setText(f"{number} not done yet: {runs[0]}{' …' if len(runs) > 1 else ''}")
+    box.setTextFormat(Qt.TextFormat.PlainText)
+    box.setInformativeText("Quitting stops them; what they have not written yet is lost.")
+    box.offer("cancel", "&Keep Running", ROLE.RejectRole)
+    box.offer("stop", "&Stop and Quit", ROLE.DestructiveRole)
+    return box

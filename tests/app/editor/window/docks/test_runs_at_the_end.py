@@ -81,13 +81,12 @@ def test_a_killed_editor_takes_its_run_along(editor):
     assert_nothing_left(editor, run)
 
 
-@pytest.mark.parametrize("way", ["keys", "window manager"])
-def test_quitting_asks_and_the_answer_holds(editor, way):
+def test_quitting_asks_and_the_answer_holds(editor):
     run = runs_of(editor)
 
     def quit_it():
         editor.focus(editor.main)
-        editor.keys("ctrl+q") if way == "keys" else editor.press_close_button()
+        editor.press_close_button()
         editor.wait(lambda: editor.window("^Stop the runs"), "the question")
         editor.focus(editor.window("^Stop the runs"))
 

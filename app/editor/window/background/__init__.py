@@ -1,1 +1,0 @@
-"""Reports and queued runs in the window."""
