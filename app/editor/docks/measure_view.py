@@ -265,7 +265,6 @@ class MeasureView(QWidget):
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
-        self.theme = theme
         for part in (self.chart, self.table):
             part.set_theme(theme)
 
