@@ -323,7 +323,7 @@ def crossing_error(
 Axis = Literal["x", "y"]
 
 LARGEST_ANGLE_DEG = 30.0
-_DIRECTIONS = 0.3  # of 1 − MTF, by which directions may differ
+_ACROSS, _ASLANT = 0.3, 0.15  # of 1 − MTF, by which x and y, and both diagonals, may differ
 _LAW = 0.15  # of 1 − MTF, by which an edge across the axis may depart from the law of directions
 _LEAST_VARIANCE = 1e-12
 
@@ -375,13 +375,15 @@ def pooled_mtf(
     -----
     At a frequency f along a normal at an angle φ to the axis, the MTF is taken as
     M + A·sin²φ + B·sin φ·cos φ, which is what blurs, motion and pixels do to second order in f: a
-    round blur has A = B = 0, and an edge off the axis is then as good as one on it. A and B are
-    assumed to be about 0.3·(1 − M), or as large as edges of other directions show, and follow from
-    the edges where these have several directions; the law is trusted to 0.15·(1 − M)·sin²φ. What
-    all edges share (what is assumed of their tails) is not made smaller by their number. Where
-    the edges differ by more than their errors, a common variance is added to all (DerSimonian and
-    Laird, Meta-analysis in clinical trials, 1986); A and B take fewer degrees of freedom than two
-    from the edges, as far as they are assumed.
+    round blur has A = B = 0, and an edge off the axis is then as good as one on it. A is assumed to
+    be about 0.3·(1 − M), or as large as edges of other directions show, B about 0.15·(1 − M): x and
+    y differ by pixels, readout and scan, both diagonals by motion and astigmatism alone (0.11 of
+    what is lost, rms, by motion of 0.3 to 1.6 samples in any direction). They follow from the edges
+    where these have several directions; the law is trusted to 0.15·(1 − M)·sin²φ. What all edges
+    share (what is assumed of their tails) is not made smaller by their number. Where the edges
+    differ by more than their errors, a common variance is added to all (DerSimonian and Laird,
+    Meta-analysis in clinical trials, 1986); A and B take fewer degrees of freedom than two from the
+    edges, as far as they are assumed.
     """
     angles = np.array([_off_axis(edge, axis) for edge in edges])
     near = np.abs(angles) <= math.radians(largest_angle_deg)
@@ -394,16 +396,16 @@ def pooled_mtf(
     here = _mean(mtf[near], own[near])
     there = here if near.all() else _mean(mtf[~near], own[~near])
     lost = np.maximum(1.0 - np.minimum(here, there), 1e-6)
-    doubt = np.hypot(_DIRECTIONS * lost, there - here)
+    doubts = np.stack([np.hypot(_ACROSS * lost, there - here), _ASLANT * lost], axis=1)
     own = own + (_LAW * lost * design[:, 1:2]) ** 2
-    value, variance, part, terms = _fitted(design, mtf, own, doubt)
+    value, variance, part, terms = _fitted(design, mtf, own, doubts)
     chi2 = np.sum((mtf - part) ** 2 / own, axis=0)
     degrees = len(edges) - terms
     common, excess = np.zeros(len(chi2)), 1.0
     if len(edges) > design.shape[1]:
         spare = np.sum(1.0 / own, axis=0) * degrees / len(edges)
         common = np.maximum(chi2 - degrees, 0.0) / spare
-        value, variance, _, _ = _fitted(design, mtf, own + common, doubt)
+        value, variance, _, _ = _fitted(design, mtf, own + common, doubts)
         excess = math.sqrt(float(np.mean((chi2 / degrees)[1:])))
     share = np.sum(shared / (own + common), axis=0) / np.sum(1.0 / (own + common), axis=0)
     return PooledMtf(
@@ -428,14 +430,13 @@ def _off_axis(edge: EdgeMtf, axis: Axis) -> float:
 
 
 def _fitted(
-    design: Matrix, mtf: Matrix, variance: Matrix, doubt: Vector
+    design: Matrix, mtf: Matrix, variance: Matrix, doubts: Matrix
 ) -> tuple[Vector, Vector, Matrix, Vector]:
     """Value on the axis, its variance, the fit at the edges, and how many terms these determine."""
     weighted = design.T[:, :, np.newaxis] / variance  # terms, edges, frequencies
     normal = np.einsum("aef,eb->fab", weighted, design)
     alone = normal.copy()
-    normal[:, 1, 1] += 1.0 / doubt**2
-    normal[:, 2, 2] += 1.0 / doubt**2
+    normal[:, [1, 2], [1, 2]] += 1.0 / doubts**2
     right = np.einsum("aef,ef->fa", weighted, mtf)
     inverse = np.linalg.inv(normal)
     terms = np.einsum("fab,fb->fa", inverse, right)

@@ -179,15 +179,23 @@ def test_pool_of_edges_that_agree_and_that_do_not():
     assert np.median(worse.sigma) > 2.5 * np.median(pool.sigma)
 
 
-def test_the_error_of_a_pool_of_four_that_agree():
-    """Two unknowns of direction, which are assumed, take nothing from what the four show."""
+@pytest.mark.parametrize(
+    ("sigma", "largest_deg", "turns"),
+    [(0.03, 4.0, [0.0] * 4), (0.05, 14.0, [0.0, 90.0, 180.0, -90.0])],
+    ids=["four edges", "a rectangle"],
+)
+def test_the_error_of_a_pool_that_agrees(sigma, largest_deg, turns):
+    """Two unknowns of direction, which are assumed, take nothing from what the edges show.
+
+    Nor do they add much: edges that are turned alike do not show what diagonals differ by.
+    """
     rng = np.random.default_rng(4)
     truth = np.exp(-8.0 * FREQUENCY**2)
     pulls = []
     for _ in range(60):
-        noise = rng.normal(0.0, 0.03, (4, len(FREQUENCY)))
-        angles = rng.uniform(-4.0, 4.0, 4)
-        four = [pretended(a, truth + n, 0.03) for a, n in zip(angles, noise, strict=True)]
+        noise = rng.normal(0.0, sigma, (4, len(FREQUENCY)))
+        angles = rng.uniform(-largest_deg, largest_deg, 1 if turns[1] else 4) + turns
+        four = [pretended(a, truth + n, sigma) for a, n in zip(angles, noise, strict=True)]
         pool = pooled_mtf(edges=four, axis="x")
         pulls.append((pool.mtf - truth)[5:] / pool.sigma[5:])
     assert 0.85 < np.std(pulls) < 1.15
