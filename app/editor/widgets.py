@@ -53,21 +53,6 @@ from PySide6.QtWidgets import (
 )
 
 
-def require_defined(kind: type, base: type, *names: str) -> None:
-    """Refuse a class that leaves open what its base does.
-
-    A widget's metaclass is Qt's own, so that `abc` cannot enforce it.
-
-    Raises
-    ------
-    TypeError
-        Naming class and method, when a widget of that class is made.
-    """
-    for name in names:
-        if getattr(kind, name) is getattr(base, name):
-            raise TypeError(f"{kind.__name__} does not define {name}, which {base.__name__} needs")
-
-
 class Toggle(QToolButton):
     """A button that stays down, in the accent colour."""
 
@@ -395,7 +380,6 @@ class CopiedTable(QTableWidget):
     """Ctrl+C copies the marked rows; lines are broken anew when its width changes."""
 
     def __init__(self, rows: int, columns: int, parent: QWidget | None = None) -> None:
-        require_defined(type(self), CopiedTable, "cells")
         super().__init__(rows, columns, parent)
 
     def list_figures(self, heads: Sequence[str]) -> None:
@@ -413,9 +397,9 @@ class CopiedTable(QTableWidget):
         head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
         head.setHighlightSections(False)
 
-    def cells(self, row: int) -> Sequence[str]:  # noqa: ARG002 - what a table has
+    def cells(self, row: int) -> Sequence[str]:
         """The texts of a row that are copied; none of a heading."""
-        return ()
+        raise NotImplementedError
 
     def copy(self) -> None:
         """Put the marked rows, or all, on the clipboard: cells between tabs."""

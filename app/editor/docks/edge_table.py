@@ -18,8 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import tip
-from app.editor.panels.illustrations.chart import Axis, Chart
-from app.editor.panels.illustrations.chart_widget import ChartWidget
+from app.editor.panels.illustrations.chart import Axis, Chart, ChartWidget
 from app.editor.theme import Theme
 from app.editor.widgets import CopiedTable
 from app.measure.measurement_text import USED

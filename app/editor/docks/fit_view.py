@@ -21,8 +21,7 @@ from app.editor.docks.measure_worker import (
     pictures_name,
     pictures_text,
 )
-from app.editor.panels.illustrations.chart import Axis, Chart
-from app.editor.panels.illustrations.chart_widget import ChartWidget
+from app.editor.panels.illustrations.chart import Axis, Chart, ChartWidget
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.viewer import StatusLine

@@ -22,7 +22,7 @@ from app.editor.evaluation.queries import Badge
 from app.editor.gestures import without_argument
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.theme import ERROR, FAINT, set_ground, set_ink, theme_of
-from app.editor.widgets import FlowLayout, Toggle
+from app.editor.widgets import FlowLayout, toggle_button, tool_button
 from core.network.network import Node
 
 
@@ -39,14 +39,11 @@ class TitleBar(QWidget):
 
     def __init__(self, title: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.fold = QToolButton(self)
-        self.fold.setObjectName("fold")
+        self.fold = tool_button("fold", "", "fold the panel", self)
         self.fold.setAutoRaise(True)
         self.fold.setCheckable(True)
         self.fold.setArrowType(Qt.ArrowType.DownArrow)
-        self.fold.setAccessibleName("fold the panel")
         self.fold.setToolTip(tip("Hide or show what is below"))
-        self.fold.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.fold.toggled.connect(self._fold)
         self.title = QLabel(title, self)
         self.title.setObjectName("title")
@@ -66,13 +63,9 @@ class TitleBar(QWidget):
         self, name: str, text: str, about: str, *, checkable: bool = False
     ) -> QToolButton:
         """Put a button at the right end."""
-        button = Toggle(self) if checkable else QToolButton(self)
-        button.setObjectName(name)
-        button.setText(text)
+        button = (toggle_button if checkable else tool_button)(name, text, about, self)
         button.setAutoRaise(True)
-        button.setAccessibleName(about)
         button.setToolTip(tip(about))
-        button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self._row.addWidget(button)
         return button
 
@@ -160,15 +153,16 @@ class PanelHead(QWidget):
         row = QHBoxLayout()
         row.addWidget(label)
         row.addWidget(self.name, 1)
-        self.auto = self._button("auto", "Auto-Generate", checkable=True)
+        below = self.below
+        self.auto = toggle_button("auto", "Auto-Generate", "Auto-Generate", below)
         self.auto.setToolTip(
             tip("Compute after each change; else the node stays as it was until all is generated")
         )
-        self.generate = self._button("generate", "Generate Image")
+        self.generate = tool_button("generate", "Generate Image", "Generate Image", below)
         self.generate.setToolTip(tip("Compute everything now, also what is held back"))
-        self.disable = self._button("disable", "Disable", checkable=True)
+        self.disable = toggle_button("disable", "Disable", "Disable", below)
         self.disable.setToolTip(tip("Pass the input on unchanged"))
-        self.output = self._button("output", "Output", checkable=True)
+        self.output = toggle_button("output", "Output", "Output", below)
         self.output.setToolTip(tip("Mark its picture as what the network delivers (O)"))
         buttons = FlowLayout()
         for button in (self.auto, self.generate, self.disable, self.output):
@@ -187,14 +181,6 @@ class PanelHead(QWidget):
         column.setSpacing(2)
         column.addWidget(self.bar)
         column.addWidget(self.below)
-
-    def _button(self, name: str, text: str, *, checkable: bool = False) -> QToolButton:
-        button = Toggle(self.below) if checkable else QToolButton(self.below)
-        button.setObjectName(name)
-        button.setText(text)
-        button.setAccessibleName(text)
-        button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        return button
 
     def follow(self, node: Node) -> None:
         """Show the node's name and toggles; setting them does not count as a click."""

@@ -235,17 +235,10 @@ def _do(session: Session, made: Callable[[], Operation], *_: object) -> None:
 
 def _naming(menu: QMenu, session: Session, macro: str, name: str) -> QWidgetAction:
     """A line in the menu in which the parameter's name is typed; Enter takes it."""
-    line = QWidget(menu)
-    label = QLabel("Name", line)
-    edit = QLineEdit(name, line)
-    edit.setObjectName("exposed_name")
+    edit, action = line_in_menu(menu, "Name", "exposed_name")
+    edit.setText(name)
     edit.setAccessibleName(f"name of the parameter {name} on this panel")
     edit.setToolTip("What the parameter is called on this panel; Enter takes it")
-    label.setBuddy(edit)
-    row = QHBoxLayout(line)
-    row.setContentsMargins(12, 2, 12, 2)
-    row.addWidget(label)
-    row.addWidget(edit, 1)
 
     def take() -> None:
         new = edit.text().strip()
@@ -255,10 +248,24 @@ def _naming(menu: QMenu, session: Session, macro: str, name: str) -> QWidgetActi
             _do(session, partial(rename_exposed, network, macro, name, new))
 
     edit.returnPressed.connect(take)
-    action = QWidgetAction(menu)
     action.setObjectName("rename_exposed")
-    action.setDefaultWidget(line)
     return action
+
+
+def line_in_menu(menu: QMenu, text: str, name: str) -> tuple[QLineEdit, QWidgetAction]:
+    """A line to type in that can be added to a menu, with a label of that text before it."""
+    line = QWidget(menu)
+    label, edit = QLabel(text, line), QLineEdit(line)
+    edit.setObjectName(name)
+    label.setBuddy(edit)
+    row = QHBoxLayout(line)
+    row.setContentsMargins(12, 2, 12, 2)
+    row.addWidget(label)
+    row.addWidget(edit, 1)
+    line.setFocusProxy(edit)
+    action = QWidgetAction(menu)
+    action.setDefaultWidget(line)
+    return edit, action
 
 
 # The ports of a node on its panel, each with a button that shows it.
@@ -337,7 +344,7 @@ class _PortRow(QObject):
         menu = QMenu(self.button)
         for number in VIEWER_NUMBERS:
             menu.addAction(f"Viewer &{number}").setData(number)
-        menu.triggered.connect(self._chosen)
+        menu.triggered.connect(self._view)
         self.button.setMenu(menu)
 
     def follow(self, link: Link | None) -> None:
@@ -350,13 +357,11 @@ class _PortRow(QObject):
         self.button.setEnabled(self._source is not None)
 
     def _clicked(self) -> None:
-        self._view(1)
+        self._view(None)
 
-    def _chosen(self, action: QAction) -> None:
-        self._view(int(action.data()))
-
-    def _view(self, number: int) -> None:
+    def _view(self, action: QAction | None) -> None:
         if self._source is not None:
+            number = 1 if action is None else int(action.data())
             self.view_requested.emit(*self._source, number)
 
 

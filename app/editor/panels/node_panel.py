@@ -10,8 +10,6 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QFrame,
-    QHBoxLayout,
-    QLabel,
     QLineEdit,
     QMenu,
     QToolButton,
@@ -24,7 +22,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.head import PanelHead
-from app.editor.panels.module_body import ModuleBody, UnknownBody
+from app.editor.panels.module_body import ModuleBody, UnknownBody, line_in_menu
 from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
@@ -292,22 +290,11 @@ class SetsMenu(QMenu):
         self.addAction(self._keeping())
 
     def _keeping(self) -> QWidgetAction:
-        line = QWidget(self)
-        label = QLabel("Save as", line)
-        edit = QLineEdit(line)
-        edit.setObjectName("set_name")
+        edit, action = line_in_menu(self, "Save as", "set_name")
         edit.setPlaceholderText("name")
         edit.setAccessibleName("name to save these parameters under")
         edit.setToolTip("Enter keeps the parameters as they are now under this name")
         edit.returnPressed.connect(partial(self._keep, edit))
-        label.setBuddy(edit)
-        row = QHBoxLayout(line)
-        row.setContentsMargins(12, 2, 12, 2)
-        row.addWidget(label)
-        row.addWidget(edit, 1)
-        line.setFocusProxy(edit)
-        action = QWidgetAction(self)
-        action.setDefaultWidget(line)
         return action
 
     def _keep(self, edit: QLineEdit) -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from PySide6.QtCore import QEvent, QSize, Qt
-from PySide6.QtGui import QHideEvent, QPalette, QShowEvent
+from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit, QSizePolicy, QWidget
 
 from app.editor.declared_text import label_of, tip
@@ -17,6 +17,7 @@ from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure
 from app.editor.session import Session
 from app.editor.theme import FAINT, TEXT, set_ink
+from app.editor.viewers.viewer import Viewer
 from app.editor.widgets import steady_width
 from core.chain.engine import Plan
 from core.modules.declaration import Declaration
@@ -113,7 +114,7 @@ class ReadoutValue(QLineEdit):
             self.updateGeometry()
 
 
-class ReadoutsView(QWidget):
+class ReadoutsView(Viewer):
     """One row for each read-out; queries them while it is visible.
 
     Values that are of the network before the last edit are drawn faint, and the title says so:
@@ -131,11 +132,9 @@ class ReadoutsView(QWidget):
         session: Session,
         parent: QWidget | None = None,
     ) -> None:
-        super().__init__(parent)
+        super().__init__(session, evaluator, f"panel.readouts.{id(self):x}", parent)
         self.setObjectName("readouts")
         self.query = ReadoutsQuery(node)
-        self._owner = f"panel.readouts.{id(self):x}"
-        self._evaluator = evaluator
         self.values: dict[str, ReadoutValue] = {}
         self.units: dict[str, QLabel] = {}
         self._meanings: dict[str, str] = {}
@@ -164,7 +163,6 @@ class ReadoutsView(QWidget):
         self.title = QLabel(TITLE, self)
         self.title.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         if evaluator is not None:
-            evaluator.answered.connect(self._answered)
             self._freshness = Freshness(session, evaluator, self)
             self._freshness.changed.connect(self._mark)
 
@@ -174,17 +172,9 @@ class ReadoutsView(QWidget):
         behind = self._freshness is not None and self._freshness.is_old
         return behind or self._is_held_back
 
-    def showEvent(self, event: QShowEvent) -> None:
-        """Post the query."""
-        super().showEvent(event)
-        if self._evaluator is not None and self.values:
-            self._evaluator.ask(self._owner, [self.query])
-
-    def hideEvent(self, event: QHideEvent) -> None:
-        """Withdraw the query."""
-        super().hideEvent(event)
-        if self._evaluator is not None and self.values:
-            self._evaluator.forget(self._owner)
+    def queries(self) -> tuple[Query, ...]:
+        """The values."""
+        return (self.query,)
 
     def changeEvent(self, event: QEvent) -> None:
         """Write in the colours of the palette."""
@@ -206,9 +196,8 @@ class ReadoutsView(QWidget):
         if text != self.title.text():
             self.title.setText(text)
 
-    def _answered(self, answer: Any) -> None:
-        if not isinstance(answer, Answer) or answer.owner != self._owner:
-            return
+    def take(self, answer: Answer) -> None:
+        """Show values, or why there are none."""
         texts, units, reasons = {}, {}, {}
         if answer.error is None:
             texts = {name: text for name, text, _, _ in answer.value}

@@ -12,7 +12,6 @@ from PySide6.QtWidgets import QComboBox, QSizePolicy, QWidget
 
 from app.editor.declared_text import titled
 from app.editor.session import Session
-from app.editor.widgets import require_defined
 from core.modules.declaration import Library
 from core.network.macro import declared_node
 from core.network.network import Network, Node, passed_through
@@ -109,7 +108,6 @@ class NodeChoice(QComboBox):
     """
 
     def __init__(self, session: Session, nothing: str, parent: QWidget | None) -> None:
-        require_defined(type(self), NodeChoice, "groups", "take")
         super().__init__(parent)
         self.session = session
         self.value = ""
@@ -126,10 +124,11 @@ class NodeChoice(QComboBox):
 
     def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
         """The names of nodes, with the entries below each."""
-        return ()
+        raise NotImplementedError
 
     def take(self, value: str | None) -> None:
         """An entry has been chosen: its value, empty for none; None where it has no value."""
+        raise NotImplementedError
 
     def take_at(self, index: int) -> None:
         """Choose the entry at a place of the list."""

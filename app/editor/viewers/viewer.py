@@ -13,7 +13,6 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import ERROR, TEXT, Theme, theme_of
 from app.editor.widgets import ElidedLabel
-from core.network.network import Network
 
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
@@ -50,8 +49,8 @@ class Viewer(QWidget):
         self._posted: tuple[Query, ...] = ()
         if evaluator is not None:
             evaluator.answered.connect(self._answered)
-        session.changed.connect(self._changed)
-        session.opened.connect(self._opened)
+        session.changed.connect(self.follow)
+        session.opened.connect(self.follow_opening)
 
     @property
     def theme(self) -> Theme:
@@ -69,8 +68,8 @@ class Viewer(QWidget):
     def take(self, answer: Answer) -> None:
         """Show an answer that `accepts` lets through."""
 
-    def follow(self, before: Network, after: Network) -> None:
-        """The document has changed."""
+    def follow(self, before: Any, after: Any) -> None:
+        """The document has changed: the networks before and after."""
 
     def follow_opening(self) -> None:
         """Another document is open."""
@@ -110,12 +109,6 @@ class Viewer(QWidget):
     def _answered(self, answer: Any) -> None:
         if answer.owner == self.owner and self._active and self.accepts(answer.query):
             self.take(answer)
-
-    def _changed(self, before: Any, after: Any) -> None:
-        self.follow(before, after)
-
-    def _opened(self) -> None:
-        self.follow_opening()
 
 
 # The line below what a viewer shows: two texts, the first one in red where it is an error.

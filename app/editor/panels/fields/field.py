@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, field
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 from PySide6.QtCore import QEvent, QPoint, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent, QGuiApplication, QMouseEvent
@@ -16,7 +16,6 @@ from app.editor.gestures import AfterRelease, without_argument
 from app.editor.number_text import shown_number
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
-from app.editor.widgets import require_defined
 from core.editing.clipboard import VALUES_FORMAT, read_values
 from core.editing.operations import ABSENT
 from core.errors import ImagechainError, ParameterError
@@ -68,7 +67,6 @@ class Field(QWidget):
     held = Signal(str, bool)
 
     def __init__(self, parameter: Parameter, parent: QWidget | None = None) -> None:
-        require_defined(type(self), Field, "build", "show_value")
         super().__init__(parent)
         self.parameter = parameter
         self.value: Any = parameter.default
@@ -125,16 +123,14 @@ class Field(QWidget):
 
     def build(self) -> None:
         """Make the widgets that the value is shown in; every kind of field has its own."""
+        raise NotImplementedError
 
     def show_value(self, value: Any) -> None:
         """Show an allowed value, without a signal; every kind of field its own way."""
+        raise NotImplementedError
 
     def show_unfit(self, text: str) -> None:
         """Show what the document has but may not have."""
-
-    def set_enabled(self, on: bool) -> None:
-        """Enable or disable editing."""
-        self.setEnabled(on)
 
     def set_unit_width(self, width: int) -> None:
         """Line the unit up with those of other fields."""
@@ -424,27 +420,7 @@ def _rate(modifiers: Qt.KeyboardModifier) -> float:
 _SWITCH = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
 
 
-class ValueField(Protocol):
-    """What a field has for its value to be copied and pasted."""
-
-    parameter: Parameter
-    value: Any
-
-    @property
-    def link_text(self) -> str:
-        """The expression it follows; empty for none."""
-
-    def take(self, text: str) -> None:
-        """Offer what is written."""
-
-    def refuse_typed(self, error: ParameterError) -> None:
-        """Show why it is not taken."""
-
-    def discard_typing(self) -> None:
-        """Forget what was typed and not taken yet."""
-
-
-def add_value_actions(menu: QMenu, field: ValueField) -> None:
+def add_value_actions(menu: QMenu, field: Field) -> None:
     """Offer to copy the field's value, and to paste one."""
     clipboard = QGuiApplication.clipboard()
     text = value_text(field)
@@ -461,7 +437,7 @@ def add_value_actions(menu: QMenu, field: ValueField) -> None:
     pasting.triggered.connect(partial(without_argument, paste))
 
 
-def value_text(field: ValueField) -> str:
+def value_text(field: Field) -> str:
     """The value with its unit, the expression behind ``=``; empty for none."""
     if field.link_text:
         return f"= {field.link_text}"
@@ -469,7 +445,7 @@ def value_text(field: ValueField) -> str:
     return "" if field.value is None else _text(parameter, field.value, parameter.param.unit)
 
 
-def paste_value(field: ValueField, text: str) -> None:
+def paste_value(field: Field, text: str) -> None:
     """Give a field the value of a text, or the one of its parameter of a node that was copied."""
     field.discard_typing()
     parameter = field.parameter

@@ -54,8 +54,9 @@ class TypeIn(QLineEdit):
     ) -> None:
         super().__init__(parent)
         self._steps = steps
-        self._marked = False
-        self._is_linked = False
+        self.marked = False
+        """Whether the text was refused."""
+        self.is_linked = False
         self.is_left_by_mouse = False
         self._rest = QTimer(self, singleShot=True, interval=WHEEL_REST_MS)
         self._rest.timeout.connect(self.step_ended)
@@ -66,14 +67,9 @@ class TypeIn(QLineEdit):
         self.textEdited.connect(self._unmark)
 
     @property
-    def marked(self) -> bool:
-        """Whether the text was refused."""
-        return self._marked
-
-    @property
     def unsettled(self) -> bool:
         """Whether it shows something else than the document has."""
-        return self.isModified() or self._marked
+        return self.isModified() or self.marked
 
     def show_text(self, text: str) -> None:
         """Show a value of the document; what was typed is gone."""
@@ -85,20 +81,15 @@ class TypeIn(QLineEdit):
 
     def mark(self) -> None:
         """Frame what was refused."""
-        self._marked = True
+        self.marked = True
         self.update()
 
     def show_link(self, on: bool) -> None:
         """Mark that the value follows others: two rings of a chain before the text."""
-        if on != self._is_linked:
-            self._is_linked = on
+        if on != self.is_linked:
+            self.is_linked = on
             self.setTextMargins(round(1.3 * self.fontMetrics().height()) if on else 0, 0, 0, 0)
         self.update()
-
-    @property
-    def is_linked(self) -> bool:
-        """Whether it is marked so."""
-        return self._is_linked
 
     def commit(self) -> None:
         """Take what was typed, if there is something."""
@@ -166,13 +157,13 @@ class TypeIn(QLineEdit):
         """Draw a frame over Qt's own: of what was refused, and one that is seen on dark grounds."""
         self.draw_line(event)
         painter = QPainter(self)
-        if self._marked:
+        if self.marked:
             painter.setPen(QPen(self.palette().color(ERROR), 2))
             painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
         elif not self.hasFocus():
             painter.setPen(self.palette().color(QPalette.ColorRole.Mid))
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
-        if self._is_linked:
+        if self.is_linked:
             self._paint_rings(painter)
         painter.end()
 
@@ -191,6 +182,6 @@ class TypeIn(QLineEdit):
             painter.drawRoundedRect(ring, ring.height() / 2, ring.height() / 2)
 
     def _unmark(self, _text: str = "") -> None:
-        if self._marked:
-            self._marked = False
+        if self.marked:
+            self.marked = False
             self.update()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QRectF, Qt
@@ -12,12 +12,22 @@ from PySide6.QtGui import QPainter
 
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.chart import Axis, Chart, brief, pair
-from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from core.chain.engine import Plan
+from app.editor.panels.illustrations.illustration import Illustration, NodeQuery
+from core.chain.engine import PlannedNode
 from core.physics.sampling.ground_geometry import Camera, field_deg, ground_sample, view_angles
 
 _POINTS = 65
 _ENDS = ((Qt.PenStyle.SolidLine, "across"), (Qt.PenStyle.DashLine, "along"))
+
+
+def camera_of(planned: PlannedNode, _passing: Passing) -> Camera:
+    """The camera, with what its panel leaves empty worked out."""
+    module: Any = planned.module
+    camera: Camera = module.camera(planned.inputs["image"])
+    return camera
+
+
+CameraQuery = partial(NodeQuery, made=camera_of, ports=("image",))
 
 
 class CameraIllustration(Illustration):
@@ -29,12 +39,9 @@ class CameraIllustration(Illustration):
         """The camera."""
         return (CameraQuery(self.node),)
 
-    def take(self, value: Any) -> str:
-        """Keep the camera's samples."""
-        self._camera: Camera | None = value
-        if self._camera is None:
-            return DISABLED
-        camera = self._camera
+    def keep(self, camera: Camera) -> str:
+        """Keep its ground samples."""
+        self._camera = camera
         self._u = np.linspace(0.5, camera.columns - 0.5, _POINTS)
         samples = [ground_sample(camera=camera, u=u, v=0.5 * camera.rows) for u in self._u.tolist()]
         self._sizes = np.array(samples).T
@@ -46,58 +53,17 @@ class CameraIllustration(Illustration):
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint both curves."""
-        if self._camera is None:
-            painter.drawText(area, Qt.AlignmentFlag.AlignCenter, DISABLED)
-            return
         angles = np.degrees(view_angles(camera=self._camera, u=self._u))
-        framing = self._camera.kind == "framing"
         end = max(float(angles[-1] - angles[0]) / 2, 1e-6)
         middle = float(angles[-1] + angles[0]) / 2
-        chart = Chart(
-            painter,
-            area,
-            Axis(
-                middle - end,
-                middle + end,
-                "from the optical axis (deg)" if framing else "from nadir (deg)",
-            ),
-            Axis(0.0, 1.12 * float(self._sizes.max()), "m"),
-            self.theme,
-        )
+        framing = self._camera.kind == "framing"
+        title = "from the optical axis (deg)" if framing else "from nadir (deg)"
+        across = Axis(middle - end, middle + end, title)
+        along = Axis(0.0, 1.12 * float(self._sizes.max()), "m")
+        chart = Chart(painter, area, across, along, self.theme)
         colours = self.theme.curves[:2]
         chart.legend(
             [(name, colour, style) for colour, (style, name) in zip(colours, _ENDS, strict=True)]
         )
         for size, colour, (style, _) in zip(self._sizes, colours, _ENDS, strict=True):
             chart.curve(angles, size, colour, style)
-
-
-# The query of a Camera Geometry node's view of the ground.
-
-
-@dataclass(frozen=True)
-class CameraQuery(Query):
-    """The camera, with what its panel leaves empty worked out; None of a disabled node."""
-
-    urgency: ClassVar[int] = 1
-
-    node: str
-
-    def key(self, plan: Plan) -> Hashable:
-        """The camera."""
-        return _camera(plan, self.node)
-
-    def answer(self, passing: Passing) -> Camera | None:
-        """The camera."""
-        return _camera(passing.plan, self.node)
-
-
-def _camera(plan: Plan, node: str) -> Camera | None:
-    planned = plan.node(node)
-    if planned.error is not None:
-        raise planned.error
-    if planned.node.disabled:
-        return None
-    module: Any = planned.module
-    camera: Camera = module.camera(planned.inputs["image"])
-    return camera

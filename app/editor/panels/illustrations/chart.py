@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen, QPolygonF
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme
 
@@ -240,6 +241,57 @@ def _runs(good: np.ndarray) -> list[slice]:
     """Slices of what is True without a gap."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], good.astype(np.int8), [0]))))
     return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+class ChartWidget(QWidget):
+    """Draws on the ground of its theme; what it draws is left to its kinds.
+
+    Parameters
+    ----------
+    theme : Theme
+        Its colours.
+    width, height : float
+        Of the room it likes to have, in lines of text.
+    parent : QWidget, optional
+        Qt's owner.
+    """
+
+    def __init__(
+        self, theme: Theme, *, width: float, height: float, parent: QWidget | None = None
+    ) -> None:
+        super().__init__(parent)
+        self._theme = theme
+        self._lines = width, height
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self._theme = theme
+        self.update()
+
+    def sizeHint(self) -> QSize:
+        """Room for a chart."""
+        line = self.fontMetrics().height()
+        return QSize(round(self._lines[0] * line), round(self._lines[1] * line))
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for a small one."""
+        line = self.fontMetrics().height()
+        return QSize(10 * line, 7 * line)
+
+    def draw(self, painter: QPainter, area: QRectF) -> None:
+        """Draw the chart in this part of the widget."""
+        raise NotImplementedError
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the ground, and the chart in smaller letters."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(self._theme.base))
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        font = painter.font()
+        font.setPointSizeF(0.9 * font.pointSizeF())
+        painter.setFont(font)
+        self.draw(painter, QRectF(self.rect()).adjusted(4, 2, -4, -2))
+        painter.end()
 
 
 # Axes of small charts: where a value lies, and which ticks have a number.

@@ -45,9 +45,9 @@ class ElectronicsIllustration(Illustration):
         """The curve and the figures."""
         return (DetectivityQuery(self.node),)
 
-    def take(self, value: Any) -> str:
+    def keep(self, value: Detectivity) -> str:
         """Keep them."""
-        self._detectivity: Detectivity = value
+        self._detectivity = value
         missing = self.missing_inputs()
         self._note = f"not connected yet: {', '.join(missing)}" if missing else value.problem
         return in_words(value, self._note)

@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QImage, QPainter, QPolygonF, QTransform
-from PySide6.QtWidgets import QWidget
 
 from app.editor.declared_text import choice_text
-from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.queries import Passing, Query
+from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.panels.illustrations.chart import Axis, Chart, brief, signed
-from app.editor.panels.illustrations.illustration import NO_EVALUATION, Illustration
+from app.editor.panels.illustrations.illustration import NO_EVALUATION, DocumentIllustration
 from app.editor.panels.illustrations.shrinking import shrunk
 from app.editor.panels.illustrations.wavefront import (
     Wavefront,
@@ -24,11 +22,9 @@ from app.editor.panels.illustrations.wavefront import (
     open_share,
     wavefront_of,
 )
-from app.editor.session import Session
 from app.editor.theme import Theme
 from core.chain.engine import Plan
 from core.chain.wires import Pupil
-from core.errors import ImagechainError
 from core.modules.declaration import NodeContext
 from core.names import thaw
 from core.network.network import Node
@@ -38,42 +34,21 @@ _FILE = "file"
 _MARGIN = 1.2  # of what is drawn around the aperture
 
 
-class ExitPupilIllustration(Illustration):
-    """The pupil on its array of samples.
-
-    A geometric shape is drawn straight from the document, without waiting for an answer; only the
-    samples of a file need a query.
-    """
+class ExitPupilIllustration(DocumentIllustration):
+    """The pupil on its array of samples; only the samples of a file need a query."""
 
     lines = 11.0
-
-    def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator | None,
-        node: str,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(session, evaluator, node, parent)
-        self._waits = False
-        self._seen: Node | None = None
-        self._pupil: Pupil | None = None
-        self._samples: SmallPupil | None = None
-        self._wavefront: Wavefront | None = None
-        session.changed.connect(self._follow)
-        self.prepare()
-
-    @property
-    def pupil(self) -> Pupil | None:
-        """The geometric pupil that is shown."""
-        return self._pupil
+    pupil: Pupil | None = None
+    """The geometric pupil that is shown."""
+    _samples: SmallPupil | None = None
+    _wavefront: Wavefront | None = None
 
     def shown_samples(self) -> tuple[float, float]:
         """Samples across and along that are drawn: of a small aperture, the middle of the array."""
         columns, rows = self._size()
         part = 1.0
-        if self._pupil is not None and self._pupil.shape is not None:
-            needed = _MARGIN * 2 * self._pupil.shape.radius
+        if self.pupil is not None and self.pupil.shape is not None:
+            needed = _MARGIN * 2 * self.pupil.shape.radius
             while min(columns, rows) * part / 2 >= needed:
                 part /= 2
         return columns * part, rows * part
@@ -82,27 +57,26 @@ class ExitPupilIllustration(Illustration):
         """The samples of a file."""
         return (PupilQuery(self.node),)
 
-    def prepare(self) -> None:
-        """Look at the node, if it has changed since."""
-        node = self.present_node()
-        if node is None or node is self._seen:
-            return
-        self._seen, self._pupil, self._wavefront = node, None, None
+    def look(self, node: Node) -> None:
+        """Show the shape; of a file the samples there are still."""
+        self.pupil = self._wavefront = None
         if self._is_file():
             if self._samples is None:
-                self.show_problem("waits for the file" if self._evaluator else NO_EVALUATION)
+                self.show_problem("waits for the file" if self.evaluator else NO_EVALUATION)
             return
         self._samples = None
-        try:
-            self._pupil = self._planned(node)
-            self._wavefront = wavefront_of(self._pupil)
-        except ImagechainError as error:
-            self.show_problem(error.message)
-            return
+        self.pupil = self._planned(node)
+        self._wavefront = wavefront_of(self.pupil)
         self.describe(", ".join(self._facts()))
         self.show_problem("")
 
-    def take(self, value: Any) -> str:
+    def take(self, answer: Answer) -> None:
+        """Show a file's samples; of all else the document is newer than an answer on its way."""
+        self.prepare()
+        if self._is_file():
+            super().take(answer)
+
+    def keep(self, value: SmallPupil) -> str:
         """Keep a file's samples."""
         self._samples = value
         return ", ".join(self._facts())
@@ -129,11 +103,11 @@ class ExitPupilIllustration(Illustration):
         self.write(painter, beside, self._facts())
 
     def _paint_pupil(self, painter: QPainter, frame: QRectF) -> None:
-        if self._pupil is not None and self._pupil.shape is not None:
+        if self.pupil is not None and self.pupil.shape is not None:
             light, dark = light_and_dark(self.theme)
-            brush = self._texture(self._pupil.shape.radius) or QBrush(QColor(light))
+            brush = self._texture(self.pupil.shape.radius) or QBrush(QColor(light))
             size = self.shown_samples()
-            draw_pupil(painter, frame, self._pupil.shape, size, brush, QColor(dark))
+            draw_pupil(painter, frame, self.pupil.shape, size, brush, QColor(dark))
         elif self._samples is not None:
             levels = self._samples.levels
             high, wide = levels.shape
@@ -141,23 +115,17 @@ class ExitPupilIllustration(Illustration):
             painter.drawImage(frame, picture)
 
     def _planned(self, node: Node) -> Pupil:
-        """What the module makes of its parameters; of a geometric shape, that takes no time.
-
-        Raises
-        ------
-        ImagechainError
-            For parameters that make no pupil.
-        """
+        """What the module makes of its parameters; of a geometric shape, that takes no time."""
         module: Any = self.session.library[node.module].build(thaw(node.params))
         module.check()
         pupil: Pupil = module.run(here=NodeContext(self.node)).pupil
         return pupil
 
     def _is_file(self) -> bool:
-        return self._seen is not None and self._seen.params.get("shape") == _FILE
+        return self.seen is not None and self.seen.params.get("shape") == _FILE
 
     def _size(self) -> tuple[int, int]:
-        shown = self._pupil or self._samples
+        shown = self.pupil or self._samples
         return (shown.columns, shown.rows) if shown is not None else (1, 1)
 
     def _facts(self) -> list[str]:
@@ -165,9 +133,9 @@ class ExitPupilIllustration(Illustration):
         facts = [f"{columns} × {rows} samples"]
         if self._samples is not None:
             return ["file", *facts, f"{brief(100 * self._samples.open_share)} % transmitted"]
-        if self._pupil is None or self._pupil.shape is None:
+        if self.pupil is None or self.pupil.shape is None:
             return []
-        shape = self._pupil.shape
+        shape = self.pupil.shape
         facts = [choice_text(shape.shape), *facts, f"diameter {brief(2 * shape.radius, 4)}"]
         facts.append(f"{100 * open_share(shape):.0f} % of the disc open")
         if self._wavefront is not None:
@@ -189,15 +157,6 @@ class ExitPupilIllustration(Illustration):
         scale, start = 2 * radius / side, -radius
         brush.setTransform(QTransform(scale, 0, 0, scale, start, start))
         return brush
-
-    def _follow(self, _before: object, _after: object) -> None:
-        if self.session.resolved.node(self.node) is not self._seen:
-            self.update()
-
-    def _answered(self, answer: Any) -> None:
-        self.prepare()
-        if self._is_file():  # of all else the document is newer than an answer on its way
-            super()._answered(answer)
 
 
 # Painting an exit pupil from its geometry: what is open, and what obstructs it.

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from functools import partial
+from typing import Any
 
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen
 
-from app.editor.evaluation.queries import Passing, Query
+from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.panels.illustrations.chart import Bar, brief, electrons, kelvin, paint_bars
-from app.editor.panels.illustrations.illustration import DISABLED, Illustration
+from app.editor.panels.illustrations.illustration import Illustration, NodeQuery
 from app.editor.panels.illustrations.response_illustration import (
     ResponseOverSpectrum,
     ResponseQuery,
     paint_response,
 )
 from app.editor.panels.illustrations.response_illustration import in_words as response_in_words
-from core.chain.engine import Plan
+from core.chain.engine import PlannedNode
 
 # The query of a focal plane's electrons and noises.
 
@@ -60,49 +61,29 @@ class ElectronBudget:
         return self.total_e / self.full_well_e if self.full_well_e else None
 
 
-@dataclass(frozen=True)
-class ElectronsQuery(Query):
-    """The figures of a focal plane; None of a disabled node."""
+def electrons_of(planned: PlannedNode, passing: Passing) -> ElectronBudget:
+    """Electrons and noises of a focal plane."""
+    figures: dict[str, Any] = passing.work.value(planned.outputs["table"].recipe).as_dict()
+    module: Any = planned.module
+    sources = ("scene", "signal_e"), ("optics", "optics_e"), ("housing", "housing_e")
+    noises = (
+        ("shot", "shot_noise_e"),
+        ("read", "read_noise_e"),
+        ("rounding", "quantization_noise_e"),
+        ("fixed pattern", "fixed_pattern_e"),
+    )
+    return ElectronBudget(
+        sources_e={name: figures[key] for name, key in (*sources, ("dark", "dark_e"))},
+        noises_e={name: figures[key] for name, key in noises},
+        temporal_e=figures["temporal_noise_e"],
+        full_well_e=module.full_well_e,
+        per_K=figures["responsivity_e_per_K"],
+        netd_K=figures["netd_K"],
+        snr=figures["snr"],
+    )
 
-    urgency: ClassVar[int] = 1
 
-    node: str
-
-    def key(self, plan: Plan) -> Hashable:
-        """The table of figures."""
-        planned = plan.node(self.node)
-        if planned.error is not None:
-            raise planned.error
-        table = planned.outputs.get("table")
-        return table and table.key
-
-    def answer(self, passing: Passing) -> ElectronBudget | None:
-        """Electrons and noises."""
-        planned = passing.plan.node(self.node)
-        if planned.error is not None:
-            raise planned.error
-        table = planned.outputs.get("table")
-        if planned.node.disabled or table is None:
-            return None
-        figures: dict[str, Any] = passing.work.value(table.recipe).as_dict()
-        module: Any = planned.module
-        sources = ("scene", "signal_e"), ("optics", "optics_e"), ("housing", "housing_e")
-        noises = (
-            ("shot", "shot_noise_e"),
-            ("read", "read_noise_e"),
-            ("rounding", "quantization_noise_e"),
-            ("fixed pattern", "fixed_pattern_e"),
-        )
-        return ElectronBudget(
-            sources_e={name: figures[key] for name, key in (*sources, ("dark", "dark_e"))},
-            noises_e={name: figures[key] for name, key in noises},
-            temporal_e=figures["temporal_noise_e"],
-            full_well_e=module.full_well_e,
-            per_K=figures["responsivity_e_per_K"],
-            netd_K=figures["netd_K"],
-            snr=figures["snr"],
-        )
-
+ElectronsQuery = partial(NodeQuery, made=electrons_of, ports=("table",))
 
 _LINES, _CHART = 12.5, 9.0  # of text: without a chart, and what that takes
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
@@ -117,45 +98,48 @@ class FocalPlaneIllustration(Illustration):
 
     lines = _LINES
     _budget: ElectronBudget | None = None
-    _over = ResponseOverSpectrum()
+    _over: ResponseOverSpectrum | None = None
 
     def queries(self) -> Sequence[Query]:
         """Electrons and noises; the response over the spectrum."""
         return ElectronsQuery(self.node), ResponseQuery(self.node)
 
-    def take(self, value: Any) -> str:
-        """Keep them."""
-        if isinstance(value, ResponseOverSpectrum):
-            self._over = value
-            lines = _LINES + (_CHART if self._has_chart else 0.0)
+    def take(self, answer: Answer) -> None:
+        """Show an answer; without a response there is no chart."""
+        if answer.query == ResponseQuery(self.node) and answer.error is None:
+            over = answer.value
+            self._over = over if over is not None and over.spectrum is not None else None
+            lines = _LINES + (_CHART if self._over is not None else 0.0)
             if lines != self.lines:
                 self.lines = lines
                 self.updateGeometry()
+            if self._budget is not None and not self.problem:
+                self.describe(self._in_words(self._budget))
+                self.update()
         else:
-            self._budget = value
-        if self._budget is None:
-            return DISABLED
-        words = in_words(self._budget)
-        return f"{words}; {response_in_words(self._over)}" if self._has_chart else words
+            super().take(answer)
 
-    @property
-    def _has_chart(self) -> bool:
-        return self._over.response is not None and self._over.spectrum is not None
+    def keep(self, budget: ElectronBudget) -> str:
+        """Keep electrons and noises."""
+        self._budget = budget
+        return self._in_words(budget)
+
+    def _in_words(self, budget: ElectronBudget) -> str:
+        words = in_words(budget)
+        return f"{words}; {response_in_words(self._over)}" if self._over is not None else words
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint the well above, the noises below, and the spectrum below these."""
-        if self._has_chart and self._budget is not None:
+        if self._budget is None:
+            return
+        if self._over is not None:
             height = area.height() * _CHART / self.lines
             below = QRectF(area.left(), area.bottom() - height, area.width(), height)
             paint_response(painter, below, self._over, self.theme)
             area = area.adjusted(0, 0, 0, -height - QFontMetricsF(painter.font()).height() * 0.4)
-        self._electrons(painter, area)
+        self._electrons(painter, area, self._budget)
 
-    def _electrons(self, painter: QPainter, area: QRectF) -> None:
-        budget = self._budget
-        if budget is None:
-            painter.drawText(area, Qt.AlignmentFlag.AlignCenter, DISABLED)
-            return
+    def _electrons(self, painter: QPainter, area: QRectF, budget: ElectronBudget) -> None:
         line = QFontMetricsF(painter.font()).height()
         self._well(painter, QRectF(area.left(), area.top(), area.width(), line * 2.5), budget)
         names = QRectF(area.left(), area.top() + line * 2.6, area.width(), line * 2.4)

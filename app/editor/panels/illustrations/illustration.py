@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 from PySide6.QtCore import QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QFontInfo, QHideEvent, QPainter, QPaintEvent, QShowEvent
+from PySide6.QtGui import QColor, QFontInfo, QPainter, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from app.editor.declared_text import breakable, error_text, tip
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.queries import Answer, Query
+from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.session import Session
-from app.editor.theme import Theme, theme_of
-from app.editor.widgets import require_defined
+from app.editor.viewers.viewer import Viewer
+from core.chain.engine import Plan, PlannedNode
 from core.errors import ImagechainError, UnconnectedError
 from core.network.network import Node
 
@@ -23,11 +24,47 @@ DISABLED = "disabled: passes its input on unchanged"
 
 _SIZES = (1.0, 0.9, 0.8, 0.7)
 _WRAPPED = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop | Qt.TextFlag.TextWordWrap)
+_CENTRED = int(Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap)
 
 
-class Illustration(QWidget):
+@dataclass(frozen=True)
+class NodeQuery(Query):
+    """What `made` makes of a planned node; None of a disabled one.
+
+    It is asked again when the module's settings change, or what is on one of the `ports`.
+    """
+
+    urgency: ClassVar[int] = 1
+
+    node: str
+    made: Callable[[PlannedNode, Passing], Any]
+    ports: tuple[str, ...]
+
+    def key(self, plan: Plan) -> Hashable:
+        """What is on the ports, and the settings."""
+        planned = sound_node(plan, self.node)
+        wires = {**planned.inputs, **planned.outputs}
+        keys = tuple(getattr(wires.get(port), "key", None) for port in self.ports)
+        return keys, repr(planned.module), planned.node.disabled
+
+    def answer(self, passing: Passing) -> Any:
+        """What is made of it."""
+        planned = sound_node(passing.plan, self.node)
+        return None if planned.node.disabled else self.made(planned, passing)
+
+
+def sound_node(plan: Plan, name: str) -> PlannedNode:
+    """A node that could be planned; what is wrong with it is raised."""
+    planned = plan.node(name)
+    if planned.error is not None:
+        raise planned.error
+    return planned
+
+
+class Illustration(Viewer):
     """A picture of what a node does, drawn from answers; it holds no part of the document.
 
+    Kinds of it say in `queries` what they ask, keep an answer in `keep` and paint it in `draw`.
     Without an evaluator nothing computed is shown.
     """
 
@@ -41,22 +78,15 @@ class Illustration(QWidget):
         node: str,
         parent: QWidget | None = None,
     ) -> None:
-        asks = type(self).queries is not Illustration.queries
-        require_defined(type(self), Illustration, "draw", *(("take",) if asks else ()))
-        super().__init__(parent)
+        super().__init__(session, evaluator, f"panel.illustration.{id(self):x}", parent)
         self.setObjectName("illustration")
-        self.session = session
         self.node = node
         self.problem = ""
-        self._owner = f"panel.illustration.{id(self):x}"
-        self._evaluator = evaluator
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         declared = session.declared(node)
-        self.title = declared.title if declared is not None else node
+        title = declared.title if declared is not None else node
         self._module = session.network.nodes[node].module if node in session.network.nodes else ""
-        self.setAccessibleName(f"illustration of {node}: {self.title}")
-        if evaluator is not None:
-            evaluator.answered.connect(self._answered)
+        self.setAccessibleName(f"illustration of {node}: {title}")
         self._waits = bool(self.queries())
         if self._waits and evaluator is None:
             self.show_problem(NO_EVALUATION)
@@ -69,21 +99,13 @@ class Illustration(QWidget):
         node = self.session.resolved.node(self.node)
         return node if node is not None and node.module == self._module else None
 
-    def queries(self) -> Sequence[Query]:
-        """The queries it shows answers of."""
-        return ()
-
-    def take(self, value: Any) -> str:
-        """Keep an answer; what it shows, in words. One with queries overrides it."""
-        return str(value)
+    def keep(self, value: Any) -> str:
+        """Keep an answer; what it shows, in words."""
+        raise NotImplementedError
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint the picture; called only where there is one."""
-
-    @property
-    def theme(self) -> Theme:
-        """Colours."""
-        return theme_of(self)
+        raise NotImplementedError
 
     def write(self, painter: QPainter, area: QRectF, lines: Sequence[str]) -> None:
         """Write lines from the top left, smaller where they would not all be seen."""
@@ -122,18 +144,6 @@ class Illustration(QWidget):
         line = self.fontMetrics().height()
         return QSize(line * 14, round(line * self.lines))
 
-    def showEvent(self, event: QShowEvent) -> None:
-        """Post the queries."""
-        super().showEvent(event)
-        if self._evaluator is not None and self.queries():
-            self._evaluator.ask(self._owner, self.queries())
-
-    def hideEvent(self, event: QHideEvent) -> None:
-        """Withdraw the queries."""
-        super().hideEvent(event)
-        if self._evaluator is not None and self.queries():
-            self._evaluator.forget(self._owner)
-
     def prepare(self) -> None:
         """Look at the document before painting, for those that need no answer."""
 
@@ -147,20 +157,20 @@ class Illustration(QWidget):
             inner = area.adjusted(4, 3, -4, -3)
             if self.problem:
                 painter.setPen(QColor(self.theme.faint_text))
-                wrapped = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-                painter.drawText(inner, int(wrapped), breakable(self.problem))
+                painter.drawText(inner, _CENTRED, breakable(self.problem))
             elif not self._waits:
                 self.draw(painter, inner)
 
-    def _answered(self, answer: Any) -> None:
-        if not isinstance(answer, Answer) or answer.owner != self._owner:
-            return
+    def take(self, answer: Answer) -> None:
+        """Show an answer, or why there is none."""
         self._waits = False
         if answer.error is not None:
             self.show_problem(self.in_short(answer.error))
-            return
-        self.describe(self.take(answer.value))
-        self.show_problem("")
+        elif answer.value is None:
+            self.show_problem(DISABLED)
+        else:
+            self.describe(self.keep(answer.value))
+            self.show_problem("")
 
     def in_short(self, error: ImagechainError) -> str:
         """Why there is no picture, in a line."""
@@ -177,3 +187,43 @@ class Illustration(QWidget):
         linked = {link.input for link in self.session.network.links_into(self.node)}
         ports = declared.inputs if declared is not None else ()
         return tuple(p.name for p in ports if p.required and p.name not in linked)
+
+
+class DocumentIllustration(Illustration):
+    """Drawn straight from the document's parameters, without waiting for an answer.
+
+    Kinds of it take the node in `look` when it has changed.
+    """
+
+    seen: Node | None = None
+
+    def __init__(
+        self,
+        session: Session,
+        evaluator: Evaluator | None,
+        node: str,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(session, evaluator, node, parent)
+        self._waits = False
+        self.prepare()
+
+    def prepare(self) -> None:
+        """Look at the node, if it has changed since."""
+        node = self.present_node()
+        if node is None or node is self.seen:
+            return
+        self.seen = node
+        try:
+            self.look(node)
+        except ImagechainError as error:
+            self.show_problem(error.message)
+
+    def look(self, node: Node) -> None:
+        """Show the node; what is wrong with it is raised."""
+        raise NotImplementedError
+
+    def follow(self, *_: object) -> None:
+        """Look again, when it is painted."""
+        if self.session.resolved.node(self.node) is not self.seen:
+            self.update()

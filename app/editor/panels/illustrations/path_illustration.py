@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,8 @@ from app.editor.panels.illustrations.chart import (
     ordinate_ticks,
     room_for_ticks,
 )
-from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from core.chain.engine import Plan
+from app.editor.panels.illustrations.illustration import Illustration, NodeQuery
+from core.chain.engine import PlannedNode
 
 _ROOM = 1.2  # above a transmission of 1, whose tick the title would hide
 _TITLE = "wavelength (µm)"
@@ -35,18 +36,18 @@ class PathIllustration(Illustration):
         """The path over the band."""
         return (PathQuery(self.node),)
 
-    def take(self, value: Any) -> str:
+    def keep(self, path: AirOverBand) -> str:
         """Keep it."""
-        self._path: AirOverBand | None = value
-        return in_words(value) if value is not None else DISABLED
+        self._path = path
+        return in_words(path)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint one chart below the other, on the same wavelengths."""
         path = self._path
-        if path is None or not len(path.wavelength_um):
+        if not len(path.wavelength_um):
             painter.setPen(QColor(self.theme.text))
             wrapped = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-            painter.drawText(area, int(wrapped), DISABLED if path is None else in_words(path))
+            painter.drawText(area, int(wrapped), in_words(path))
             return
         metrics = QFontMetricsF(painter.font())
         emits = float(path.added.max()) > 0.0
@@ -114,39 +115,23 @@ class AirOverBand:
     added_in_band: float
 
 
-@dataclass(frozen=True)
-class PathQuery(Query):
-    """The path of a node; None of a disabled one."""
+def air_of(planned: PlannedNode, passing: Passing) -> AirOverBand:
+    """The path of a node over the band."""
+    table: Any = planned.outputs["table"]
+    figures = passing.work.value(table.recipe).as_dict()
+    how = dict(table.recipe.parameters)
+    air, band = how["air"], how["band_um"]
+    places = np.empty(0) if band is None else _places(air.points, *band)
+    return AirOverBand(
+        places,
+        np.exp(-air.depth(places)),
+        air.added(places),
+        figures["transmission"],
+        figures["path_radiance"],
+    )
 
-    node: str
 
-    def key(self, plan: Plan) -> Hashable:
-        """The table of the path."""
-        planned = plan.node(self.node)
-        if planned.error is not None:
-            raise planned.error
-        table = planned.outputs.get("table")
-        return table and table.key, planned.node.disabled
-
-    def answer(self, passing: Passing) -> AirOverBand | None:
-        """The path over the band."""
-        planned = passing.plan.node(self.node)
-        if planned.error is not None:
-            raise planned.error
-        table: Any = planned.outputs.get("table")
-        if planned.node.disabled or table is None:
-            return None
-        figures = passing.work.value(table.recipe).as_dict()
-        how = dict(table.recipe.parameters)
-        air, band = how["air"], how["band_um"]
-        places = np.empty(0) if band is None else _places(air.points, *band)
-        return AirOverBand(
-            places,
-            np.exp(-air.depth(places)),
-            air.added(places),
-            figures["transmission"],
-            figures["path_radiance"],
-        )
+PathQuery = partial(NodeQuery, made=air_of, ports=("table",))
 
 
 def _places(points: tuple[tuple[float, float], ...], low: float, high: float) -> Vector:

@@ -8,13 +8,9 @@ from typing import Any
 import numpy as np
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter
-from PySide6.QtWidgets import QWidget
 
-from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.illustrations.chart import Axis, Chart, brief
-from app.editor.panels.illustrations.illustration import Illustration
-from app.editor.session import Session
-from core.errors import ImagechainError
+from app.editor.panels.illustrations.illustration import DocumentIllustration
 from core.names import thaw
 from core.network.network import Node
 from core.physics.noise.flicker_noise import periodic_pattern
@@ -26,61 +22,32 @@ _SOLID, _DASHED = Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine
 _NO_NOISE = "amplitude 0: no noise is added"
 
 
-class PeriodicNoiseIllustration(Illustration):
-    """The first periods of the pattern, from the first sample on; drawn from the document."""
+class PeriodicNoiseIllustration(DocumentIllustration):
+    """The first periods of the pattern, from the first sample on."""
 
     lines = 9.5
+    _built: Any
 
-    def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator | None,
-        node: str,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(session, evaluator, node, parent)
-        self._seen: Node | None = None
-        self._built: Any = None
-        session.changed.connect(self._follow)
-        self.prepare()
-
-    def prepare(self) -> None:
-        """Look at the node, if it has changed since."""
-        node = self.present_node()
-        if node is None or node is self._seen:
-            return
-        self._seen = node
-        try:
-            self._built = self.session.library[node.module].build(thaw(node.params))
-        except ImagechainError as error:
-            self.show_problem(error.message)
-            return
-        if self._built.amplitude == 0:
-            self.show_problem(_NO_NOISE)
-            return
-        self.describe(self._in_words())
-        self.show_problem("")
+    def look(self, node: Node) -> None:
+        """Keep the module of these parameters."""
+        self._built = self.session.library[node.module].build(thaw(node.params))
+        if self._built.amplitude != 0:
+            self.describe(self._in_words())
+        self.show_problem("" if self._built.amplitude != 0 else _NO_NOISE)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint both waves."""
         end = self._end()
-        places = np.linspace(0.0, end, _POINTS)
-        across = self.pattern(places, np.zeros(1))
-        along = self.pattern(np.zeros(1), places)
-        size = abs(self._built.amplitude) * (1 + self._built.modulation)
-        chart = Chart(
-            painter,
-            area,
-            Axis(0.0, end, "from the first sample (mrad)"),
-            Axis(-1.1 * size, 1.1 * size, "noise"),
-            self.theme,
-        )
+        places, start = np.linspace(0.0, end, _POINTS), np.zeros(1)
+        size = 1.1 * abs(self._built.amplitude) * (1 + self._built.modulation)
+        across = Axis(0.0, end, "from the first sample (mrad)")
+        chart = Chart(painter, area, across, Axis(-size, size, "noise"), self.theme)
         first, second = self.theme.curves[:2]
         chart.legend([("x", first, _SOLID), ("y", second, _DASHED)])
-        chart.curve(places, along, second, _DASHED)
-        chart.curve(places, across, first, _SOLID)
+        chart.curve(places, self._pattern(start, places), second, _DASHED)
+        chart.curve(places, self._pattern(places, start), first, _SOLID)
 
-    def pattern(self, x_mrad: Any, y_mrad: Any) -> Any:
+    def _pattern(self, x_mrad: Any, y_mrad: Any) -> Any:
         """The noise at places from the first sample, in the picture's unit."""
         values = self._built.values()
         for name in ("phase", "modulation_phase"):
@@ -104,7 +71,3 @@ class PeriodicNoiseIllustration(Illustration):
         if module.modulation > 0:
             text += f", modulated by {brief(100 * module.modulation)} %"
         return text
-
-    def _follow(self, _before: object, _after: object) -> None:
-        if self.session.resolved.node(self.node) is not self._seen:
-            self.update()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,10 @@ from PySide6.QtGui import QPainter
 
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.chart import Axis, Chart, brief
-from app.editor.panels.illustrations.illustration import DISABLED, Illustration
+from app.editor.panels.illustrations.illustration import Illustration, NodeQuery
 from app.editor.theme import Theme
 from app.report.edge_measurement import DrawnResponse, response_over_band
-from core.chain.engine import Plan, PlannedNode
+from core.chain.engine import PlannedNode
 from core.chain.wires import Image
 
 _ROOM = 1.12  # above a response of 1 stands what the spectrum's peak is
@@ -32,17 +32,14 @@ class ResponseIllustration(Illustration):
         """The response and the spectrum."""
         return (ResponseQuery(self.node),)
 
-    def take(self, value: Any) -> str:
+    def keep(self, drawn: ResponseOverSpectrum) -> str:
         """Keep them."""
-        self._drawn: ResponseOverSpectrum = value
-        return in_words(value) or DISABLED
+        self._drawn = drawn
+        return in_words(drawn)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint the chart."""
-        if self._drawn.response is None:
-            painter.drawText(area, Qt.AlignmentFlag.AlignCenter, DISABLED)
-        else:
-            paint_response(painter, area, self._drawn, self.theme)
+        paint_response(painter, area, self._drawn, self.theme)
 
 
 def paint_response(
@@ -50,7 +47,6 @@ def paint_response(
 ) -> None:
     """The response from 0 to 1, over the spectrum on a scale of its own."""
     response = drawn.response
-    assert response is not None
     low, high = response.band_um
     beside = _WIDER * (high - low)
     across = Axis(low - beside, high + beside, "wavelength (µm)")
@@ -80,9 +76,7 @@ def _spectrum(chart: Chart, spectrum: MeanSpectrum, colour: str) -> None:
 
 
 def in_words(drawn: ResponseOverSpectrum) -> str:
-    """The essential numbers; empty where there is no response."""
-    if drawn.response is None:
-        return ""
+    """The essential numbers."""
     parts = [_response_in_words(drawn.response)]
     if drawn.spectrum is not None:
         spectrum = drawn.spectrum
@@ -127,39 +121,21 @@ class MeanSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class ResponseOverSpectrum:
-    """A response and a spectrum, as far as there are; the node may be disabled."""
+    """A response, and a spectrum where there is one."""
 
-    response: DrawnResponse | None = None
+    response: DrawnResponse
     spectrum: MeanSpectrum | None = None
 
 
-@dataclass(frozen=True)
-class ResponseQuery(Query):
-    """The response of a node over the mean spectrum of the picture that comes in.
+def response_of(planned: PlannedNode, passing: Passing) -> ResponseOverSpectrum | None:
+    """Of a Focal Plane or a Spectral Response, over the spectrum of the picture that comes in."""
+    response = response_over_band(planned, passing.plan.folder)
+    if response is None:
+        return None
+    return ResponseOverSpectrum(response, mean_spectrum(planned.inputs.get("image"), passing))
 
-    Parameters
-    ----------
-    node : str
-        A Focal Plane or a Spectral Response.
-    """
 
-    node: str
-
-    def key(self, plan: Plan) -> Hashable:
-        """What comes in, and what is made of it."""
-        planned = _planned(plan, self.node)
-        made = planned.outputs.get("table") or planned.outputs.get("image")
-        image = planned.inputs.get("image")
-        bands = image.bands.key if isinstance(image, Image) and image.bands is not None else None
-        return made and made.key, bands, repr(planned.module), planned.node.disabled
-
-    def answer(self, passing: Passing) -> ResponseOverSpectrum:
-        """Both."""
-        planned = _planned(passing.plan, self.node)
-        response = response_over_band(planned, passing.plan.folder)
-        if response is None:
-            return ResponseOverSpectrum()
-        return ResponseOverSpectrum(response, mean_spectrum(planned.inputs.get("image"), passing))
+ResponseQuery = partial(NodeQuery, made=response_of, ports=("table", "image"))
 
 
 def mean_spectrum(image: Image | None, passing: Passing) -> MeanSpectrum | None:
@@ -169,10 +145,3 @@ def mean_spectrum(image: Image | None, passing: Passing) -> MeanSpectrum | None:
     unit = f"{image.unit}/µm" if image.bands.density else image.unit
     means = np.asarray(passing.work.value(image.bands.means()), np.float64)
     return MeanSpectrum(np.array(image.bands.centres_um), means, unit)
-
-
-def _planned(plan: Plan, node: str) -> PlannedNode:
-    planned = plan.node(node)
-    if planned.error is not None:
-        raise planned.error
-    return planned

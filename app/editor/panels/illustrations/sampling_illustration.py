@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
-from typing import Any, ClassVar
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -13,8 +13,8 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen, QPolygonF
 
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.chart import brief, pair, round_step
-from app.editor.panels.illustrations.illustration import DISABLED, Illustration
-from core.chain.engine import Plan
+from app.editor.panels.illustrations.illustration import Illustration, NodeQuery
+from core.chain.engine import PlannedNode
 from core.chain.wires import Context
 from core.physics.sampling.detector_sampling import ifov_mrad
 
@@ -41,6 +41,14 @@ class Footprint:
     sensitive: tuple[float, float]
 
 
+def context_of(planned: PlannedNode, _passing: Passing) -> Context | None:
+    """The sensor's geometry, as its data structure."""
+    return planned.outputs.get("context")
+
+
+SamplingQuery = partial(NodeQuery, made=context_of, ports=("context",))
+
+
 class InitTransIllustration(Illustration):
     """Sensitive areas at the detectors' pitch, the scene's samples as dots, and what moves."""
 
@@ -50,17 +58,14 @@ class InitTransIllustration(Illustration):
         """The geometry."""
         return (SamplingQuery(self.node),)
 
-    def take(self, value: Any) -> str:
+    def keep(self, context: Context) -> str:
         """Keep the geometry."""
-        self._context: Context | None = value
-        return DISABLED if self._context is None else ", ".join(facts(self._context))
+        self._context = context
+        return ", ".join(facts(context))
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint the sketch at the left, its numbers at the right."""
         context = self._context
-        if context is None:
-            painter.drawText(area, Qt.AlignmentFlag.AlignCenter, DISABLED)
-            return
         line = QFontMetricsF(painter.font()).height()
         width = min(area.width() * 0.46, area.height())
         box = QRectF(area.left(), area.top() + line * 0.2, width, area.height() - line * 1.4)
@@ -114,7 +119,6 @@ class InitTransIllustration(Illustration):
 
     def _samples(self, painter: QPainter, box: QRectF, scale: float) -> None:
         """The scene's samples; their lattice lies so that one is in the middle."""
-        assert self._context is not None
         grid, centre = self._context.grid, box.center()
         steps = grid.interval_x_mrad * scale, grid.interval_y_mrad * scale
         if min(steps) < _CLOSEST:
@@ -209,31 +213,3 @@ def facts(context: Context) -> list[str]:
 def _around(centre: QPointF, size: tuple[float, float], scale: float) -> QRectF:
     wide, high = size[0] * scale, size[1] * scale
     return QRectF(centre.x() - wide / 2, centre.y() - high / 2, wide, high)
-
-
-# The query how an Init & Trans node samples the scene.
-
-
-@dataclass(frozen=True)
-class SamplingQuery(Query):
-    """The sensor's geometry, as its data structure; None of a disabled node."""
-
-    urgency: ClassVar[int] = 1
-
-    node: str
-
-    def key(self, plan: Plan) -> Hashable:
-        """The data structure."""
-        context = _context(plan, self.node)
-        return context and context.key
-
-    def answer(self, passing: Passing) -> Context | None:
-        """The data structure."""
-        return _context(passing.plan, self.node)
-
-
-def _context(plan: Plan, node: str) -> Context | None:
-    planned = plan.node(node)
-    if planned.error is not None:
-        raise planned.error
-    return planned.outputs.get("context")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,10 @@ from PySide6.QtGui import QColor, QFontMetricsF, QImage, QPainter, QPen
 
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.chart import brief, pair
-from app.editor.panels.illustrations.illustration import Illustration
+from app.editor.panels.illustrations.illustration import Illustration, NodeQuery
 from app.editor.panels.illustrations.shrinking import shrunk
 from app.editor.viewers.pixels.grey_levels import extremes, grey_levels
-from core.chain.engine import Plan
+from core.chain.engine import PlannedNode
 from core.chain.wires import Image
 
 
@@ -29,10 +29,10 @@ class ThumbnailIllustration(Illustration):
         """The picture."""
         return (ThumbnailQuery(self.node),)
 
-    def take(self, value: Any) -> str:
+    def keep(self, thumbnail: Thumbnail) -> str:
         """Keep the picture."""
-        self._thumbnail: Thumbnail = value
-        return ", ".join(facts(value))
+        self._thumbnail = thumbnail
+        return ", ".join(facts(thumbnail))
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint both."""
@@ -103,23 +103,13 @@ class Thumbnail:
     high: float
 
 
-@dataclass(frozen=True)
-class ThumbnailQuery(Query):
-    """The picture that the node gives."""
+def thumbnail_of(planned: PlannedNode, passing: Passing) -> Thumbnail:
+    """The picture that a node gives, small."""
+    image: Image = planned.outputs["image"]
+    samples = passing.work.value(image.recipe)
+    low, high = extremes(samples, for_each=passing.work.for_each)
+    small = shrunk(samples, MOST_SAMPLES)
+    return Thumbnail(grey_levels(small, low, high), image, low, high)
 
-    urgency: ClassVar[int] = 1
 
-    node: str
-
-    def key(self, plan: Plan) -> Hashable:
-        """The picture."""
-        image: Image = plan.output(f"{self.node}.image")
-        return image.key, image.unit
-
-    def answer(self, passing: Passing) -> Thumbnail:
-        """The picture, small."""
-        image: Image = passing.plan.output(f"{self.node}.image")
-        samples = passing.work.value(image.recipe)
-        low, high = extremes(samples, for_each=passing.work.for_each)
-        small = shrunk(samples, MOST_SAMPLES)
-        return Thumbnail(grey_levels(small, low, high), image, low, high)
+ThumbnailQuery = partial(NodeQuery, made=thumbnail_of, ports=("image",))

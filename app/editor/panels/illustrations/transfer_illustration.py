@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QRectF, Qt
@@ -11,7 +10,7 @@ from PySide6.QtGui import QPainter
 
 from app.editor.evaluation.queries import Query
 from app.editor.panels.illustrations.chart import Axis, Chart, brief, pair, round_step
-from app.editor.panels.illustrations.illustration import DISABLED, Illustration
+from app.editor.panels.illustrations.illustration import Illustration
 from app.editor.panels.illustrations.transfer_query import (
     LOWEST_SHARE,
     TransferLine,
@@ -38,18 +37,14 @@ class TransferIllustration(Illustration):
         """The curves."""
         return (TransferQuery(self.node, self.part),)
 
-    def take(self, value: Any) -> str:
+    def keep(self, lines: TransferLines) -> str:
         """Keep the curves."""
-        self._lines: TransferLines | None = value
-        return DISABLED if self._lines is None else in_words(self._lines)
+        self._lines = lines
+        return in_words(lines)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint axes, curves and marks."""
         lines = self._lines
-        if lines is None:
-            painter.setPen(self.theme.faint_text)
-            painter.drawText(area, Qt.AlignmentFlag.AlignCenter, DISABLED)
-            return
         chart = Chart(painter, area, _across(lines), _up(lines), self.theme)
         first, second = self.theme.curves[:2]
         if lines.alike:

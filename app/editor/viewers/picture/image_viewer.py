@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction, QImage
-from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QMenu, QStackedWidget, QVBoxLayout, QWidget
 
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
@@ -24,7 +24,7 @@ from app.editor.viewers.picture.kept_side import (
     sides_of,
 )
 from app.editor.viewers.picture.picture_bands import PictureBands
-from app.editor.viewers.picture.picture_bar import PictureBar, open_context_menu
+from app.editor.viewers.picture.picture_bar import PictureBar
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.picture.picture_probe import PictureProbe, save_picture, shown_png
 from app.editor.viewers.picture.region_tool import RegionTool
@@ -32,7 +32,7 @@ from app.editor.viewers.pixels.grey_levels import NAMES, colour_table
 from app.editor.viewers.pixels.picture_choices import Choices, numbers_of
 from app.editor.viewers.pixels.picture_facts import Facts, laid_over
 from app.editor.viewers.pixels.picture_query import Picture, PictureQuery
-from app.editor.viewers.pixels.picture_text import facts_text
+from app.editor.viewers.pixels.probing import facts_text
 from app.editor.viewers.viewer import StatusLine, Viewer
 from app.editor.widgets import centred_hint
 from core.errors import UsageError
@@ -67,7 +67,8 @@ class ImageViewer(Viewer):
         self.choices = Choices()
         self.picture: Picture | None = None
         self._lost: Choices | None = None
-        self._side: KeptSide | None = None
+        self.kept_side: KeptSide | None = None
+        """What was kept of the wire, as it is compared now; None where it is not."""
         self._prepared: Prepared | None = None
         self._failed = False
         self._colours = "grey"
@@ -95,16 +96,11 @@ class ImageViewer(Viewer):
         self.bar.compare.menu.addSection("With a snapshot")
         self.bar.compare.menu.addActions(actions)
 
-    @property
-    def kept_side(self) -> KeptSide | None:
-        """What was kept of the wire, as it is compared now; None where it is not."""
-        return self._side
-
     def compare_kept(self, side: KeptSide | None) -> None:
         """Compare with an earlier state of the wire; None ends it."""
-        if side == self._side:
+        if side == self.kept_side:
             return
-        self._side = side
+        self.kept_side = side
         picture = self.picture
         if picture is not None and not self._failed:
             picture = replace(picture, other=None, refused="")
@@ -141,7 +137,7 @@ class ImageViewer(Viewer):
         """
         if self.picture is None:
             raise UsageError("the viewer shows no picture")
-        picture, side = self.picture, self._side
+        picture, side = self.picture, self.kept_side
         if side is not None and (PNG.matches(path) or side.way == "flip"):
             picture = as_drawn(picture, side)
         save_picture(picture, path, colour_table(self._colours), self.canvas.split)
@@ -150,7 +146,7 @@ class ImageViewer(Viewer):
         """Copy the picture as it looks to the clipboard."""
         if self.picture is not None:
             table = colour_table(self._colours)
-            picture = as_drawn(self.picture, self._side)
+            picture = as_drawn(self.picture, self.kept_side)
             QApplication.clipboard().setImage(
                 QImage.fromData(shown_png(picture, table, self.canvas.split))
             )
@@ -208,8 +204,8 @@ class ImageViewer(Viewer):
         self._failed = answer.error is not None
         if isinstance(answer.value, Picture):
             picture = self._placed(answer.value)
-            if picture.other is not None and self._side and self._side.kept is not None:
-                self._prepared = Prepared(self._side.kept, picture)
+            if picture.other is not None and self.kept_side and self.kept_side.kept is not None:
+                self._prepared = Prepared(self.kept_side.kept, picture)
             self._pages.setCurrentWidget(self.canvas)
             self._show(picture)
             self.region.show_picture(picture, self.choices.port)
@@ -229,16 +225,16 @@ class ImageViewer(Viewer):
 
     def follow_opening(self) -> None:
         """Show nothing of another document."""
-        self._side = self._prepared = None
+        self.kept_side = self._prepared = None
         self.look_at(None)
 
     @property
     def _query(self) -> PictureQuery | None:
-        return query_beside(self.choices, self._side)
+        return query_beside(self.choices, self.kept_side)
 
     def _show(self, picture: Picture) -> None:
         """Show a picture and its other half, with what they are."""
-        self.picture, side = picture, self._side
+        self.picture, side = picture, self.kept_side
         self.canvas.show_sides(*sides_of(self.choices, side))
         self.canvas.show_picture(picture)
         against = (side.name, side.way) if side is not None else ()
@@ -385,13 +381,20 @@ class ImageViewer(Viewer):
         return picture
 
     def _open_menu(self, point: QPoint) -> None:
-        own = (
-            ("&Fit", "F", self.fit),
-            ("&One Sample, One Dot", "1", self.one_to_one),
-            ("&Copy Picture", "", self.copy),
-        )
+        """Of a right click: what concerns the whole, the bar's menus, actions of the window."""
         self._fill_menus()
-        open_context_menu(self, point, bar=self.bar, own=own, window_actions=self.window_actions)
+        menu = QMenu(self)
+        menu.setObjectName("picture_menu")
+        menu.aboutToHide.connect(menu.deleteLater)
+        menu.addAction("&Fit\tF").triggered.connect(self.fit)
+        menu.addAction("&One Sample, One Dot\t1").triggered.connect(self.one_to_one)
+        menu.addAction("&Copy Picture").triggered.connect(self.copy)
+        menu.addSeparator()
+        for inner in self.bar.menus:
+            menu.addMenu(inner)
+        menu.addSeparator()
+        menu.addActions(self.window_actions)
+        menu.popup(point)
 
     def _fill_menus(self) -> None:
         compare = self.bar.compare

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from functools import partial
-from typing import Protocol
+from collections.abc import Iterable, Mapping
 
-from PySide6.QtCore import QObject, QPoint, Signal
+from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QAction, QActionGroup
 from PySide6.QtWidgets import QHBoxLayout, QMenu, QWidget
 
-from app.editor.gestures import without_argument
 from app.editor.session import Session
 from app.editor.viewers.network_ports import PICTURE_TYPES, NodePorts, PortChoice
 from app.editor.viewers.pixels.grey_levels import NAMES
@@ -157,8 +154,10 @@ class CompareMenu(QObject):
         menu.addSeparator()
         self.others = menu.addMenu("With &Other Wire")
         self.others.setObjectName("others")
+        self.others.triggered.connect(self._choose_other)
         self.links = menu.addMenu("&Move With")
         self.links.setObjectName("links")
+        self.links.triggered.connect(self._choose_link)
 
     def fill_others(self, groups: Iterable[NodePorts], chosen: str | None) -> None:
         """Offer these ports, each node's in a menu of its own."""
@@ -170,7 +169,6 @@ class CompareMenu(QObject):
                 action.setData(port)
                 action.setCheckable(True)
                 action.setChecked(port == chosen)
-                action.triggered.connect(self._other_triggered)
         self.others.setEnabled(not self.others.isEmpty())
 
     def fill_links(self, viewers: Mapping[int, bool]) -> None:
@@ -181,7 +179,6 @@ class CompareMenu(QObject):
             action.setData(number)
             action.setCheckable(True)
             action.setChecked(linked)
-            action.triggered.connect(self._link_triggered)
         self.links.setEnabled(not self.links.isEmpty())
 
     @staticmethod
@@ -191,61 +188,8 @@ class CompareMenu(QObject):
             menu.removeAction(action)
             (inner if isinstance(inner, QMenu) else action).deleteLater()
 
-    def _other_triggered(self) -> None:
-        action = self.sender()
-        if isinstance(action, QAction):
-            self.other_chosen.emit(str(action.data()))
+    def _choose_other(self, action: QAction) -> None:
+        self.other_chosen.emit(str(action.data()))
 
-    def _link_triggered(self) -> None:
-        action = self.sender()
-        if isinstance(action, QAction):
-            self.linked.emit(int(action.data()), action.isChecked())
-
-
-# The menu of a right click on a picture: the bar's menus, and what concerns the whole.
-
-
-class Bar(Protocol):
-    """The menus of the bar above the picture."""
-
-    @property
-    def menus(self) -> tuple[QMenu, ...]:
-        """Display and Compare."""
-
-
-def open_context_menu(
-    viewer: QWidget,
-    point: QPoint,
-    *,
-    bar: Bar,
-    own: Iterable[tuple[str, str, Callable[[], None]]],
-    window_actions: Iterable[QAction],
-) -> None:
-    """Open the menu at a point of the screen.
-
-    Parameters
-    ----------
-    viewer : QWidget
-        The viewer; the menu goes with it.
-    point : QPoint
-        Where, on the screen.
-    bar : Bar
-        Its menus become submenus.
-    own : iterable of (str, str, callable)
-        Text, the key that does the same or "", and what is done.
-    window_actions : iterable of QAction
-        Actions of the window that concern what is shown.
-    """
-    menu = QMenu(viewer)
-    menu.setObjectName("picture_menu")
-    menu.aboutToHide.connect(menu.deleteLater)
-    for text, keys, done in own:
-        action = menu.addAction(f"{text}\t{keys}" if keys else text)
-        action.triggered.connect(partial(without_argument, done))
-    menu.addSeparator()
-    for inner in bar.menus:
-        menu.addMenu(inner)
-    menu.addSeparator()
-    for action in window_actions:
-        menu.addAction(action)
-    menu.popup(point)
+    def _choose_link(self, action: QAction) -> None:
+        self.linked.emit(int(action.data()), action.isChecked())

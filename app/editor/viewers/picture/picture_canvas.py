@@ -82,7 +82,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.fitted = True
         self._picture: Picture | None = None
         self._place = QRectF()
-        self._split = 0.5
+        self.split = 0.5
+        """Where the wipe lies, as a share of the width."""
         self._sides: Sides = "first left"
         self._wanted: Zoom | None = None
         self._colours = "grey"
@@ -259,7 +260,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         far = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
         if step is not None and event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             if self.wipe.isVisible():
-                self.set_split(self._split + step[0] * far * _WIPE_STEP)
+                self.set_split(self.split + step[0] * far * _WIPE_STEP)
         elif step is not None:
             self.stepped.emit(step[0] * far, step[1] * far)
         elif key in (Qt.Key.Key_PageUp, Qt.Key.Key_PageDown):
@@ -298,18 +299,18 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         left, right = self._place.left(), self._place.right()
         self._moving = True
         self.wipe.setBounds((left, right))
-        self.wipe.setValue(left + self._split * (right - left))
+        self.wipe.setValue(left + self.split * (right - left))
         self._moving = False
         self._divide()
 
     def _wiped(self) -> None:
         if not self._moving and self._place.width() > 0:
-            self._split = (self.wipe.value() - self._place.left()) / self._place.width()
+            self.split = (self.wipe.value() - self._place.left()) / self._place.width()
             self._divide()
 
     def _divide(self) -> None:
         """Show of the second picture what its side has."""
-        picture, split = self._picture, self._split
+        picture, split = self._picture, self.split
         both = picture is not None and picture.other is not None
         parts: dict[Sides, tuple[float, float]] = {
             "first left": (split, 1.0),
@@ -324,14 +325,9 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.wipe.setVisible(divided)
         self.names.place(self._place if both else QRectF(), split if divided else 1.0)
 
-    @property
-    def split(self) -> float:
-        """Where the wipe lies, as a share of the width."""
-        return self._split
-
     def set_split(self, share: float) -> None:
         """Put the wipe there."""
-        self._split = min(1.0, max(0.0, share))
+        self.split = min(1.0, max(0.0, share))
         self._put_wipe()
 
     def _see(self, rect: QRectF) -> None:

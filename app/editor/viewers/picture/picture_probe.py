@@ -14,8 +14,7 @@ from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.pixels.grey_levels import Levels, Table
 from app.editor.viewers.pixels.picture_choices import Choices
 from app.editor.viewers.pixels.picture_query import Picture
-from app.editor.viewers.pixels.picture_text import sample_text
-from app.editor.viewers.pixels.probing import index_at
+from app.editor.viewers.pixels.probing import index_at, sample_text
 from app.editor.viewers.viewer import StatusLine
 from app.run.saving import metadata_of, save_array
 from core.atomic import write_bytes

@@ -53,36 +53,27 @@ class ProfileLine(QObject):
         self._text_height = parent.fontMetrics().height
         self._plot: pg.PlotItem | None = None
         self._picture: Picture | None = None
-        self._ends: Ends = _ACROSS
-        self._shown = False
+        self.ends: Ends = _ACROSS
+        """Start and end as shares of the picture: x, y, x, y."""
+        self.shown = False
         self._writing = False
-
-    @property
-    def shown(self) -> bool:
-        """Whether there is a line."""
-        return self._shown
 
     @property
     def height(self) -> float:
         """What its plot takes of the layout."""
-        return float(self._plot.minimumHeight()) if self._plot and self._shown else 0.0
-
-    @property
-    def ends(self) -> Ends:
-        """Start and end as shares of the picture: x, y, x, y."""
-        return self._ends
+        return float(self._plot.minimumHeight()) if self._plot and self.shown else 0.0
 
     def show(self, shown: bool, ends: Ends | None = None) -> None:
         """Show the line or not, and where."""
         if shown and self._plot is None:
             self._make()
         # A hidden item would keep its room in the layout.
-        if shown and not self._shown:
+        if shown and not self.shown:
             self._layout.addItem(self._plot, row=1, col=0, colspan=2)
-        elif self._shown and not shown:
+        elif self.shown and not shown:
             self._layout.removeItem(self._plot)
-        self._shown = shown
-        self._ends = ends or self._ends
+        self.shown = shown
+        self.ends = ends or self.ends
         if self._plot is not None:
             self._line.setVisible(shown)
         self._put_line()
@@ -140,7 +131,7 @@ class ProfileLine(QObject):
         place = extent(self._picture.facts)
         self._writing = True
         for handle, (x, y) in zip(
-            self._line.getHandles(), (self._ends[:2], self._ends[2:]), strict=True
+            self._line.getHandles(), (self.ends[:2], self.ends[2:]), strict=True
         ):
             point = QPointF(place.left() + x * place.width(), place.top() + y * place.height())
             self._line.movePoint(handle, point, finish=False, coords="parent")
@@ -157,12 +148,12 @@ class ProfileLine(QObject):
                 (point.x() - place.left()) / place.width(),
                 (point.y() - place.top()) / place.height(),
             ]
-        self._ends = tuple(shares)
+        self.ends = tuple(shares)
         self._draw()
 
     def _draw(self) -> None:
         picture = self._picture
-        if picture is None or self._plot is None or not self._shown:
+        if picture is None or self._plot is None or not self.shown:
             return
         self._plot.setLabel("left", picture.facts.unit or picture.facts.quantity)
         start, end = self._on(picture)
@@ -182,5 +173,5 @@ class ProfileLine(QObject):
     def _on(self, picture: Picture) -> tuple[Place, Place]:
         """The ends as fractional indices of columns and rows."""
         columns, rows = picture.facts.columns, picture.facts.rows
-        x0, y0, x1, y1 = self._ends
+        x0, y0, x1, y1 = self.ends
         return (x0 * columns - 0.5, y0 * rows - 0.5), (x1 * columns - 0.5, y1 * rows - 0.5)

@@ -71,13 +71,8 @@ class SpectrumPlot(QObject):
         self._canvas = parent
         self._axes: object = None
         self._range: tuple[float, float] | None = None
-        self._shown = False
+        self.is_shown = False
         self._name = self._problem = ""
-
-    @property
-    def is_shown(self) -> bool:
-        """Whether there is a plot."""
-        return self._shown
 
     def fits(self, height: float) -> bool:
         """Whether a height has room for it and for a picture that can be looked at."""
@@ -86,11 +81,11 @@ class SpectrumPlot(QObject):
     def show(self, shown: bool) -> None:
         """Take a row of the layout, or none."""
         # A hidden item would keep its room in the layout.
-        if shown and not self._shown:
+        if shown and not self.is_shown:
             self._layout.addItem(self.plot, row=_ROW, col=0, colspan=2)
-        elif self._shown and not shown:
+        elif self.is_shown and not shown:
             self._layout.removeItem(self.plot)
-        self._shown = shown
+        self.is_shown = shown
 
     def show_bands(self, bands: BandStack, unit: str, places: tuple[int, ...]) -> None:
         """Have these bands, with lines at those that are shown alone.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -55,13 +55,6 @@ class BandChoice:
         if self.colours_um is None:
             return evenly_spaced(bands.count)
         return tuple(_nearest(bands, one) for one in self.colours_um)
-
-    def stepped(self, bands: BandStack, by: int) -> BandChoice:
-        """The next band, or the one before; of no other choice than one band."""
-        if self.shown != "one":
-            return self
-        place = min(max(self.places(bands)[0] + by, 0), bands.count - 1)
-        return replace(self, one_um=bands.centres_um[place])
 
     def plain(self) -> dict[str, Any]:
         """As JSON has it."""

@@ -56,7 +56,7 @@ class FiguresStrip(Viewer):
         self._name_slots(ELECTRONICS_FIGURES)
         self._layout.addStretch(1)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
-        session.selection_changed.connect(self._follow_selection)
+        session.selection_changed.connect(self.ask)
         self._freshness: Freshness | None = None
         if evaluator is not None:
             evaluator.pass_done.connect(self._pass_done)
@@ -85,13 +85,6 @@ class FiguresStrip(Viewer):
         old = self._freshness is not None and self._freshness.is_old
         for name in self._names:
             self.label(name).setForegroundRole(FAINT if old else TEXT)
-
-    def state(self) -> dict[str, Any]:
-        """Nothing to restore."""
-        return {}
-
-    def restore(self, state: Any) -> None:
-        """Nothing to restore."""
 
     def queries(self) -> tuple[Query, ...]:
         """The figures of the node selected, if it has such figures, else of the last one."""
@@ -174,9 +167,6 @@ class FiguresStrip(Viewer):
             if declared is not None and declared.key in SENSOR_FIGURES:
                 return name
         return None
-
-    def _follow_selection(self, _names: Any) -> None:
-        self.ask()
 
     def _pass_done(self, done: Any) -> None:
         if isinstance(done, PassDone) and done.after_edit and not done.cancelled:

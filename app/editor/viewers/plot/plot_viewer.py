@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, get_args
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QAction, QResizeEvent
 from PySide6.QtWidgets import (
-    QAbstractItemView,
     QBoxLayout,
     QHBoxLayout,
     QHeaderView,
@@ -423,19 +422,12 @@ class FigureTable(CopiedTable):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(0, len(_HEADS), parent)
         self.setAccessibleName("Figures; Ctrl+C copies them")
-        self.setHorizontalHeaderLabels(list(_HEADS))
-        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
-        self.setTabKeyNavigation(False)
-        self.setShowGrid(False)
+        self.list_figures(_HEADS)
         self.setAlternatingRowColors(True)
-        self.setWordWrap(True)
-        self.verticalHeader().hide()
         self.verticalHeader().setMinimumSectionSize(self.fontMetrics().height() + 6)
         head = self.horizontalHeader()
         head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         head.setStretchLastSection(True)
-        head.setHighlightSections(False)
         copy = QAction("&Copy", self)
         copy.setObjectName("figures.copy")
         copy.triggered.connect(self.copy)

@@ -24,7 +24,7 @@ def bench(qtbot, session, tmp_path):
 
 def test_an_answer_that_comes_late_does_not_hide_what_the_document_says(bench):
     widget = bench.show(sensor("exit_pupil"))
-    query, owner = widget.queries()[0], widget._owner
+    query, owner = widget.queries()[0], widget.owner
     bench.evaluator.answered.emit(Answer(99, owner, query, error=DataError("of an old edit")))
     assert told(widget).startswith("clear")
     assert not widget.problem

@@ -16,7 +16,7 @@ def test_the_reason_stands_in_tooltip_and_description(qtbot, session, tmp_path):
     netd = view.values["netd_K"]
 
     def answer(**outcome):
-        view._answered(Answer(1, view._owner, view.query, **outcome))
+        view.take(Answer(1, view.owner, view.query, **outcome))
         return netd.accessibleDescription(), html.unescape(netd.toolTip())
 
     def computed(**changed):

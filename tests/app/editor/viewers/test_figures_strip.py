@@ -2,7 +2,7 @@
 
 import pytest
 from PySide6.QtCore import QEvent, QObject
-from PySide6.QtGui import QFontMetricsF, QPalette
+from PySide6.QtGui import QFontMetricsF
 
 from app.editor.evaluation.queries import PassDone, Passing
 from app.editor.theme import DARK, LIGHT
@@ -208,7 +208,8 @@ def test_figures_from_before_the_last_edit_are_faint(strip, bench, qtbot):
     """While something else takes the worker's time."""
 
     def ink():
-        return strip.label("snr").palette().color(QPalette.ColorRole.WindowText).name()
+        label = strip.label("snr")
+        return label.palette().color(label.foregroundRole()).name()
 
     assert ink() == DARK.text
     before = strip.text("snr")

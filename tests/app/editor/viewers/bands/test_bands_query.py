@@ -8,7 +8,7 @@ from app.editor.viewers.picture.picture_bands import MeanSpectrumQuery, SampleSp
 from app.editor.viewers.pixels.band_choice import ALL, BandChoice, evenly_spaced
 from app.editor.viewers.pixels.picture_choices import Choices
 from app.editor.viewers.pixels.picture_query import PictureQuery
-from app.editor.viewers.pixels.picture_text import facts_text, sample_text
+from app.editor.viewers.pixels.probing import facts_text, sample_text
 from core.chain.engine import Engine
 from core.errors import DataError
 from core.evaluation.policy import Policy
