@@ -66,10 +66,7 @@ def add(network: Network, backdrop: Backdrop) -> Operation:
 def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
     """Give a backdrop another title, place, size or colour; what else the file has of it stays.
 
-    Raises
-    ------
-    NetworkError
-        If there is no such backdrop.
+    Raises `NetworkError` if there is no such backdrop.
     """
     entries = _entries(network)
     place = _place(network, index)
@@ -80,10 +77,7 @@ def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
 def remove(network: Network, index: int) -> Operation:
     """Take a backdrop away; the nodes on it stay.
 
-    Raises
-    ------
-    NetworkError
-        If there is no such backdrop.
+    Raises `NetworkError` if there is no such backdrop.
     """
     entries = _entries(network)
     del entries[_place(network, index)]
@@ -95,10 +89,7 @@ def around(
 ) -> Operation:
     """Put a backdrop behind nodes.
 
-    Raises
-    ------
-    NetworkError
-        If none of them has a point.
+    Raises `NetworkError` if none of them has a point.
     """
     boxes = _boxes(network, names, sizes).values()
     if not boxes:
@@ -111,10 +102,7 @@ def around(
 def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
     """The nodes that lie wholly on a backdrop, and move with it.
 
-    Raises
-    ------
-    NetworkError
-        If there is no such backdrop.
+    Raises `NetworkError` if there is no such backdrop.
     """
     _place(network, index)
     ground = backdrops_of(network)[index]

@@ -50,10 +50,7 @@ def copied(
     `value_of` gives the value of a node's parameter; where the network is the inside of a macro,
     with what is set from outside.
 
-    Raises
-    ------
-    NetworkError
-        If there is no such node, or one holds what JSON cannot.
+    Raises `NetworkError` if there is no such node, or one holds what JSON cannot.
     """
     part = _part(network, names)
     document = json.loads(format_network(part, library=library))
@@ -77,24 +74,11 @@ def pasted(
 ) -> tuple[tuple[str, ...], Operation]:
     """What puts copied nodes in, under names that are free; and those names.
 
-    The text of a whole network file pastes as its nodes. A copy is not marked as the output.
+    The text is what `copied` gave, or a whole network file. `at` is the middle of where they are to
+    lie; None: where they lay when they were copied. Where there is no room they lie as near as
+    there is. A copy is not marked as the output.
 
-    Parameters
-    ----------
-    text : str
-        What `copied` gave, or a network file has.
-    network, library
-        Where it is to be pasted.
-    at : (x, y), optional
-        The middle of where they are to lie; where they lay when they were copied for None. Where
-        there is no room they lie as near as there is.
-    sizes : mapping
-        Width and height of the network's nodes.
-
-    Raises
-    ------
-    NetworkError
-        If the text holds no nodes, or what is wrong with them, in one line.
+    Raises `NetworkError` if the text holds no nodes, or what is wrong with them, in one line.
     """
     part, values = _read(text, library)
     part = _with_values_for(part, values, network)
@@ -112,10 +96,7 @@ def duplicated(
 ) -> tuple[tuple[str, ...], Operation]:
     """What puts a copy of nodes on free ground near them, fed by the same wires; and its names.
 
-    Raises
-    ------
-    NetworkError
-        If there is no such node.
+    Raises `NetworkError` if there is no such node.
     """
     part = _part(network, names)
     points = {name: at for name, at in part.layout.items() if name in part.nodes}
@@ -297,10 +278,7 @@ def copied_values(node: Node, declared: Declaration | None) -> str:
 def read_values(text: str) -> CopiedValues:
     """What `copied_values` gave.
 
-    Raises
-    ------
-    NetworkError
-        If the text holds no values, in one line.
+    Raises `NetworkError` if the text holds no values, in one line.
     """
     strange = "holds no values of a node"
     document = _read_format(text, (VALUES_FORMAT,), strange)
@@ -323,25 +301,10 @@ def pasted_values(
     """What gives nodes the copied values of the parameters that they have.
 
     A value that is the parameter's default leaves it at its default. What a module has not, does
-    not take, or has in another unit is left out.
+    not take, or has in another unit is left out. `faults_after` gives, of an operation and
+    parameters, the faults of those whose expressions have no value after it.
 
-    Parameters
-    ----------
-    text : str
-        What `copied_values` gave.
-    names : iterable of str
-        The nodes.
-    network : Network
-        Where they are.
-    declaration_of : callable
-        The declaration of a node's module, None of an unknown one.
-    faults_after : callable
-        Of an operation and parameters the faults of those whose expressions have no value after it.
-
-    Raises
-    ------
-    NetworkError
-        If the text holds no values, or nothing of it fits any of the nodes.
+    Raises `NetworkError` if the text holds no values, or nothing of it fits any of the nodes.
     """
     copied, names = read_values(text), tuple(names)
     steps: dict[Place, Any] = {}
@@ -380,10 +343,8 @@ def pasted_values(
 def _fitting(parameter: Parameter, copied: CopiedValues) -> Any:
     """The value as a network file has it; ABSENT for the default.
 
-    Raises
-    ------
-    NetworkError, ParameterError
-        If the parameter is in another unit, or does not take the value.
+    Raises `NetworkError` or `ParameterError` if the parameter is in another unit, or does not take
+    the value.
     """
     raw, unit = copied.values[parameter.name], copied.units.get(parameter.name)
     there = parameter.param.unit

@@ -25,22 +25,10 @@ Listener = Callable[[Network, Network], None]
 
 
 class Document:
-    """A network being edited.
+    """A network being edited. Only `do`, `undo`, `redo` and `go_to` change it; they call listeners.
 
-    Only `do`, `undo`, `redo` and `go_to` change it, and they call the listeners.
-
-    Parameters
-    ----------
-    network : Network
-        What it starts with.
-    library : mapping
-        Modules by key.
-    path : Path, optional
-        The file it was read from, and is saved to.
-    saved : bool
-        Whether that file holds it as it is; not so for recovered work and copies.
-    stored : str, optional
-        The `mark` of what the file held when this was read from it; default of what it holds now.
+    `path` is the file it was read from, and is saved to; `saved`, whether that holds it as it is,
+    not so for recovered work and copies; `stored`, the `mark` of what it held when it was read.
     """
 
     def __init__(
@@ -87,10 +75,7 @@ class Document:
 
         Operations in a row that share a `gesture`, such as those of one drag, are one undo step.
 
-        Raises
-        ------
-        NetworkError, ParameterError
-            If it does not fit; the document is as before.
+        Raises `NetworkError` or `ParameterError` if it does not fit; the document is as before.
         """
         before = self.network
         after = operation.apply(before)
@@ -119,10 +104,7 @@ class Document:
     def go_to(self, position: int) -> None:
         """Undo, or do again, until so many steps are done; the listeners are called once.
 
-        Raises
-        ------
-        NetworkError
-            If the history has not so many.
+        Raises `NetworkError` if the history has not so many.
         """
         before = self.network
         self.history.go_to(position)

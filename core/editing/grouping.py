@@ -40,22 +40,11 @@ from core.network.network import EXPRESSION, MACRO, Link, Network, Node, cycle_e
 
 @dataclass(frozen=True)
 class Group(Operation):
-    """Put nodes into a new macro.
+    """Put nodes into a new macro with this face.
 
-    Parameters
-    ----------
-    name : str
-        Id of the macro.
-    members : tuple of str
-        The nodes.
-    face : Interface
-        What the macro shows.
-    noisy : frozenset of str
-        Those of them and of the nodes inside of them that draw noise: it stays as it is.
-    values : mapping
-        By parameter of the macro that takes over an expression: the value inside from then on.
-    where : str
-        The macros this happens in, as ``camera/``; empty in the network itself.
+    What draws noise among them and inside of them, `noisy`, draws the same afterwards. `values`
+    has, by parameter of the macro that takes over an expression, the value inside from then on.
+    `where` are the macros this happens in, as ``camera/``; empty in the network itself.
     """
 
     name: str
@@ -169,19 +158,7 @@ class Group(Operation):
 
 @dataclass(frozen=True)
 class Ungroup(Operation):
-    """Put the nodes of a macro in its place.
-
-    Parameters
-    ----------
-    name : str
-        The macro.
-    fresh : mapping of str to str
-        What each of its nodes is to be called.
-    noisy : frozenset of str
-        Those of them and of the nodes inside of them that draw noise, as ``camera/blur``.
-    where : str
-        The macros this happens in, as ``camera/``; empty in the network itself.
-    """
+    """Put the nodes of a macro in its place, called as `fresh` says; the rest as for `Group`."""
 
     name: str
     fresh: Mapping[str, str]
@@ -305,10 +282,7 @@ def group(
     The macro has an input for every wire that comes from outside and every input that still needs
     one, an output for every one that leads outside and for the pictures nothing leads on from.
 
-    Raises
-    ------
-    NetworkError
-        If there is no such node, or a way leaves the nodes and comes back.
+    Raises `NetworkError` if there is no such node, or a way leaves the nodes and comes back.
     """
     members = tuple(dict.fromkeys(names))
     if not members:
@@ -356,10 +330,7 @@ def ungroup(
 ) -> tuple[tuple[str, ...], Operation]:
     """What puts the nodes of a macro in its place, under names that are free; and the names.
 
-    Raises
-    ------
-    NetworkError
-        If there is no such macro, or it is disabled.
+    Raises `NetworkError` if there is no such macro, or it is disabled.
     """
     node = _macro(network, name)
     if node.disabled:

@@ -119,10 +119,7 @@ class History:
     def go_to(self, position: int) -> None:
         """Stand where so many steps are done.
 
-        Raises
-        ------
-        NetworkError
-            If there are not so many.
+        Raises `NetworkError` if there are not so many.
         """
         if not 0 <= position <= self.last:
             raise NetworkError(

@@ -246,18 +246,9 @@ def arranged(
     """Lay nodes out so that every wire leads to the right and no two nodes overlap.
 
     Parts that no wire joins stand below each other, single nodes in rows under them. The upper left
-    corner of what is laid out stays where it was.
-
-    Parameters
-    ----------
-    network : Network
-        What is laid out.
-    sizes : mapping
-        Width and height of the nodes, in units of the canvas.
-    only : collection of str, optional
-        Nodes to lay out among themselves; the others stay. All for None.
-    room : (width, height), optional
-        What the canvas shows. A chain that is longer goes on in the next row, from the left.
+    corner of what is laid out stays where it was. Only those of `only`, if given, are laid out. A
+    chain that is longer than the `room` that the canvas shows goes on in the next row, from the
+    left.
     """
     chosen = {name: None for name in network.nodes if only is None or name in only}
     followers = {

@@ -56,10 +56,7 @@ def check_new_wires(before: Network, after: Network, library: Library) -> None:
 
     What was wrong before is left to be mended.
 
-    Raises
-    ------
-    NetworkError
-        Naming the link and what is wrong with it.
+    Raises `NetworkError`, naming the link and what is wrong with it.
     """
     for name, node in after.nodes.items():
         former = before.nodes.get(name)

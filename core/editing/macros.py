@@ -53,13 +53,6 @@ class Inside(Operation):
 
     Ports and parameters that the macro shows follow the nodes they stand for; where these are gone,
     the wires to the macro's port and its value of the parameter go too.
-
-    Parameters
-    ----------
-    macro : str
-        The macro's id.
-    operation : Operation
-        Of the network inside; an `Inside` itself where that has the macro meant.
     """
 
     macro: str
@@ -145,10 +138,7 @@ def addressed(network: Network, operation: Operation) -> Operation:
     A parameter that a macro shows is set inside, and no longer by the macro: what was set last
     holds.
 
-    Raises
-    ------
-    NetworkError
-        If nodes of several macros take part in one operation.
+    Raises `NetworkError` if nodes of several macros take part in one operation.
     """
     match operation:
         case Together():
@@ -238,10 +228,7 @@ def expose(network: Network, node: str, parameter: str, name: str = "") -> Opera
 
     `name` is what it is called there; its own name, or the next that is free, if not given.
 
-    Raises
-    ------
-    NetworkError
-        If the node lies in no macro, or the parameter is shown already.
+    Raises `NetworkError` if the node lies in no macro, or the parameter is shown already.
     """
     *macros, inner = path_of(network, node)
     if not macros:
@@ -268,10 +255,7 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
     `value_of` gives the value of a node's parameter: it takes the place of an expression, which
     could name nothing from inside.
 
-    Raises
-    ------
-    NetworkError
-        If the macro shows no such parameter, or another follows it.
+    Raises `NetworkError` if the macro shows no such parameter, or another follows it.
     """
     path = path_of(network, macro)
     body = _body(network, path)

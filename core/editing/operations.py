@@ -50,10 +50,7 @@ class Operation(ABC):
     def apply(self, network: Network) -> Network:
         """The network after the change.
 
-        Raises
-        ------
-        NetworkError, ParameterError
-            If it does not fit the network.
+        Raises `NetworkError` or `ParameterError` if it does not fit the network.
         """
 
     def moved(self, network: Network) -> dict[str, str]:  # noqa: ARG002
@@ -118,10 +115,7 @@ def named(names: Sequence[str]) -> str:
 def check_plain(value: Any, what: str) -> None:
     """Refuse what no network file can hold, before it is in the document and cannot be saved.
 
-    Raises
-    ------
-    NetworkError
-        Naming `what` it was meant for, and the value.
+    Raises `NetworkError`, naming `what` it was meant for, and the value.
     """
     rest = [value]
     while rest:
@@ -158,14 +152,7 @@ _Fielded = TypeVar("_Fielded", Node, Network)
 class SetField(Operation):
     """Set the field at a path of the network's file; ABSENT takes it away.
 
-    Parameters
-    ----------
-    path : tuple of str
-        ``("seed",)``, ``("nodes", node, "disabled")`` or ``("nodes", node, "params", parameter)``.
-    value
-        As a network file has it.
-    label : str, optional
-        Text in the undo menu.
+    ``("seed",)``, ``("nodes", node, "disabled")`` or ``("nodes", node, "params", parameter)``.
     """
 
     path: tuple[str, ...]
@@ -406,21 +393,8 @@ def keeping_values(
 ) -> tuple[Operation, tuple[str, ...]]:
     """What takes nodes out, with the values of parameters that follow them put in first.
 
-    Parameters
-    ----------
-    network : Network
-        Before.
-    names : collection of str
-        The nodes.
-    taking : Operation
-        What takes them out.
-    value_of : callable
-        The value of a node's parameter, as `core.network.linked_values.ResolvedNetwork.value`.
-
-    Returns
-    -------
-    (Operation, tuple of str)
-        One step, and ``NODE.PARAMETER = value`` of those that follow nothing any more.
+    `taking` is what takes them out, `value_of` gives the value of a node's parameter. The step
+    comes with ``NODE.PARAMETER = value`` of those that follow nothing any more.
     """
     places = [place for place in naming(network, names) if place[0] not in names]
     if not places:
@@ -478,10 +452,7 @@ class SetOutput(Operation):
 def output_toggled(network: Network, library: Library, name: str) -> Operation:
     """What marks a node as the output, or takes its mark away.
 
-    Raises
-    ------
-    NetworkError
-        If it is no node of the network, or makes and takes no picture.
+    Raises `NetworkError` if it is no node of the network, or makes and takes no picture.
     """
     node = network.node(name)
     if name in network.output_nodes or (node.macro is not None and node.macro.marked):
@@ -495,10 +466,7 @@ def output_toggled(network: Network, library: Library, name: str) -> Operation:
 def picture_node(node: Node, library: Library) -> str:
     """The node's id; of a macro that of the one inside whose picture it shows first.
 
-    Raises
-    ------
-    NetworkError
-        If the macro shows no picture.
+    Raises `NetworkError` if the macro shows no picture.
     """
     if node.macro is None:
         return node.id

@@ -35,10 +35,7 @@ def dots_of(network: Network) -> dict[Link, tuple[Point, ...]]:
 def add_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
     """Bend a wire through a point, which comes before those from `index` on.
 
-    Raises
-    ------
-    NetworkError
-        If there is no such wire, or the point is none.
+    Raises `NetworkError` if there is no such wire, or the point is none.
     """
     points = list(_points(network, link))
     points.insert(index, at)
@@ -48,10 +45,7 @@ def add_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
 def move_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
     """Put a dot elsewhere.
 
-    Raises
-    ------
-    NetworkError
-        If there is no such dot, or the point is none.
+    Raises `NetworkError` if there is no such dot, or the point is none.
     """
     points = list(_points(network, link))
     points[_checked(points, link, index)] = at
@@ -61,10 +55,7 @@ def move_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
 def remove_dot(network: Network, link: Link, index: int) -> Operation:
     """Take a dot away; without any its wire finds its own way.
 
-    Raises
-    ------
-    NetworkError
-        If there is no such dot.
+    Raises `NetworkError` if there is no such dot.
     """
     points = list(_points(network, link))
     del points[_checked(points, link, index)]

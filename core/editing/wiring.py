@@ -280,10 +280,7 @@ def new_node(
 ) -> tuple[str, Operation]:
     """The name of a new node of a module, and what adds it.
 
-    Raises
-    ------
-    NetworkError
-        If the library has no such module.
+    Raises `NetworkError` if the library has no such module.
     """
     if module not in library:
         absent = where_absent(module, library)
@@ -301,10 +298,7 @@ def wired_to(
     Where the end is an input that has a link, the new node comes between if it passes that on, else
     its link takes the place.
 
-    Raises
-    ------
-    NetworkError
-        If it does not fit.
+    Raises `NetworkError` if it does not fit.
     """
     name, adding = new_node(network, library, candidate.module, at)
     grown = adding.apply(network)
@@ -323,10 +317,7 @@ def wired_to(
 def _wired_along(network: Network, library: Library, link: Link, node: str) -> Rewire:
     """A link to or from a node that has no wires, and those of its other inputs that are certain.
 
-    Raises
-    ------
-    NetworkError
-        If it does not fit.
+    Raises `NetworkError` if it does not fit.
     """
     wrong = misfit(network, library, link)
     if wrong is not None:
@@ -378,10 +369,7 @@ def continued(
     of its own. A module that takes nothing from the node, but gives what an empty input of it
     needs, feeds it.
 
-    Raises
-    ------
-    NetworkError
-        If the library has no such module.
+    Raises `NetworkError` if the library has no such module.
     """
     name, adding = new_node(network, library, module, at)
     wiring = wires_behind(adding.apply(network), library, node, name)

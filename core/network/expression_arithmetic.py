@@ -23,33 +23,18 @@ _MOST_BITS = 4096  # of a fraction: beyond, its next double is taken
 
 
 def no_references(reference: Reference) -> float:
-    """For arithmetic among numbers alone.
-
-    Raises
-    ------
-    ExpressionError
-        Always.
-    """
+    """For arithmetic among numbers alone: it always raises `ExpressionError`."""
     raise ExpressionError(f"{reference.text} is another parameter: to follow it, begin with =")
 
 
 def value_of(expression: Expression, *, unit: str, lookup: Lookup = no_references) -> int | float:
     """What an expression comes to, as a number of `unit`; an `int` where it is exactly whole.
 
-    Parameters
-    ----------
-    expression : Expression
-        What is computed.
-    unit : str
-        Unit of the parameter it is for, empty for a pure number. Numbers written with a unit are
-        converted to it; numbers without, and parameters, count as they are.
-    lookup : callable
-        The value of a parameter, in its own unit.
+    Numbers written with a unit are converted to that of the parameter, empty for a pure number;
+    numbers without, and parameters, count as they are. `lookup` gives the value of a parameter, in
+    its own unit.
 
-    Raises
-    ------
-    ExpressionError
-        Where a step has no finite value, or the units do not fit; and those of `lookup`.
+    Raises `ExpressionError` where a step has no finite value, or the units do not fit.
     """
     stack: list[_Number] = []
     for step in expression.steps:

@@ -125,10 +125,7 @@ def readable(parameter: str) -> bool:
 def parse_expression(text: str) -> Expression:
     """Read an expression.
 
-    Raises
-    ------
-    ExpressionError
-        Stating what is wrong with the text, and where.
+    Raises `ExpressionError`, stating what is wrong with the text, and where.
     """
     if len(text) > LONGEST:
         raise ExpressionError(

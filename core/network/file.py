@@ -132,10 +132,7 @@ def format_network(network: Network, *, library: Library) -> str:
     declaration has; points, links, expressions and lists of numbers take one line each. The version
     is the oldest that holds it all.
 
-    Raises
-    ------
-    NetworkError
-        If it holds what JSON cannot.
+    Raises `NetworkError` if it holds what JSON cannot.
     """
     version = least_version(network)
     document: dict[str, Any] = {"format": FORMAT, "version": version, "name": network.name}

@@ -139,10 +139,7 @@ def with_names(node: Node, names: Mapping[str, str]) -> Node:
 
     What lies inside of a renamed macro, ``camera/blur``, is named anew too.
 
-    Raises
-    ------
-    NetworkError
-        If one would become too long.
+    Raises `NetworkError` if one would become too long.
     """
     return with_references(node, lambda one, parameter: (new_name(one, names), parameter))
 

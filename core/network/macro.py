@@ -85,10 +85,7 @@ def step_inside(network: Network, name: str) -> tuple[str, str] | None:
 def path_of(network: Network, name: str) -> tuple[str, ...]:
     """The macros that a node lies in, from the outside, and its own id at the end.
 
-    Raises
-    ------
-    NetworkError
-        If there is no such node.
+    Raises `NetworkError` if there is no such node.
     """
     path = []
     while (step := step_inside(network, name)) is not None:
@@ -202,10 +199,7 @@ def passing_input(node: Node, output: str, library: Library) -> str | None:
 def checked_depth(level: int, where: str) -> None:
     """Refuse macros that lie too deep inside of others.
 
-    Raises
-    ------
-    NetworkError
-        Saying how deep they may lie.
+    Raises `NetworkError`, saying how deep they may lie.
     """
     if level > DEEPEST:
         raise NetworkError(
@@ -288,10 +282,7 @@ def text(end: End) -> str:
 def end_of(entry: str) -> End:
     """``NODE.NAME`` split at its last dot.
 
-    Raises
-    ------
-    NetworkError
-        If it is not of that form.
+    Raises `NetworkError` if it is not of that form.
     """
     node, _, name = entry.rpartition(".")
     if not node or not name:
@@ -302,10 +293,7 @@ def end_of(entry: str) -> End:
 def interface_of(extra: Mapping[str, Any], where: str = "macro") -> Interface:
     """The interface among a macro's fields.
 
-    Raises
-    ------
-    NetworkError
-        If a field is not of the form a network file must have.
+    Raises `NetworkError` if a field is not of the form a network file must have.
     """
     inputs = {}
     for name, entry in _entries(extra, INPUTS, where):

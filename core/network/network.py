@@ -98,10 +98,7 @@ class Link:
     def between(cls, start: str, end: str) -> Link:
         """From ``NODE.PORT`` to ``NODE.PORT``, each split at its last dot.
 
-        Raises
-        ------
-        NetworkError
-            If either is not of that form.
+        Raises `NetworkError` if either is not of that form.
         """
         ends = []
         for text in (start, end):
@@ -133,10 +130,8 @@ class Network(_Frozen):
     ``NODE.NAME`` of a macro that of the inner node it stands for; `aside` has the nodes inside of
     disabled macros, which only give parameters that others may follow.
 
-    Raises
-    ------
-    NetworkError, ParameterError
-        If a node stands under another id, or the seed is not allowed.
+    Raises `NetworkError` or `ParameterError` if a node stands under another id, or the seed is not
+    allowed.
     """
 
     name: str = ""
@@ -223,10 +218,7 @@ class Network(_Frozen):
     def node(self, name: str) -> Node:
         """The node of that id.
 
-        Raises
-        ------
-        NetworkError
-            If there is none.
+        Raises `NetworkError` if there is none.
         """
         if name not in self.nodes:
             hint = close(name, self.nodes)
@@ -258,10 +250,7 @@ class Network(_Frozen):
     def order(self) -> tuple[str, ...]:
         """Ids of the nodes, each after those it is linked from; else in the document's order.
 
-        Raises
-        ------
-        NetworkError
-            If the links form a cycle.
+        Raises `NetworkError` if the links form a cycle.
         """
         ordered = topological(self.followers)
         if len(ordered) < len(self.nodes):
@@ -271,10 +260,7 @@ class Network(_Frozen):
     def with_parameter(self, node: str, name: str, value: Any) -> Network:
         """With a parameter set; `problems` checks whether its module takes it.
 
-        Raises
-        ------
-        NetworkError
-            If there is no such node.
+        Raises `NetworkError` if there is no such node.
         """
         old = self.node(node)
         return self.with_node(replace(old, params={**old.params, name: value}))
@@ -285,10 +271,7 @@ class Network(_Frozen):
         All else is taken over as it is: it has been checked and frozen, and a drag makes a new
         network with each move of the mouse.
 
-        Raises
-        ------
-        NetworkError
-            If there is no such node.
+        Raises `NetworkError` if there is no such node.
         """
         self.node(node.id)
         return self.with_nodes({**self.nodes, node.id: node})
@@ -323,10 +306,7 @@ def passed_through(declared: Declaration) -> dict[str, str]:
 def check_seed(seed: object) -> None:
     """Refuse what is no seed.
 
-    Raises
-    ------
-    ParameterError
-        Saying what is allowed.
+    Raises `ParameterError`, saying what is allowed.
     """
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_INTEGER:
         raise ParameterError("seed", seed, SEEDS)

@@ -34,10 +34,7 @@ def parse_network(text: str, *, library: Library, name_of_source: str = "network
     Whether modules, values and links fit the library is checked by `core.network.validation`:
     modules that are not in it stay as they are. Errors call the file by `name_of_source`.
 
-    Raises
-    ------
-    NetworkError
-        If it is not the text of a network.
+    Raises `NetworkError` if it is not the text of a network.
     """
     document = read_json(text, name_of_source)
     try:
@@ -182,10 +179,7 @@ def read_json(text: str, source: str) -> Any:
     Other than Python's `json`: a key that comes twice, NaN, Infinity, numbers beyond double
     precision, half surrogate pairs, and hostile size and depth are refused.
 
-    Raises
-    ------
-    NetworkError
-        Naming `source` and the fault.
+    Raises `NetworkError`, naming `source` and the fault.
     """
     if len(text) > LARGEST:
         raise NetworkError(f"{source}: larger than the {LARGEST >> 20} MiB a network may have")

@@ -105,10 +105,7 @@ def problems(
 def plain_network(network: Network, *, library: Library) -> Network:
     """The network with its macros written out, for whatever computes; as it is without any.
 
-    Raises
-    ------
-    NetworkProblems
-        If its macros are not sound.
+    Raises `NetworkProblems` if its macros are not sound.
     """
     if macro_problems(network, library):
         check_network(network, library=library)

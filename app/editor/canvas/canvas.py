@@ -40,15 +40,6 @@ from core.network.network import Link
 class Canvas(QWidget):
     """Shows the session's network and follows it; gestures become operations on the document.
 
-    Parameters
-    ----------
-    session : Session or Level
-        The open document, or what of it is to be shown.
-    theme : Theme
-        The colours.
-    parent : QWidget, optional
-        What it stands in.
-
     Signals
     -------
     activated(name)
@@ -131,13 +122,7 @@ class Canvas(QWidget):
         self._surface.hint.set_theme(theme)
 
     def set_badges(self, badges: Any) -> None:
-        """Show the states of the nodes.
-
-        Parameters
-        ----------
-        badges : mapping of str to Badge
-            By the nodes' ids; those not named have none. Typed as what signals carry.
-        """
+        """Show the states of the nodes, by their ids; those not named have none."""
         self.content.set_badges(dict(badges))
 
     def show_thumbnails(self, evaluator: Evaluator) -> None:
@@ -299,15 +284,7 @@ TEXT = "Tab or double-click adds a module; drag one from the library; drop a fil
 
 
 class EmptyHint(QLabel):
-    """A line in the middle of an empty canvas, through which the mouse reaches the canvas.
-
-    Parameters
-    ----------
-    session : Session or Level
-        Its network decides whether the line is there.
-    ground : QWidget
-        What it stands in the middle of.
-    """
+    """A line in the middle of an empty canvas, through which the mouse reaches the canvas."""
 
     def __init__(self, session: Session | Level, ground: QWidget) -> None:
         super().__init__(TEXT, ground)

@@ -21,17 +21,7 @@ _BETWEEN = "›"
 
 
 class Crumbs(QWidget):
-    """Buttons for the network and each macro on the way, and one that leads back by one.
-
-    Parameters
-    ----------
-    level : Level
-        What the canvas shows.
-    theme : Theme
-        Colours.
-    parent : QWidget, optional
-        Its parent.
-    """
+    """Buttons for the network and each macro on the way, and one that leads back by one."""
 
     def __init__(self, level: Level, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)

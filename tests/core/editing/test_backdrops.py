@@ -141,38 +141,27 @@ def _row(**layout):
     return around(made, ["a", "b"], sizes, "Optics").apply(made), sizes
 
 
-def test_a_backdrop_goes_with_its_nodes_when_all_are_pushed_alike():
+@pytest.mark.parametrize(
+    ("places", "moved", "grown"),
+    [
+        ({"a": 60.0, "b": 200.0}, 60.0, 0.0),  # all alike: it goes with them
+        ({"b": 225.0, "far": 480.0}, 0.0, 85.0),
+        ({"a": 30.0, "b": 225.0}, 30.0, 55.0),  # it begins where its first node goes
+    ],
+)
+def test_a_backdrop_follows_its_nodes_that_are_pushed(places, moved, grown):
     network, sizes = _row(a=0.0, b=140.0, far=400.0)
     (before,) = backdrops_of(network)
-    pushed = following(network, {"a": (60.0, 0.0), "b": (200.0, 0.0)}, sizes)
-    assert pushed is not None
-    assert backdrops_of(pushed.apply(network)) == (replace(before, x=before.x + 60.0),)
-
-
-def test_a_backdrop_grows_by_what_its_last_node_is_pushed():
-    network, sizes = _row(a=0.0, b=140.0, far=400.0)
-    (before,) = backdrops_of(network)
-    places = {"b": (225.0, 0.0), "far": (480.0, 0.0)}
-    pushed = following(network, places, sizes)
-    assert pushed is not None
-    grown = pushed.apply(network)
-    assert backdrops_of(grown) == (replace(before, width=before.width + 85.0),)
-    moved = replace(grown, layout={**grown.layout, **places})
-    assert set(nodes_on(moved, 0, sizes)) == {"a", "b"}
+    points = {name: (x, 0.0) for name, x in places.items()}
+    after = following(network, points, sizes).apply(network)
+    new = replace(before, x=before.x + moved, width=before.width + grown)
+    assert backdrops_of(after) == (new,)
+    assert set(nodes_on(Move(points).apply(after), 0, sizes)) == {"a", "b"}
 
 
 def test_a_backdrop_stays_where_what_lies_on_it_stays():
     network, sizes = _row(a=0.0, b=140.0, far=400.0)
     assert following(network, {"far": (480.0, 0.0)}, sizes) is None
-
-
-def test_a_growing_backdrop_begins_where_its_first_node_is_pushed_to():
-    network, sizes = _row(a=0.0, b=140.0, far=400.0)
-    (before,) = backdrops_of(network)
-    pushed = following(network, {"a": (30.0, 0.0), "b": (225.0, 0.0)}, sizes)
-    assert pushed is not None
-    (after,) = backdrops_of(pushed.apply(network))
-    assert after == replace(before, x=before.x + 30.0, width=before.width + 55.0)
 
 
 SIZE = (180.0, 120.0)

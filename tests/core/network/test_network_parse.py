@@ -111,16 +111,14 @@ def test_wrong_types_and_values(path, value, message, document, small_library):
     assert _fault(json.dumps(document), small_library) == message
 
 
-@pytest.mark.parametrize("name", ["nodes", "version"])
-def test_what_must_be_there(name, document, small_library):
-    del document[name]
-    assert _fault(json.dumps(document), small_library).startswith(f"{name} is missing: it must be ")
-
-
-def test_a_node_needs_its_module(document, small_library):
-    document["nodes"]["init"] = {}
-    message = "nodes.init.module is missing: it must be a text"
-    assert _fault(json.dumps(document), small_library) == message
+@pytest.mark.parametrize("path", ["nodes", "version", "nodes.init.module"])
+def test_what_must_be_there(path, document, small_library):
+    *above, name = path.split(".")
+    target = document
+    for step in above:
+        target = target[step]
+    del target[name]
+    assert _fault(json.dumps(document), small_library).startswith(f"{path} is missing: it must be ")
 
 
 @pytest.mark.parametrize("name", ["", " ", "a.b", "a=b", "a\tb", "a\x7f", "a\x85b", "a\u2028b"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QPoint, QPointF
 
 from app.editor.canvas.hands.gestures import Gesture, Surface, whole
-from app.editor.canvas.items.hits import place_on_wire, wire_near
+from app.editor.canvas.items.hits import place_on_wire, wires_near
 from app.editor.canvas.items.marks import Marks
 from app.editor.canvas.items.wire_item import WireItem
 from core.editing.wire_dots import add_dot, move_dot, remove_dot, straighten
@@ -59,17 +59,16 @@ class Dots:
         surface = self._surface
         if pos is not None:
             point = surface.view.scene_point(pos)
-            wire = wire_near(surface.content, point, _REACH_PX / surface.view.zoom)
-            if wire is not None:
+            for wire in wires_near(surface.content, point, _REACH_PX / surface.view.zoom):
                 self.add_at(wire, point)
                 return
-        wire = self._chosen_wire()
-        if wire is None:
+        chosen = self._chosen_wire()
+        if chosen is None:
             session = surface.session
             session.message.emit("note", "point at a wire, or select one, to bend it through a dot")
             return
-        line = wire.line()
-        self.add_at(wire, line[len(line) // 2])
+        line = chosen.line()
+        self.add_at(chosen, line[len(line) // 2])
 
     def remove(self) -> bool:
         """Take the selected dot away; whether there was one."""

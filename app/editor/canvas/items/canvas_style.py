@@ -49,28 +49,10 @@ class PortFace:
 class NodeFace:
     """A node as it is drawn.
 
-    Parameters
-    ----------
-    id : str
-        The node's id: the user's name for it, which is its title.
-    module : str
-        The module's title; its key where the module is not known.
-    group : str
-        The library's group; empty where the module is not known.
-    summary : str
-        What the module does, for the tooltip.
-    inputs, outputs : tuple of PortFace
-        The ports from top to bottom.
-    known : bool
-        Whether the library has the module.
-    disabled : bool
-        Whether the node only passes its input through.
-    output : bool
-        Whether its picture is marked as what the network delivers.
-    colour : str
-        Name of the colour that the user gave it; empty for that of its group.
-    macro : bool
-        Whether it holds nodes of its own.
+    `id`, the user's name for it, is its title; `module` the module's title, or its key where the
+    library does not have it: then it is not `known` and has no `group`. `disabled`: it only passes
+    its input through; `output`: its picture is marked as what the network delivers; `colour`: name
+    of the one that the user gave it, empty for that of its group; `macro`: it holds nodes.
     """
 
     id: str
@@ -185,15 +167,7 @@ TINTS: tuple[str, ...] = tuple(_TINTS["dark"])
 
 
 class CanvasStyle:
-    """What the items are drawn with.
-
-    Parameters
-    ----------
-    theme : Theme
-        The colours.
-    font : QFont
-        The window's font; its family is used.
-    """
+    """What the items are drawn with, of the theme's colours and the window's family of letters."""
 
     def __init__(self, theme: Theme, font: QFont) -> None:
         self.theme = theme

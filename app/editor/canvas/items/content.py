@@ -23,17 +23,7 @@ from core.network.network import Link, Network, Node, topological
 
 
 class Content:
-    """Nodes by id, wires by link and backdrops in order.
-
-    Parameters
-    ----------
-    scene : QGraphicsScene
-        What holds the items.
-    library : mapping
-        Modules by key.
-    style : CanvasStyle
-        What the items are drawn with.
-    """
+    """The scene's nodes by id, wires by link and backdrops in order."""
 
     def __init__(self, scene: QGraphicsScene, library: Library, style: CanvasStyle) -> None:
         self.nodes: dict[str, NodeItem] = {}
@@ -81,7 +71,7 @@ class Content:
         self._marked = marked
         for name, node in network.nodes.items():
             if links_differ or name in remarked or self._drawn.get(name) is not node:
-                self._follow_node(node, touched.get(name, self._links_of(name)))
+                self._follow_node(node, touched.get(name) or [w.link for w in self.wires_at(name)])
         points = points_of(network)
         moved = points != self._points
         if moved:
@@ -156,7 +146,7 @@ class Content:
 
     def bounds(self, names: Iterable[str] | None = None) -> QRectF:
         """What the nodes take up; of all, the backdrops too. Null where there is nothing."""
-        whole, there = QRectF(), self._ground.boxes
+        whole, there, reach = QRectF(), self._ground.boxes, QPointF(DOT_RADIUS, DOT_RADIUS)
         boxes = [*there.values()] if names is None else [there[n] for n in names if n in there]
         if boxes:
             left, top, right, bottom = hull(boxes)
@@ -165,7 +155,7 @@ class Content:
             whole = whole.united(backdrop.frame())
         for wire in self.wires.values() if names is None else ():
             for dot in wire.dots:
-                whole = whole.united(_around(dot))
+                whole = whole.united(QRectF(dot - reach, dot + reach))
         return whole
 
     def mark_selected(self, names: Iterable[str]) -> None:
@@ -265,14 +255,6 @@ class Content:
         item = self.nodes.pop(name)
         item.ports.clear()
         self._scene.removeItem(item)
-
-    def _links_of(self, name: str) -> list[Link]:
-        return [wire.link for wire in self.wires_at(name)]
-
-
-def _around(dot: QPointF) -> QRectF:
-    reach = QPointF(DOT_RADIUS, DOT_RADIUS)
-    return QRectF(dot - reach, dot + reach)
 
 
 def links_at(network: Network) -> dict[str, list[Link]]:

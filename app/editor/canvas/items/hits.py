@@ -11,6 +11,7 @@ from PySide6.QtCore import QPointF, QRectF
 from app.editor.canvas.items.backdrop_item import BackdropItem
 from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.node_item import NodeItem, NodePort
+from app.editor.canvas.items.routing import length
 from app.editor.canvas.items.wire_item import DOT_RADIUS, WireItem
 
 _PORT_PX, _PORT_LEAST, _PORT_MOST = 9.0, 9.0, 26.0
@@ -42,8 +43,7 @@ def hit(content: Content, point: QPointF, zoom: float) -> Hit:
     dotted = dot_near(content, point, max(_DOT_PX / zoom, DOT_RADIUS))
     if dotted is not None:
         return Hit(wire=dotted[0], dot=dotted[1])
-    wire = wire_near(content, point, _WIRE_PX / zoom)
-    if wire is not None:
+    for wire in wires_near(content, point, _WIRE_PX / zoom):
         return Hit(wire=wire)
     for backdrop in reversed(content.backdrops):
         if backdrop.handle().contains(point):
@@ -64,15 +64,14 @@ def port_near(content: Content, point: QPointF, zoom: float) -> NodePort | None:
     if zoom / content.style.natural_zoom < _PORTS_FROM:
         return None
     reach = min(max(_PORT_PX / zoom, _PORT_LEAST), _PORT_MOST)
-    best: tuple[float, NodePort] | None = None
-    for item in content.nodes.values():
-        if not item.frame().adjusted(-reach, -reach, reach, reach).contains(point):
-            continue
-        for port in item.ports.values():
-            away = _length(port.centre() - point)
-            if away <= reach and (best is None or away < best[0]):
-                best = (away, port)
-    return best[1] if best is not None else None
+    near = [
+        (away, port)
+        for item in content.nodes.values()
+        if item.frame().adjusted(-reach, -reach, reach, reach).contains(point)
+        for port in item.ports.values()
+        if (away := length(port.centre() - point)) <= reach
+    ]
+    return min(near, key=itemgetter(0))[1] if near else None
 
 
 def dot_near(content: Content, point: QPointF, reach: float) -> tuple[WireItem, int] | None:
@@ -82,7 +81,7 @@ def dot_near(content: Content, point: QPointF, reach: float) -> tuple[WireItem, 
         for wire in content.wires.values()
         if wire.isVisible()
         for index, dot in enumerate(wire.dots)
-        if (away := _length(dot - point)) <= reach
+        if (away := length(dot - point)) <= reach
     ]
     return min(near, key=itemgetter(0))[1:] if near else None
 
@@ -90,16 +89,11 @@ def dot_near(content: Content, point: QPointF, reach: float) -> tuple[WireItem, 
 def place_on_wire(wire: WireItem, point: QPointF) -> int:
     """Before which of its dots a point of a wire lies; their number where behind all."""
     line = wire.line()
-    nearest = min(range(len(line)), key=lambda place: _length(line[place] - point))
+    nearest = min(range(len(line)), key=lambda place: length(line[place] - point))
     places = [
-        min(range(len(line)), key=lambda place: _length(line[place] - dot)) for dot in wire.dots
+        min(range(len(line)), key=lambda place: length(line[place] - dot)) for dot in wire.dots
     ]
     return sum(place < nearest for place in places)
-
-
-def wire_near(content: Content, point: QPointF, reach: float) -> WireItem | None:
-    """The nearest wire that passes within reach."""
-    return next(iter(wires_near(content, point, reach)), None)
 
 
 def wires_near(content: Content, point: QPointF, reach: float) -> list[WireItem]:
@@ -130,8 +124,8 @@ def distance(line: list[QPointF], point: QPointF) -> float:
     px, py = point.x(), point.y()
     for a, b in pairwise(line):
         ax, ay, dx, dy = a.x(), a.y(), b.x() - a.x(), b.y() - a.y()
-        length = dx * dx + dy * dy
-        t = 0.0 if not length else ((px - ax) * dx + (py - ay) * dy) / length
+        square = dx * dx + dy * dy
+        t = 0.0 if not square else ((px - ax) * dx + (py - ay) * dy) / square
         t = min(max(t, 0.0), 1.0)
         away = (ax + t * dx - px) ** 2 + (ay + t * dy - py) ** 2
         best = min(best, away)
@@ -148,7 +142,3 @@ def _crossed(line: list[QPointF], start: QPointF, end: QPointF) -> bool:
 
 def _side(a: QPointF, b: QPointF, point: QPointF) -> float:
     return (b.x() - a.x()) * (point.y() - a.y()) - (b.y() - a.y()) * (point.x() - a.x())
-
-
-def _length(vector: QPointF) -> float:
-    return float((vector.x() ** 2 + vector.y() ** 2) ** 0.5)

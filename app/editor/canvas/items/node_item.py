@@ -69,15 +69,7 @@ class NodePort(QGraphicsItem):
 
 
 class NodeItem(AbstractNodeItem):
-    """A node drawn from its face.
-
-    Parameters
-    ----------
-    face : NodeFace
-        What it shows.
-    style : CanvasStyle
-        What it is drawn with.
-    """
+    """A node drawn from its face."""
 
     def __init__(self, face: NodeFace, style: CanvasStyle) -> None:
         super().__init__(face.id)
@@ -118,8 +110,22 @@ class NodeItem(AbstractNodeItem):
         _option: QStyleOptionGraphicsItem,
         _widget: QWidget | None = None,
     ) -> None:
-        """Draw the node with its ports."""
-        paint_node(painter, self)
+        """Draw the node with its ports; the zoom is read off the painter."""
+        zoom = max(painter.worldTransform().m11(), 1e-3)
+        relative = zoom / self.style.natural_zoom
+        if not self.face.known:
+            painter.setOpacity(0.9)
+        if relative < OVERVIEW:
+            _paint_overview(painter, self, zoom)
+        else:
+            _paint_full(painter, self)
+        _paint_border(painter, self, zoom)
+        if self.face.output:
+            _paint_output_mark(painter, self, with_text=relative >= OVERVIEW)
+        if relative >= _PORTS_FROM:
+            for port in self.ports.values():
+                _paint_port(painter, port, self.style)
+        painter.setOpacity(1.0)
 
     @property
     def badge(self) -> Badge | None:
@@ -132,7 +138,7 @@ class NodeItem(AbstractNodeItem):
             return
         if badge is None:
             assert self._badge is not None
-            self._drop(self._badge)
+            self.scene().removeItem(self._badge)  # which takes it from this item, too
             self._badge = None
         elif self._badge is None:
             self._badge = BadgeItem(badge, self.style, self)
@@ -168,32 +174,9 @@ class NodeItem(AbstractNodeItem):
             self._badge.style = style
         self.update()
 
-    def _drop(self, child: QGraphicsItem) -> None:
-        self.scene().removeItem(child)  # which takes it from this item, too
-
 
 _GAP = 4.0  # between the two frames of a macro
 _PORT_RECT = QRectF(-8, -7, 16, 14)
-
-
-def paint_node(painter: QPainter, item: NodeItem) -> None:
-    """Draw the node; the zoom is read off the painter."""
-    zoom = max(painter.worldTransform().m11(), 1e-3)
-    style = item.style
-    relative = zoom / style.natural_zoom
-    if not item.face.known:
-        painter.setOpacity(0.9)
-    if relative < OVERVIEW:
-        _paint_overview(painter, item, zoom)
-    else:
-        _paint_full(painter, item)
-    _paint_border(painter, item, zoom)
-    if item.face.output:
-        _paint_output_mark(painter, item, with_text=relative >= OVERVIEW)
-    if relative >= _PORTS_FROM:
-        for port in item.ports.values():
-            _paint_port(painter, port, style)
-    painter.setOpacity(1.0)
 
 
 def head_colour(item: NodeItem) -> QColor:

@@ -46,21 +46,22 @@ def dotted_path(start: QPointF, end: QPointF, dots: Sequence[QPointF]) -> QPaint
     points = [start, *dots, end]
     path = QPainterPath(start)
     for number, (one, other) in enumerate(pairwise(points)):
-        length = _length(other - one)
-        ways = [_way(points, place, _SHARE * length) for place in (number, number + 1)]
+        share = _SHARE * length(other - one)
+        ways = [_way(points, place, share) for place in (number, number + 1)]
         path.cubicTo(one + ways[0], other - ways[1], other)
     return path
 
 
-def _way(points: Sequence[QPointF], place: int, length: float) -> QPointF:
+def _way(points: Sequence[QPointF], place: int, long: float) -> QPointF:
     """Where a wire goes at one of its points, of that length."""
     if place in (0, len(points) - 1):
-        return QPointF(length, 0)
+        return QPointF(long, 0)
     way = points[place + 1] - points[place - 1]
-    return way * (length / max(_length(way), 1e-6))
+    return way * (long / max(length(way), 1e-6))
 
 
-def _length(way: QPointF) -> float:
+def length(way: QPointF) -> float:
+    """Of a vector."""
     return math.hypot(way.x(), way.y())
 
 

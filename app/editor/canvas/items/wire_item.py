@@ -83,23 +83,10 @@ class WireItem(QGraphicsPathItem):
         self.setToolTip(f"{self.link} ({carried})")
         self.update()
 
-    def set_state(
-        self,
-        *,
-        lit: bool | None = None,
-        chosen: bool | None = None,
-        hovered: bool | None = None,
-        target: bool | None = None,
-    ) -> None:
-        """Change what is given of its state."""
-        new = (
-            self.lit if lit is None else lit,
-            self.chosen if chosen is None else chosen,
-            self.hovered if hovered is None else hovered,
-            self.target if target is None else target,
-        )
-        if new != (self.lit, self.chosen, self.hovered, self.target):
-            self.lit, self.chosen, self.hovered, self.target = new
+    def set_state(self, **changes: bool) -> None:
+        """Change which of `lit`, `chosen`, `hovered` and `target` it is."""
+        if any(getattr(self, name) != on for name, on in changes.items()):
+            vars(self).update(changes)
             self.restyle()
 
     def set_style(self, style: CanvasStyle) -> None:

@@ -39,22 +39,10 @@ _PADDING = 7
 
 @dataclass(frozen=True)
 class Choice:
-    """An entry of the list.
+    """An entry of the list: what is shown, and what is chosen by it.
 
-    Parameters
-    ----------
-    text : str
-        What is shown.
-    value : object
-        What is chosen by it.
-    detail : str
-        Shown beside it, fainter.
-    words, further : str
-        Words it is also searched by, and those searched only if no choice matches without them.
-    colour : str
-        Of the mark before it.
-    tip : str
-        Its tooltip.
+    `detail` stands beside it, fainter; `words` it is also searched by, and `further` ones only if
+    no choice matches without them; `colour` is that of the mark before it.
     """
 
     text: str

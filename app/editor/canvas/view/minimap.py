@@ -19,17 +19,7 @@ _LEAST = QSizeF(2, 2)  # of a node on it
 
 
 class Minimap(QWidget):
-    """Shown while a part of the network is outside the view; a click or a drag goes there.
-
-    Parameters
-    ----------
-    view : GraphView
-        The view it stands in and pans.
-    content : Content
-        What is drawn.
-    theme : Theme
-        The colours.
-    """
+    """Shown while a part of the network is outside the view; a click or a drag goes there."""
 
     def __init__(self, view: GraphView, content: Content, theme: Theme) -> None:
         super().__init__(view.viewport())

@@ -31,19 +31,7 @@ _OWNER = "canvas.thumbnails"
 
 
 class NodeThumbnails(QObject):
-    """Posts a query for each node, and shows the answers.
-
-    Parameters
-    ----------
-    session : Session or Level
-        The document, or what of it is shown.
-    evaluator : Evaluator
-        Answers the queries, once all else is answered.
-    scene : QGraphicsScene
-        What holds the items.
-    content : Content
-        The nodes on it.
-    """
+    """Posts a query for each node, answered once all else is, and shows the answers."""
 
     def __init__(
         self,
@@ -176,17 +164,7 @@ _LEAST_SHARE = 0.35  # of the node's width, of a picture that is very high
 
 
 class ThumbnailItem(QGraphicsItem):
-    """A small picture or curve as wide as its node, in the scene's units.
-
-    Parameters
-    ----------
-    small : SmallPicture or SmallCurve
-        What it shows.
-    width : float
-        The node's width.
-    style : CanvasStyle
-        What it is drawn with.
-    """
+    """A small picture or curve as wide as its node, in the scene's units."""
 
     def __init__(self, small: Small, width: float, style: CanvasStyle) -> None:
         super().__init__()
@@ -286,15 +264,7 @@ _POINTS = 64
 
 @dataclass(frozen=True, eq=False)
 class SmallPicture:
-    """A picture made small.
-
-    Parameters
-    ----------
-    grey : ndarray of uint8, shape (high, wide)
-        C order.
-    width, height : float
-        Its shape as it is seen, in any unit.
-    """
+    """A picture made small, (high, wide); `width` and `height` are its shape as it is seen."""
 
     grey: NDArray[np.uint8]
     width: float
