@@ -5,101 +5,75 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from fractions import Fraction
-from types import MappingProxyType
 
 from core.names import close
 
 Factor = Fraction | float
 
-_TEN = Fraction(10)
 _DEGREE = math.pi / 180.0
 
-# By what is measured: each unit's symbol and how many of the first unit it is. A symbol stands in
-# one row alone. A unit that no row has is converted to no other.
-_KINDS: Mapping[str, Mapping[str, Factor]] = MappingProxyType(
-    {
-        "length": {
-            "m": _TEN**0,
-            "nm": _TEN**-9,
-            "µm": _TEN**-6,
-            "um": _TEN**-6,
-            "mm": _TEN**-3,
-            "cm": _TEN**-2,
-            "km": _TEN**3,
-        },
-        "time": {
-            "s": _TEN**0,
-            "ns": _TEN**-9,
-            "µs": _TEN**-6,
-            "us": _TEN**-6,
-            "ms": _TEN**-3,
-        },
-        "frequency": {"Hz": _TEN**0, "kHz": _TEN**3, "MHz": _TEN**6, "GHz": _TEN**9},
-        "angle": {
-            "rad": _TEN**0,
-            "nrad": _TEN**-9,
-            "µrad": _TEN**-6,
-            "urad": _TEN**-6,
-            "mrad": _TEN**-3,
-            "deg": _DEGREE,
-            "°": _DEGREE,
-            "arcmin": _DEGREE / 60.0,
-            "arcsec": _DEGREE / 3600.0,
-        },
-        "angular rate": {
-            "rad/s": _TEN**0,
-            "µrad/s": _TEN**-6,
-            "urad/s": _TEN**-6,
-            "mrad/s": _TEN**-3,
-            "deg/s": _DEGREE,
-            "°/s": _DEGREE,
-        },
-        "speed": {
-            "m/s": _TEN**0,
-            "mm/s": _TEN**-3,
-            "km/s": _TEN**3,
-            "km/h": Fraction(1000, 3600),
-        },
-        "angular frequency": {
-            "cyc/mrad": _TEN**0,
-            "cyc/rad": _TEN**-3,
-            "cyc/deg": 1.0 / (_DEGREE * 1000.0),
-        },
-        "temperature": {"K": _TEN**0, "mK": _TEN**-3},
-        "spectral radiance": {
-            "W/m²/sr/µm": _TEN**0,
-            "W/m²/sr/nm": _TEN**3,
-            "W/cm²/sr/µm": _TEN**4,
-        },
-        "spectral irradiance": {"W/m²/µm": _TEN**0, "W/m²/nm": _TEN**3},
-        "number of electrons": {"e-": _TEN**0, "ke-": _TEN**3, "Me-": _TEN**6},
-        "current of electrons": {"e-/s": _TEN**0, "ke-/s": _TEN**3},
-        "gain": {"e-/DN": _TEN**0},
-        "digital number": {"DN": _TEN**0},
-        "extinction": {"1/km": _TEN**0, "/km": _TEN**0, "1/m": _TEN**3, "/m": _TEN**3},
-        "radiance": {
-            "W/m²/sr": _TEN**0,
-            "W/m2/sr": _TEN**0,
-            "W/m^2/sr": _TEN**0,
-            "W/cm²/sr": _TEN**4,
-            "W/cm2/sr": _TEN**4,
-            "mW/cm²/sr": _TEN**1,
-            "mW/cm2/sr": _TEN**1,
-            "µW/cm²/sr": _TEN**-2,
-            "uW/cm2/sr": _TEN**-2,
-        },
-        "luminance": {"cd/m²": _TEN**0, "cd/m2": _TEN**0, "cd/m^2": _TEN**0},
-        "detectivity": {"cm √Hz/W": _TEN**0, "cm Hz^0.5/W": _TEN**0, "Jones": _TEN**0},
-        "turbulence": {"m^(-2/3)": _TEN**0},
-        "share": {"": _TEN**0, "%": _TEN**-2},
-        "count of samples": {"px": _TEN**0, "samples": _TEN**0, "pixels": _TEN**0},
-        "resolution of numbers": {"bit": _TEN**0, "bits": _TEN**0},
-        "frequency of the samples": {"Nyquist": _TEN**0},
-        "frequency in the frame": {"cycles per frame": _TEN**0},
-        "wavefront": {"waves": _TEN**0},
-        "wavefront error": {"waves rms": _TEN**0},
-    }
-)
+# By what is measured: each unit's symbol, and the power of ten, or the factor, that makes it the
+# first unit of its row. A symbol stands in one row alone. A unit that no row has is converted to no
+# other.
+_ROWS: Mapping[str, Mapping[str, int | Factor]] = {
+    "length": {"m": 0, "nm": -9, "µm": -6, "um": -6, "mm": -3, "cm": -2, "km": 3},
+    "time": {"s": 0, "ns": -9, "µs": -6, "us": -6, "ms": -3},
+    "frequency": {"Hz": 0, "kHz": 3, "MHz": 6, "GHz": 9},
+    "angle": {
+        "rad": 0,
+        "nrad": -9,
+        "µrad": -6,
+        "urad": -6,
+        "mrad": -3,
+        "deg": _DEGREE,
+        "°": _DEGREE,
+        "arcmin": _DEGREE / 60.0,
+        "arcsec": _DEGREE / 3600.0,
+    },
+    "angular rate": {
+        "rad/s": 0,
+        "µrad/s": -6,
+        "urad/s": -6,
+        "mrad/s": -3,
+        "deg/s": _DEGREE,
+        "°/s": _DEGREE,
+    },
+    "speed": {"m/s": 0, "mm/s": -3, "km/s": 3, "km/h": Fraction(1000, 3600)},
+    "angular frequency": {"cyc/mrad": 0, "cyc/rad": -3, "cyc/deg": 1.0 / (_DEGREE * 1000.0)},
+    "temperature": {"K": 0, "mK": -3},
+    "spectral radiance": {"W/m²/sr/µm": 0, "W/m²/sr/nm": 3, "W/cm²/sr/µm": 4},
+    "spectral irradiance": {"W/m²/µm": 0, "W/m²/nm": 3},
+    "number of electrons": {"e-": 0, "ke-": 3, "Me-": 6},
+    "current of electrons": {"e-/s": 0, "ke-/s": 3},
+    "gain": {"e-/DN": 0},
+    "digital number": {"DN": 0},
+    "extinction": {"1/km": 0, "/km": 0, "1/m": 3, "/m": 3},
+    "radiance": {
+        "W/m²/sr": 0,
+        "W/m2/sr": 0,
+        "W/m^2/sr": 0,
+        "W/cm²/sr": 4,
+        "W/cm2/sr": 4,
+        "mW/cm²/sr": 1,
+        "mW/cm2/sr": 1,
+        "µW/cm²/sr": -2,
+        "uW/cm2/sr": -2,
+    },
+    "luminance": {"cd/m²": 0, "cd/m2": 0, "cd/m^2": 0},
+    "detectivity": {"cm √Hz/W": 0, "cm Hz^0.5/W": 0, "Jones": 0},
+    "turbulence": {"m^(-2/3)": 0},
+    "share": {"": 0, "%": -2},
+    "count of samples": {"px": 0, "samples": 0, "pixels": 0},
+    "resolution of numbers": {"bit": 0, "bits": 0},
+    "frequency of the samples": {"Nyquist": 0},
+    "frequency in the frame": {"cycles per frame": 0},
+    "wavefront": {"waves": 0},
+    "wavefront error": {"waves rms": 0},
+}
+_KINDS: Mapping[str, Mapping[str, Factor]] = {
+    kind: {unit: Fraction(10) ** by if isinstance(by, int) else by for unit, by in row.items()}
+    for kind, row in _ROWS.items()
+}
 
 
 def canonical(unit: str) -> str:
