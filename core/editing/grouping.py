@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from core.editing.backdrops import FIELD as BACKDROPS
 from core.editing.backdrops import backdrops_of
 from core.editing.layout import Point
-from core.editing.operations import Operation, fresh_name, named
+from core.editing.operations import ABSENT, Edit, Operation, fresh_name, named, with_field
 from core.editing.references import of_nodes, renamed, without_dots
 from core.editing.wire_dots import dots_among, dots_of, joined_fields, shifted
 from core.errors import NetworkError
@@ -38,235 +39,6 @@ from core.network.macro import (
 from core.network.network import EXPRESSION, MACRO, Link, Network, Node, cycle_error, cycles
 
 
-@dataclass(frozen=True)
-class Group(Operation):
-    """Put nodes into a new macro with this face.
-
-    What draws noise among them and inside of them, `noisy`, draws the same afterwards. `values`
-    has, by parameter of the macro that takes over an expression, the value inside from then on.
-    `where` are the macros this happens in, as ``camera/``; empty in the network itself.
-    """
-
-    name: str
-    members: tuple[str, ...]
-    face: Interface
-    noisy: frozenset[str] = frozenset()
-    values: Mapping[str, Any] = field(default_factory=dict)
-    where: str = ""
-
-    def _usual_text(self) -> str:
-        return f"Group {named(self.members)}"
-
-    def apply(self, network: Network) -> Network:
-        """The network with the macro in their place."""
-        inner = {name: network.node(name) for name in self.members}
-        if self.name in network.nodes and self.name not in inner:
-            raise NetworkError(f"there is a node {shown(self.name)} already")
-        moved = self.moved(network)
-        lifted = {
-            name: with_names(inner[node], moved).params[parameter]
-            for name, (node, parameter) in self.face.parameters.items()
-            if _follows_others(inner[node], parameter, inner)
-        }
-        body = Network(
-            nodes={
-                name: self._member(node, lifted)
-                for name, node in network.nodes.items()
-                if name in inner
-            },
-            links=tuple(
-                link for link in network.links if {link.source, link.target} <= inner.keys()
-            ),
-            layout={name: at for name, at in network.layout.items() if name in inner},
-            extra={**self.face.fields(), **joined_fields({}, dots_among(network, inner))},
-        )
-        checked_depth(1 + depth(body), self.name)
-        nodes: dict[str, Node] = {}
-        for name, node in network.nodes.items():
-            if name not in inner:
-                nodes[name] = with_names(node, moved)
-            elif self.name not in nodes:
-                nodes[self.name] = Node(self.name, MACRO, params=lifted, macro=body)
-        layout = {name: at for name, at in network.layout.items() if name not in inner}
-        if body.layout:
-            layout[self.name] = _middle(body.layout)
-        changed = replace(
-            network,
-            nodes=nodes,
-            links=self._links(network),
-            layout=layout,
-            extra=_with_moved(without_dots(network.extra, _links_at(network, inner)), moved),
-        )
-        around = face_of_macro(network)
-        if around != Interface():
-            changed = with_face(changed, self._shown_in(around))
-        loops = cycles(changed.followers)
-        if loops and not cycles(network.followers):
-            raise cycle_error(loops[0])
-        return changed
-
-    def moved(self, network: Network) -> dict[str, str]:
-        """The names of the nodes, which lie in the macro now."""
-        names = of_nodes(self.members, network.nodes)
-        return {name: f"{self.name}{SEPARATOR}{name}" for name in names}
-
-    def _member(self, node: Node, lifted: Collection[str]) -> Node:
-        """A node inside, without the expressions that the macro has taken over."""
-        params = dict(node.params)
-        for name in lifted:
-            inner, parameter = self.face.parameters[name]
-            if inner == node.id:
-                del params[parameter]
-                if name in self.values:
-                    params[parameter] = self.values[name]
-        if params != node.params:
-            node = replace(node, params=params)
-        return _with_noise(node, self.where + node.id, self.noisy)
-
-    def _links(self, network: Network) -> tuple[Link, ...]:
-        """The links with the macro in the place of the nodes; of several that become one, one."""
-        entry = {end: name for name, ends in self.face.inputs.items() for end in ends}
-        exits = {end: name for name, end in self.face.outputs.items()}
-        links: dict[Link, None] = {}
-        for link in network.links:
-            start, end = (link.source, link.output), (link.target, link.input)
-            if link.source in self.members and link.target in self.members:
-                continue
-            if link.source in self.members:
-                start = self.name, exits[start]
-            if link.target in self.members:
-                end = self.name, entry[end]
-            links[Link(*start, *end)] = None
-        return tuple(links)
-
-    def _shown_in(self, around: Interface) -> Interface:
-        """What the macro around shows, with the new one in the place of the nodes."""
-        names = [
-            {end: name for name, ends in self.face.inputs.items() for end in ends},
-            *(
-                {end: name for name, end in ends.items()}
-                for ends in (self.face.outputs, self.face.parameters)
-            ),
-        ]
-
-        def moved(of: Mapping[End, str]) -> Callable[[End], tuple[End]]:
-            return lambda end: ((self.name, of[end]) if end in of else end,)
-
-        face = around.mapped(*map(moved, names))
-        return replace(face, inputs={n: tuple(dict.fromkeys(e)) for n, e in face.inputs.items()})
-
-
-@dataclass(frozen=True)
-class Ungroup(Operation):
-    """Put the nodes of a macro in its place, called as `fresh` says; the rest as for `Group`."""
-
-    name: str
-    fresh: Mapping[str, str]
-    noisy: frozenset[str] = frozenset()
-    where: str = ""
-
-    def _usual_text(self) -> str:
-        return f"Ungroup {self.name}"
-
-    def apply(self, network: Network) -> Network:
-        """The network with the nodes."""
-        body = opened(_macro(network, self.name), linked=False)
-        for name in self.fresh.values():
-            if name in network.nodes and name != self.name:
-                raise NetworkError(f"there is a node {shown(name)} already")
-        moved = self.moved(network)
-        face, around = face_of_macro(body), face_of_macro(network)
-
-        def instead(leader: str, parameter: str) -> End:
-            end = face.parameters.get(parameter) if leader == self.name else None
-            return (new_name(leader, moved), parameter) if end is None else self._inner(end)
-
-        nodes: dict[str, Node] = {}
-        for name, node in network.nodes.items():
-            other = with_references(node, instead)
-            nodes |= self._nodes(other, body, face) if name == self.name else {name: other}
-        x, y = _shift(network, self.name, body)
-        layout = {name: at for name, at in network.layout.items() if name != self.name}
-        for name, at in body.layout.items():
-            if name in body.nodes:
-                layout[self.fresh[name]] = at[0] + x, at[1] + y
-        extra = _with_moved(without_dots(network.extra, _links_at(network, {self.name})), moved)
-        if backdrops_of(body):
-            extra[BACKDROPS] = [
-                *thaw(network.extra.get(BACKDROPS, [])),
-                *(
-                    {**entry, "x": entry["x"] + x, "y": entry["y"] + y}
-                    for entry in thaw(body.extra[BACKDROPS])
-                    if isinstance(entry, dict) and {"x", "y"} <= entry.keys()
-                ),
-            ]
-        dots = {
-            link.renamed(self.fresh): shifted(points, (x, y))
-            for link, points in dots_of(body).items()
-        }
-        extra |= joined_fields(extra, dots)
-        links = self._links(network, body, face)
-        changed = replace(network, nodes=nodes, links=links, layout=layout, extra=extra)
-        return (
-            changed if around == Interface() else with_face(changed, self._shown_in(around, face))
-        )
-
-    def moved(self, network: Network) -> dict[str, str]:
-        """The names of the nodes, which lie in the macro no more."""
-        body = network.node(self.name).macro or Network()
-        return {
-            f"{self.name}{SEPARATOR}{name}": self.fresh[inner] + name.removeprefix(inner)
-            for inner in body.nodes
-            for name in of_nodes([inner], body.nodes)
-        }
-
-    def _inner(self, end: End) -> End:
-        return self.fresh[end[0]], end[1]
-
-    def _nodes(self, macro: Node, body: Network, face: Interface) -> dict[str, Node]:
-        """The nodes inside as they stand outside, with the values that the macro gave them."""
-        inner = {name: with_names(node, self.fresh) for name, node in body.nodes.items()}
-        for name, (own, parameter) in face.parameters.items():
-            if name in macro.linked and own in inner:
-                params = {**inner[own].params, parameter: macro.params[name]}
-                inner[own] = replace(inner[own], params=params)
-        nodes = {}
-        for name, node in inner.items():
-            fresh = self.fresh[name]
-            auto = node.auto if macro.auto is None else macro.auto
-            outer = f"{self.where}{self.name}{SEPARATOR}{name}"
-            plain = _with_noise(replace(node, id=fresh, auto=auto), outer, self.noisy)
-            nodes[fresh] = _without_own(plain, self.where + fresh)
-        return nodes
-
-    def _links(self, network: Network, body: Network, face: Interface) -> tuple[Link, ...]:
-        """The links with the nodes in the macro's place."""
-        links = [link.renamed(self.fresh) for link in body.links]
-        for link in network.links:
-            starts: tuple[End, ...] = ((link.source, link.output),)
-            ends: tuple[End, ...] = ((link.target, link.input),)
-            if link.source == self.name:
-                end = face.outputs.get(link.output)
-                starts = () if end is None else (self._inner(end),)
-            if link.target == self.name:
-                ends = tuple(map(self._inner, face.inputs.get(link.input, ())))
-            links += [Link(*start, *end) for start in starts for end in ends]
-        return tuple(links)
-
-    def _shown_in(self, around: Interface, face: Interface) -> Interface:
-        """What the macro around shows, with the nodes in the place of this one."""
-
-        def behind(of: Mapping[str, Iterable[End]]) -> Callable[[End], Iterable[End]]:
-            return lambda end: (
-                map(self._inner, of.get(end[1], ())) if end[0] == self.name else (end,)
-            )
-
-        outputs, parameters = (
-            {name: (end,) for name, end in ends.items()} for ends in (face.outputs, face.parameters)
-        )
-        return around.mapped(behind(face.inputs), behind(outputs), behind(parameters))
-
-
 def group(
     network: Network,
     library: Library,
@@ -275,9 +47,10 @@ def group(
     where: str = "",
     value_of: Callable[[str, str], Any] | None = None,
 ) -> tuple[str, Operation]:
-    """What makes one node of several, and its name; `where` as for `Group`.
+    """What makes one node of several, and its name; what draws noise draws the same afterwards.
 
-    `value_of` gives the value of a node's parameter, in a macro with what is set from outside;
+    `where` are the macros this happens in, as ``camera/``; empty in the network itself. `value_of`
+    gives the value of a node's parameter, in a macro with what is set from outside;
     None: as the network alone has it.
     The macro has an input for every wire that comes from outside and every input that still needs
     one, an output for every one that leads outside and for the pictures nothing leads on from.
@@ -313,7 +86,15 @@ def group(
         if value is not None and not (isinstance(value, dict) and EXPRESSION in value)
     }
     noisy = _noisy(network, library, members, where)
-    operation = Group(fresh, members, face, noisy, values, where)
+    moved = {name: f"{fresh}{SEPARATOR}{name}" for name in of_nodes(members, network.nodes)}
+
+    def grouped(before: Network) -> Network:
+        inner = {name: before.node(name) for name in members}
+        body, lifted = _body(before, inner, face, moved, values)
+        noises = {name: _with_noise(node, where + name, noisy) for name, node in body.nodes.items()}
+        return _with_macro(before, inner, fresh, face, body.with_nodes(noises), lifted, moved)
+
+    operation = Edit(grouped, f"Group {named(members)}", moved)
     try:
         operation.apply(network)
     except NetworkError as error:
@@ -341,7 +122,163 @@ def ungroup(
         fresh[inner] = fresh_name(inner, taken)
         taken.add(fresh[inner])
     noisy = _noisy(body, library, body.nodes, f"{where}{name}{SEPARATOR}")
-    return tuple(fresh.values()), Ungroup(name, fresh, noisy, where)
+    moved = {
+        f"{name}{SEPARATOR}{old}": fresh[inner] + old.removeprefix(inner)
+        for inner in body.nodes
+        for old in of_nodes([inner], body.nodes)
+    }
+    how = partial(_without_macro, name=name, fresh=fresh, moved=moved, noisy=noisy, where=where)
+    return tuple(fresh.values()), Edit(how, f"Ungroup {name}", moved)
+
+
+def _body(
+    network: Network,
+    inner: Mapping[str, Node],
+    face: Interface,
+    moved: Mapping[str, str],
+    values: Mapping[str, Any],
+) -> tuple[Network, dict[str, Any]]:
+    """The inside of a new macro, and the expressions that its own parameters take over."""
+    nodes = {name: node for name, node in network.nodes.items() if name in inner}
+    lifted = {}
+    for name, (own, parameter) in face.parameters.items():
+        if not _follows_others(inner[own], parameter, inner):
+            continue
+        lifted[name] = with_names(inner[own], moved).params[parameter]
+        params = with_field(nodes[own].params, parameter, values.get(name, ABSENT))
+        nodes[own] = replace(nodes[own], params=params)
+    links = (link for link in network.links if {link.source, link.target} <= inner.keys())
+    return Network(
+        nodes=nodes,
+        links=tuple(links),
+        layout={name: at for name, at in network.layout.items() if name in inner},
+        extra={**face.fields(), **joined_fields({}, dots_among(network, inner))},
+    ), lifted
+
+
+def _with_macro(
+    network: Network,
+    inner: Mapping[str, Node],
+    name: str,
+    face: Interface,
+    body: Network,
+    lifted: Mapping[str, Any],
+    moved: Mapping[str, str],
+) -> Network:
+    """The network with a macro in the place of nodes."""
+    checked_depth(1 + depth(body), name)
+    nodes: dict[str, Node] = {}
+    for other, node in network.nodes.items():
+        if other not in inner:
+            nodes[other] = with_names(node, moved)
+        elif name not in nodes:
+            nodes[name] = Node(name, MACRO, params=lifted, macro=body)
+    layout = {other: at for other, at in network.layout.items() if other not in inner}
+    if body.layout:
+        layout[name] = _middle(body.layout)
+    entry = {end: (name, port) for port, ends in face.inputs.items() for end in ends}
+    exits = {end: (name, port) for port, end in face.outputs.items()}
+    shown_as = {end: (name, parameter) for parameter, end in face.parameters.items()}
+    links: dict[Link, None] = {}  # of several that become one, one
+    for link in network.links:
+        if not (link.source in inner and link.target in inner):
+            start, end = (link.source, link.output), (link.target, link.input)
+            links[Link(*exits.get(start, start), *entry.get(end, end))] = None
+    extra = _with_moved(without_dots(network.extra, _links_at(network, inner)), moved)
+    changed = replace(network, nodes=nodes, links=tuple(links), layout=layout, extra=extra)
+    around = face_of_macro(network)
+    if around != Interface():
+
+        def instead(of: Mapping[End, End]) -> Callable[[End], tuple[End]]:
+            return lambda end: (of.get(end, end),)
+
+        outer = around.mapped(*map(instead, (entry, exits, shown_as)))
+        inputs = {port: tuple(dict.fromkeys(ends)) for port, ends in outer.inputs.items()}
+        changed = with_face(changed, replace(outer, inputs=inputs))
+    loops = cycles(changed.followers)
+    if loops and not cycles(network.followers):
+        raise cycle_error(loops[0])
+    return changed
+
+
+def _without_macro(
+    network: Network,
+    *,
+    name: str,
+    fresh: Mapping[str, str],
+    moved: Mapping[str, str],
+    noisy: frozenset[str],
+    where: str,
+) -> Network:
+    """The network with the nodes of a macro in its place."""
+    macro = _macro(network, name)
+    body = opened(macro, linked=False)
+    face, around = face_of_macro(body), face_of_macro(network)
+
+    def inner(end: End) -> End:
+        return fresh[end[0]], end[1]
+
+    def instead(leader: str, parameter: str) -> End:
+        end = face.parameters.get(parameter) if leader == name else None
+        return (new_name(leader, moved), parameter) if end is None else inner(end)
+
+    nodes: dict[str, Node] = {}
+    for other, node in network.nodes.items():
+        changed = with_references(node, instead)
+        if other != name:
+            nodes[other] = changed
+            continue
+        for old, plain in _plain_nodes(changed, body, face, fresh).items():
+            noise = _with_noise(plain, f"{where}{name}{SEPARATOR}{old}", noisy)
+            nodes[fresh[old]] = _without_own(noise, where + fresh[old])
+    x, y = _shift(network, name, body)
+    layout = {other: at for other, at in network.layout.items() if other != name}
+    for old, at in body.layout.items():
+        if old in body.nodes:
+            layout[fresh[old]] = at[0] + x, at[1] + y
+    extra = _with_moved(without_dots(network.extra, _links_at(network, {name})), moved)
+    if backdrops_of(body):
+        extra[BACKDROPS] = [
+            *thaw(network.extra.get(BACKDROPS, [])),
+            *(
+                {**entry, "x": entry["x"] + x, "y": entry["y"] + y}
+                for entry in thaw(body.extra[BACKDROPS])
+                if isinstance(entry, dict) and {"x", "y"} <= entry.keys()
+            ),
+        ]
+    dots = {link.renamed(fresh): shifted(at, (x, y)) for link, at in dots_of(body).items()}
+    extra |= joined_fields(extra, dots)
+    outputs, parameters = (
+        {port: (end,) for port, end in ends.items()} for ends in (face.outputs, face.parameters)
+    )
+
+    def behind(of: Mapping[str, Iterable[End]]) -> Callable[[End], Iterable[End]]:
+        return lambda end: map(inner, of.get(end[1], ())) if end[0] == name else (end,)
+
+    starts, ends = behind(outputs), behind(face.inputs)
+    links = [link.renamed(fresh) for link in body.links]
+    for link in network.links:
+        targets = tuple(ends((link.target, link.input)))
+        links += [Link(*s, *t) for s in starts((link.source, link.output)) for t in targets]
+    after = replace(network, nodes=nodes, links=tuple(links), layout=layout, extra=extra)
+    if around == Interface():
+        return after
+    return with_face(after, around.mapped(ends, starts, behind(parameters)))
+
+
+def _plain_nodes(
+    macro: Node, body: Network, face: Interface, fresh: Mapping[str, str]
+) -> dict[str, Node]:
+    """The nodes of a macro with their new ids and the values that it gives them, by the old ids."""
+    inner = {name: with_names(node, fresh) for name, node in body.nodes.items()}
+    for name, (own, parameter) in face.parameters.items():
+        if name in macro.linked and own in inner:
+            params = {**inner[own].params, parameter: macro.params[name]}
+            inner[own] = replace(inner[own], params=params)
+    return {
+        name: replace(node, id=fresh[name], auto=node.auto if macro.auto is None else macro.auto)
+        for name, node in inner.items()
+    }
 
 
 def _macro(network: Network, name: str) -> Node:

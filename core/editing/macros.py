@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
 from core.editing.operations import (
     ABSENT,
+    Edit,
     Move,
     Operation,
     Remove,
@@ -283,65 +285,48 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
     return Together(steps, f"Hide {macro}.{name}")
 
 
-@dataclass(frozen=True)
-class RenameExposed(Operation):
-    """Give a parameter that a macro of the network shows another name, wherever it is mentioned."""
-
-    macro: str
-    old: str
-    new: str
-
-    def _usual_text(self) -> str:
-        return f"Rename {self.macro}.{self.old} to {self.new}"
-
-    def apply(self, network: Network) -> Network:
-        """The network with the new name."""
-        node = network.node(self.macro)
-        if node.macro is None:
-            raise NetworkError(f"{shown(self.macro)} is no macro")
-        entries = parameters_of(node.macro)
-        _known(self.macro, entries, self.old)
-        if self.new != self.old and self.new in entries:
-            raise NetworkError(f"{shown(self.macro)} has a parameter {shown(self.new)} already")
-
-        def name_of(name: str) -> str:
-            return self.new if name == self.old else name
-
-        entries = {name_of(name): end for name, end in entries.items()}
-        interface_of({PARAMETERS: entries})
-        body = replace(node.macro, extra={**node.macro.extra, PARAMETERS: entries})
-        params = {name_of(name): value for name, value in node.params.items()}
-        changed = network.with_node(replace(node, params=params, macro=body))
-        if any(one.parameter == self.old for _, _, one in _references_to(network, self.macro)):
-            changed = self._named_anew(changed)
-        face = face_of_macro(network)
-        ends = {
-            name: (end[0], name_of(end[1])) if end[0] == self.macro else end
-            for name, end in face.parameters.items()
-        }
-        return with_face(changed, replace(face, parameters=ends))
-
-    def _named_anew(self, network: Network) -> Network:
-        """With the new name in the expressions that follow it."""
-        if not readable(self.new):
-            raise NetworkError(
-                f"{shown(self.macro)}.{self.old} is followed by an expression: its name must be "
-                f"one word of letters, digits and _, not {shown(self.new)}"
-            )
-
-        def moved(node: str, parameter: str) -> End:
-            ours = (node, parameter) == (self.macro, self.old)
-            return (node, self.new) if ours else (node, parameter)
-
-        return network.with_nodes(
-            {name: with_references(node, moved) for name, node in network.nodes.items()}
-        )
-
-
 def rename_exposed(network: Network, macro: str, old: str, new: str) -> Operation:
-    """Give a parameter that a macro shows another name; the macro may lie in others."""
+    """Give a parameter that a macro shows another name, wherever it is mentioned.
+
+    The macro may lie in others.
+    """
     *outer, name = path_of(network, macro)
-    return at_level(tuple(outer), RenameExposed(name, old, new))
+    rename = partial(_with_exposed_renamed, macro=name, old=old, new=new)
+    return at_level(tuple(outer), Edit(rename, f"Rename {name}.{old} to {new}"))
+
+
+def _with_exposed_renamed(network: Network, *, macro: str, old: str, new: str) -> Network:
+    node = network.node(macro)
+    if node.macro is None:
+        raise NetworkError(f"{shown(macro)} is no macro")
+    entries = parameters_of(node.macro)
+    _known(macro, entries, old)
+    if new != old and new in entries:
+        raise NetworkError(f"{shown(macro)} has a parameter {shown(new)} already")
+
+    def name_of(name: str) -> str:
+        return new if name == old else name
+
+    def moved(node: str, name: str) -> End:
+        return node, name_of(name) if node == macro else name
+
+    entries = {name_of(name): end for name, end in entries.items()}
+    interface_of({PARAMETERS: entries})
+    body = replace(node.macro, extra={**node.macro.extra, PARAMETERS: entries})
+    params = {name_of(name): value for name, value in node.params.items()}
+    changed = network.with_node(replace(node, params=params, macro=body))
+    if any(one.parameter == old for _, _, one in _references_to(network, macro)):
+        if not readable(new):
+            raise NetworkError(
+                f"{shown(macro)}.{old} is followed by an expression: its name must be "
+                f"one word of letters, digits and _, not {shown(new)}"
+            )
+        changed = changed.with_nodes(
+            {name: with_references(other, moved) for name, other in changed.nodes.items()}
+        )
+    face = face_of_macro(network)
+    ends = {name: moved(*end) for name, end in face.parameters.items()}
+    return with_face(changed, replace(face, parameters=ends))
 
 
 def exposed_as(network: Network, node: str, parameter: str) -> str:

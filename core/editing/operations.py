@@ -89,6 +89,23 @@ class Together(Operation):
 
 
 @dataclass(frozen=True)
+class Edit(Operation):
+    """What a function makes of a network, and the nodes' new names by the old ones."""
+
+    change: Callable[[Network], Network]
+    label: str
+    names: Mapping[str, str] = field(default_factory=dict)
+
+    def apply(self, network: Network) -> Network:
+        """What the function makes of it."""
+        return self.change(network)
+
+    def moved(self, network: Network) -> dict[str, str]:  # noqa: ARG002
+        """The new names."""
+        return dict(self.names)
+
+
+@dataclass(frozen=True)
 class Restored(Operation):
     """Put a whole network in the place of the present one, whatever that has become."""
 
