@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QImage, QPainter, QPolygonF, QTransform
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QColor, QFontMetricsF, QImage, QPainter
 
 from app.editor.declared_text import choice_text
 from app.editor.evaluation.queries import Answer, Passing, Query
@@ -20,6 +20,7 @@ from app.editor.panels.illustrations.wavefront import (
     Wavefront,
     coloured,
     open_share,
+    scaled,
     wavefront_of,
 )
 from app.editor.theme import Theme
@@ -28,10 +29,11 @@ from core.chain.wires import Pupil
 from core.modules.declaration import NodeContext
 from core.names import thaw
 from core.network.network import Node
-from core.physics.optics.pupil_shapes import PupilShape, vane_direction
+from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
 
 _FILE = "file"
 _MARGIN = 1.2  # of what is drawn around the aperture
+_SIDE = 256  # pixels of the picture, along its longer side
 
 
 class ExitPupilIllustration(DocumentIllustration):
@@ -103,16 +105,33 @@ class ExitPupilIllustration(DocumentIllustration):
         self.write(painter, beside, self._facts())
 
     def _paint_pupil(self, painter: QPainter, frame: QRectF) -> None:
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         if self.pupil is not None and self.pupil.shape is not None:
-            light, dark = light_and_dark(self.theme)
-            brush = self._texture(self.pupil.shape.radius) or QBrush(QColor(light))
-            size = self.shown_samples()
-            draw_pupil(painter, frame, self.pupil.shape, size, brush, QColor(dark))
+            pixels = self._pixels(self.pupil.shape)
+            high, wide = pixels.shape
+            picture = QImage(pixels.data, wide, high, 4 * wide, QImage.Format.Format_RGB32)
+            painter.drawImage(frame, picture)
         elif self._samples is not None:
             levels = self._samples.levels
             high, wide = levels.shape
             picture = QImage(levels.data, wide, high, wide, QImage.Format.Format_Grayscale8)
             painter.drawImage(frame, picture)
+
+    def _pixels(self, shape: PupilShape) -> NDArray[np.uint32]:
+        """The shape as it is drawn, what is open in the colour of its wavefront error."""
+        wide, high = self.shown_samples()
+        scale = _SIDE / max(wide, high)
+        shape = scaled(shape, scale)
+        rows, columns = max(1, round(high * scale)), max(1, round(wide * scale))
+        errors = np.zeros((rows, columns))
+        if self._wavefront is not None:
+            waves = self._wavefront.waves / (self._wavefront.size or 1.0)
+            down, across = (_places(count, shape.radius, len(waves)) for count in (rows, columns))
+            errors = waves[np.ix_(down, across)]
+        pixels = coloured(errors, self._colours())
+        dark = QColor(light_and_dark(self.theme)[1]).rgb()
+        pixels[sample_pupil(shape, rows=rows, columns=columns) == 0] = dark
+        return pixels
 
     def _planned(self, node: Node) -> Pupil:
         """What the module makes of its parameters; of a geometric shape, that takes no time."""
@@ -145,75 +164,14 @@ class ExitPupilIllustration(DocumentIllustration):
     def _colours(self) -> tuple[str, str, str]:
         return self.theme.curves[0], light_and_dark(self.theme)[0], self.theme.curves[3]
 
-    def _texture(self, radius: float) -> QBrush | None:
-        """The wavefront error in colour, in samples from the centre."""
-        if self._wavefront is None:
-            return None
-        waves = self._wavefront.waves / (self._wavefront.size or 1.0)
-        side = len(waves)
-        pixels = coloured(waves, self._colours())
-        image = QImage(pixels.data, side, side, 4 * side, QImage.Format.Format_RGB32)
-        brush = QBrush(image.copy())
-        scale, start = 2 * radius / side, -radius
-        brush.setTransform(QTransform(scale, 0, 0, scale, start, start))
-        return brush
 
+def _places(count: int, radius: float, side: int) -> NDArray[np.intp]:
+    """Which of `side` samples of a wavefront, which cover the disc, lie at so many pixels."""
+    share = (np.arange(count) - (count - 1) / 2) / radius
+    return np.clip((share + 1) / 2 * side, 0, side - 1).astype(np.intp)
 
-# Painting an exit pupil from its geometry: what is open, and what obstructs it.
 
 _SHADES = 64
-
-
-def draw_pupil(
-    painter: QPainter,
-    box: QRectF,
-    shape: PupilShape,
-    size: tuple[float, float],
-    light: QBrush,
-    dark: QColor,
-) -> None:
-    """Paint the middle of a pupil array into a box.
-
-    Parameters
-    ----------
-    painter : QPainter
-        Paints it.
-    box : QRectF
-        Where it is to be; y runs downwards, as rows do.
-    shape : PupilShape
-        The pupil, lengths in samples.
-    size : (float, float)
-        Samples across and along that the box shows.
-    light : QBrush
-        What is transparent; a texture lies in samples from the centre.
-    dark : QColor
-        What is opaque.
-    """
-    painter.save()
-    painter.setClipRect(box)
-    painter.setPen(Qt.PenStyle.NoPen)
-    painter.translate(box.center())
-    painter.scale(box.width() / size[0], box.height() / size[1])
-    wide, high = size[0] / 2, size[1] / 2
-    painter.fillRect(QRectF(-wide, -high, 2 * wide, 2 * high), dark)
-    radius, inner = shape.radius, shape.inner_radius
-    painter.setBrush(light)
-    if shape.shape == "half_moon":
-        around = QRectF(-radius, -radius, 2 * radius, 2 * radius)
-        painter.drawChord(around, -90 * 16, 180 * 16)
-    else:
-        painter.drawEllipse(QPointF(), radius, radius)
-    painter.setBrush(dark)
-    if inner > 0:
-        painter.drawEllipse(QPointF(), inner, inner)
-    if shape.bar_width > 0:
-        painter.drawRect(QRectF(-shape.bar_width / 2, -radius, shape.bar_width, 2 * radius))
-    for index in range(shape.vane_count):
-        cos, sin = vane_direction(index=index, count=shape.vane_count)
-        along = QPointF(cos, sin) * (1.01 * radius)
-        across = QPointF(-sin, cos) * (shape.vane_width / 2)
-        painter.drawPolygon(QPolygonF([across, along + across, along - across, -across]))
-    painter.restore()
 
 
 def draw_scale(
@@ -249,22 +207,12 @@ MOST_SAMPLES = 256  # across or along, of what is drawn
 
 @dataclass(frozen=True, eq=False)
 class SmallPupil:
-    """A pupil's transmission, ready to be drawn.
+    """A pupil's transmission, ready to be drawn."""
 
-    Parameters
-    ----------
-    levels : ndarray of uint8, shape (high, wide)
-        0 opaque to 255 transparent, C order.
-    rows, columns : int
-        Of the pupil array itself.
-    open_share : float
-        Mean transmission of the array.
-    """
-
-    levels: NDArray[np.uint8]
-    rows: int
+    levels: NDArray[np.uint8]  # shape (high, wide): 0 opaque to 255 transparent, C order
+    rows: int  # rows, columns: of the pupil array itself
     columns: int
-    open_share: float
+    open_share: float  # mean transmission of the array
 
 
 @dataclass(frozen=True)

@@ -20,18 +20,10 @@ _RADII = 2048
 
 @dataclass(frozen=True, eq=False)
 class Wavefront:
-    """The error over the square around the disc that it is defined on.
+    """The error over the square around the disc that it is defined on."""
 
-    Parameters
-    ----------
-    waves : ndarray, shape (side, side)
-        Row 0 at the top; beyond the disc it goes on.
-    least, most, rms : float
-        Over what is open, waves; the rms without piston.
-    """
-
-    waves: NDArray[np.float64]
-    least: float
+    waves: NDArray[np.float64]  # shape (side, side): row 0 at the top; beyond the disc it goes on
+    least: float  # least, most, rms: over what is open, waves; the rms without piston
     most: float
     rms: float
 
@@ -55,7 +47,10 @@ def wavefront_of(pupil: Pupil) -> Wavefront | None:
         defocus_waves=pupil.defocus_waves,
     )
     inside = places * places + (places * places)[:, np.newaxis] <= 1
-    is_open = inside if pupil.shape is None else _open(pupil.shape, side) & inside
+    is_open = inside
+    if pupil.shape is not None:
+        shape = scaled(pupil.shape, side / 2 / pupil.shape.radius)
+        is_open = inside & (sample_pupil(shape, rows=side, columns=side) > 0)
     if not is_open.any():  # narrower than these samples
         is_open = inside
     seen = waves[is_open]
@@ -76,29 +71,19 @@ def open_share(shape: PupilShape) -> float:
     return float(np.mean(2 * radius * left) * (1 - inner))
 
 
-def _open(shape: PupilShape, side: int) -> NDArray[np.bool_]:
-    """What is open of the square around the disc."""
-    scale = side / 2 / shape.radius
-    small = replace(
+def scaled(shape: PupilShape, factor: float) -> PupilShape:
+    """The shape with all its lengths so many times as long."""
+    return replace(
         shape,
-        radius=shape.radius * scale,
-        obscuration_radius=shape.obscuration_radius * scale,
-        slit_width=shape.slit_width * scale,
-        vane_width=shape.vane_width * scale,
+        radius=shape.radius * factor,
+        obscuration_radius=shape.obscuration_radius * factor,
+        slit_width=shape.slit_width * factor,
+        vane_width=shape.vane_width * factor,
     )
-    return sample_pupil(small, rows=side, columns=side) > 0
 
 
 def coloured(values: NDArray[np.float64], colours: tuple[str, str, str]) -> NDArray[np.uint32]:
-    """Values from −1 to 1 between three colours, as 0xFFRRGGBB, C order; others as the ends.
-
-    Parameters
-    ----------
-    values : ndarray
-        Any shape.
-    colours : (str, str, str)
-        Of −1, 0 and 1, as ``#rrggbb``.
-    """
+    """Values from −1 to 1 between three colours, as 0xFFRRGGBB, C order; others as the ends."""
     ends = np.array([[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in colours], np.float64)
     pixels = np.full(values.shape, 0xFF000000, np.uint32)
     for channel, shift in enumerate((16, 8, 0)):
