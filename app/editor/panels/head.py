@@ -27,15 +27,9 @@ from core.network.network import Node
 
 
 class TitleBar(QWidget):
-    """A coloured bar with a title and small buttons.
+    """A coloured bar with a title and small buttons."""
 
-    Signals
-    -------
-    folded(on)
-        Whether all below is to be hidden.
-    """
-
-    folded = Signal(bool)
+    folded = Signal(bool)  # on: whether all below is to be hidden
 
     def __init__(self, title: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)

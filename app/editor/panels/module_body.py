@@ -41,20 +41,12 @@ from core.network.network import Link, Network, Node
 
 
 class ModuleBody(QWidget):
-    """The panel of a node of a known module, below its head.
+    """The panel of a node of a known module, below its head."""
 
-    Signals
-    -------
-    view_requested(node, port, viewer)
-        Show that output in the viewer of that number.
-    trade_off_requested(node, parameter)
-        Show figures of merit as it moves.
-    held(parameter, on)
-        The mouse holds a control of that parameter: nothing may move.
-    """
-
+    # node, port, viewer: show that output in the viewer of that number
     view_requested = Signal(str, str, int)
-    trade_off_requested = Signal(str, str)
+    trade_off_requested = Signal(str, str)  # node, parameter: show figures of merit as it moves
+    # parameter, on: the mouse holds a control of that parameter: nothing may move
     held = Signal(str, bool)
 
     def __init__(
@@ -272,14 +264,9 @@ def line_in_menu(menu: QMenu, text: str, name: str) -> tuple[QLineEdit, QWidgetA
 
 
 class PortsView(QWidget):
-    """Inputs and outputs; an input shows what its wire brings.
+    """Inputs and outputs; an input shows what its wire brings."""
 
-    Signals
-    -------
-    view_requested(node, port, viewer)
-        Show that output in the viewer of that number.
-    """
-
+    # node, port, viewer: show that output in the viewer of that number
     view_requested = Signal(str, str, int)
 
     def __init__(self, declaration: Declaration, node: str, parent: QWidget | None = None) -> None:

@@ -45,29 +45,15 @@ class NodePanel(QFrame):
 
     For another node there is another panel. Without a folder where named sets of parameters are
     kept, none are offered.
-
-    Signals
-    -------
-    view_requested(node, port, viewer)
-        Show that output in the viewer of that number.
-    generate_requested(node)
-        Compute everything.
-    handbook_requested(node)
-        The page of its module is to be opened.
-    close_requested(node)
-        Put the panel away.
-    trade_off_requested(node, parameter)
-        Show figures of merit as it moves.
-    held(node, on)
-        The mouse holds one of its controls: nothing may move.
     """
 
+    # node, port, viewer: show that output in the viewer of that number
     view_requested = Signal(str, str, int)
-    trade_off_requested = Signal(str, str)
-    generate_requested = Signal(str)
-    handbook_requested = Signal(str)
-    close_requested = Signal(str)
-    held = Signal(str, bool)
+    trade_off_requested = Signal(str, str)  # node, parameter: show figures of merit as it moves
+    generate_requested = Signal(str)  # node: compute everything
+    handbook_requested = Signal(str)  # node: the page of its module is to be opened
+    close_requested = Signal(str)  # node: put the panel away
+    held = Signal(str, bool)  # node, on: the mouse holds one of its controls: nothing may move
 
     def __init__(
         self,
@@ -237,19 +223,7 @@ class NodePanel(QFrame):
 
 
 class SetsMenu(QMenu):
-    """Filled when it is opened, from the files of the person's folder.
-
-    Parameters
-    ----------
-    session : Session
-        The document.
-    node : str
-        The panel's node.
-    folder : Path
-        Where sets are kept.
-    button : QToolButton
-        What opens it.
-    """
+    """Filled when it is opened, from the files of the person's folder."""
 
     def __init__(self, session: Session, node: str, folder: Path, button: QToolButton) -> None:
         super().__init__(button)

@@ -21,30 +21,16 @@ from core.editing.operations import ABSENT, set_node_field
 
 
 class PanelArea(WheelScrollArea):
-    """A stack of panels that scrolls.
+    """A stack of panels that scrolls."""
 
-    Signals
-    -------
-    view_requested(node, port, viewer)
-        Show that output in the viewer of that number.
-    generate_requested(node)
-        Compute everything.
-    handbook_requested(node)
-        The page of its module is to be opened.
-    trade_off_requested(node, parameter)
-        Show figures of merit as it moves.
-    """
-
+    # node, port, viewer: show that output in the viewer of that number
     view_requested = Signal(str, str, int)
-    trade_off_requested = Signal(str, str)
-    generate_requested = Signal(str)
-    handbook_requested = Signal(str)
+    trade_off_requested = Signal(str, str)  # node, parameter: show figures of merit as it moves
+    generate_requested = Signal(str)  # node: compute everything
+    handbook_requested = Signal(str)  # node: the page of its module is to be opened
 
     def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator | None,
-        parent: QWidget | None = None,
+        self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.setObjectName("panels")
@@ -78,14 +64,9 @@ class PanelArea(WheelScrollArea):
         return QSize(52 * unit, 80 * unit)
 
     def set_badges(self, badges: Any) -> None:
-        """Show on the panels what is wrong with their nodes.
+        """Show on the panels what is wrong with their nodes, by node.
 
         While the mouse holds a control, that waits: what stands below would move away under it.
-
-        Parameters
-        ----------
-        badges : mapping of str to Badge
-            By node.
         """
         self._badges = badges
         if self._holding:

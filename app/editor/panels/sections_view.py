@@ -67,14 +67,9 @@ class SectionsView(QWidget):
     def follow(
         self, node: Node, values: Mapping[str, Any], faults: Mapping[str, LinkError]
     ) -> None:
-        """Show a node; fields whose value is as before are left alone.
+        """Show a node as the document has it; fields whose value is as before are left alone.
 
-        Parameters
-        ----------
-        node : Node
-            As the document has it.
-        values, faults : mapping
-            What its expressions come to, or why they have no value, by parameter.
+        `values` are what its expressions come to, `faults` why they have no value, by parameter.
         """
         before, self._node = self._node, node
         for field in self.fields:

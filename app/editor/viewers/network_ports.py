@@ -92,19 +92,10 @@ VALUE = Qt.ItemDataRole.UserRole
 
 
 class NodeChoice(QComboBox):
-    """Entries under the names of their nodes; the first one stands for none.
+    """Entries under the names of their nodes; the first one, `nothing`, stands for none.
 
     Subclasses give their entries in `groups` and say in `take` what a choice does. They call
     `fill` once they are made.
-
-    Parameters
-    ----------
-    session : Session
-        The open document.
-    nothing : str
-        What stands for none.
-    parent : QWidget or None
-        Qt's owner.
     """
 
     def __init__(self, session: Session, nothing: str, parent: QWidget | None) -> None:
@@ -177,26 +168,9 @@ def entry(text: str, value: str, tooltip: str = "") -> QStandardItem:
 
 
 class PortChoice(NodeChoice):
-    """A list of ports under the names of their nodes.
+    """A list of ports under the names of their nodes."""
 
-    Parameters
-    ----------
-    session : Session
-        The open document.
-    types : tuple of str
-        Types of ports it offers.
-    nothing : str
-        What stands for no port.
-    parent : QWidget, optional
-        Qt's owner.
-
-    Signals
-    -------
-    chosen(port)
-        The person has chosen a port; an empty text is none.
-    """
-
-    chosen = Signal(str)
+    chosen = Signal(str)  # port: the person has chosen a port; an empty text is none
 
     def __init__(
         self, session: Session, types: tuple[str, ...], nothing: str, parent: QWidget | None = None

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import Signal
 from PySide6.QtGui import QCloseEvent, QHideEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QWidget
 
+from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import ERROR, TEXT, Theme, theme_of
 from app.editor.widgets import ElidedLabel
-
-if TYPE_CHECKING:
-    from app.editor.evaluation.evaluator import Evaluator
 
 
 class Viewer(QWidget):
@@ -24,14 +22,9 @@ class Viewer(QWidget):
     Subclasses return their queries in `queries` and show the answers in `take`; they call `ask`
     when the queries change. Without an evaluator nothing is shown. The owner is the viewer's name,
     unique in the window.
-
-    Signals
-    -------
-    posted
-        Its queries have been posted: it may show something else.
     """
 
-    posted = Signal()
+    posted = Signal()  # its queries have been posted: it may show something else
 
     def __init__(
         self,

@@ -36,35 +36,20 @@ class FieldLink:
 
 
 class Field(QWidget):
-    """One parameter on a panel. Holds no value of its own: it shows the document's.
-
-    Signals
-    -------
-    edited(name, value, gesture)
-        A value that is allowed, as a network file has it; values of one gesture are one step.
-    reset_wanted(name)
-        Back to the default.
-    gesture_ended
-        The mouse is up, the key released.
-    trade_off_wanted(name)
-        Show figures of merit as it moves.
-    menu_opening(name, menu)
-        The menu is about to be shown, and more may be added to it.
-    unlink_wanted(name)
-        Follow nothing any more, and keep the value.
-    held(name, on)
-        The mouse holds one of its controls: nothing may move.
-    """
+    """One parameter on a panel. Holds no value of its own: it shows the document's."""
 
     lines_up = False  # whether its unit stands in one column with those of others
 
+    # name, value, gesture: a value that is allowed, as a network file has it; values of one gesture
+    # are one step
     edited = Signal(str, object, object)
-    reset_wanted = Signal(str)
-    gesture_ended = Signal()
-    trade_off_wanted = Signal(str)
+    reset_wanted = Signal(str)  # name: back to the default
+    gesture_ended = Signal()  # the mouse is up, the key released
+    trade_off_wanted = Signal(str)  # name: show figures of merit as it moves
+    # name, menu: the menu is about to be shown, and more may be added to it
     menu_opening = Signal(str, QMenu)
-    unlink_wanted = Signal(str)
-    held = Signal(str, bool)
+    unlink_wanted = Signal(str)  # name: follow nothing any more, and keep the value
+    held = Signal(str, bool)  # name, on: the mouse holds one of its controls: nothing may move
 
     def __init__(self, parameter: Parameter, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -330,21 +315,12 @@ FINER, COARSER = 0.1, 10.0
 
 
 class DragLabel(QLabel):
-    """A label that signals how far it is dragged.
+    """A label that signals how far it is dragged."""
 
-    Signals
-    -------
-    pressed
-        The button is down.
-    dragged(steps)
-        So many steps more, parts of a step included: to the right is up.
-    released
-        The button is up.
-    """
-
-    pressed = Signal()
+    pressed = Signal()  # the button is down
+    # steps: so many steps more, parts of a step included: to the right is up
     dragged = Signal(float)
-    released = Signal()
+    released = Signal()  # the button is up
 
     _drags = False
     _last: float | None = None

@@ -227,21 +227,12 @@ _STEPS = {
 
 
 class Slider(QSlider):
-    """Horizontal, from 0 to `positions`.
+    """Horizontal, from 0 to `positions`."""
 
-    Signals
-    -------
-    moved(position)
-        Dragged, clicked, or sent to an end.
-    stepped(steps)
-        By keys or the wheel: small steps from the value, whatever the position shows of it.
-    finished
-        The mouse or the key is up, or the wheel rests.
-    """
-
-    moved = Signal(int)
+    moved = Signal(int)  # position: dragged, clicked, or sent to an end
+    # steps: by keys or the wheel: small steps from the value, whatever the position shows of it
     stepped = Signal(int)
-    finished = Signal()
+    finished = Signal()  # the mouse or the key is up, or the wheel rests
 
     def __init__(self, positions: int, parent: QWidget | None = None) -> None:
         super().__init__(Qt.Orientation.Horizontal, parent)

@@ -74,25 +74,12 @@ _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 
 
 class PathField(TypedField):
-    """A line, and a button that opens a dialog; the line's tooltip is the whole name.
-
-    Parameters
-    ----------
-    session : Session
-        Has the folder that names are relative to.
-    writes : bool
-        Whether the file is to be written.
-    """
+    """A line, and a button that opens a dialog; the line's tooltip is the whole name."""
 
     line = PathLine
 
     def __init__(
-        self,
-        parameter: Parameter,
-        parent: QWidget | None = None,
-        *,
-        session: Session,
-        writes: bool,
+        self, parameter: Parameter, parent: QWidget | None = None, *, session: Session, writes: bool
     ) -> None:
         self._session = session
         self._writes = writes

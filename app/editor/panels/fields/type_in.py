@@ -20,34 +20,19 @@ from app.editor.widgets import takes_wheel
 
 WHEEL_REST_MS = 400
 
-_STEPS = {
-    Qt.Key.Key_Up: 1,
-    Qt.Key.Key_Down: -1,
-    Qt.Key.Key_PageUp: 10,
-    Qt.Key.Key_PageDown: -10,
-}
+_STEPS = {Qt.Key.Key_Up: 1, Qt.Key.Key_Down: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
 _UNDO, _REDO = QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo
 
 
 class TypeIn(QLineEdit):
-    """A line edit that signals what was typed once it is complete.
+    """A line edit that signals what was typed once it is complete."""
 
-    Signals
-    -------
-    committed(text)
-        Enter, or the focus has left; only if something was typed since it was shown.
-    given_up
-        Esc: what was typed does not count.
-    stepped(steps)
-        An arrow key (±1), a page key (±10) or the wheel (±1), where `steps` is set.
-    step_ended
-        That key was released, or the wheel rests.
-    """
-
+    # text: Enter, or the focus has left; only if something was typed since it was shown
     committed = Signal(str)
-    given_up = Signal()
+    given_up = Signal()  # Esc: what was typed does not count
+    # steps: an arrow key (±1), a page key (±10) or the wheel (±1), where `steps` is set
     stepped = Signal(int)
-    step_ended = Signal()
+    step_ended = Signal()  # that key was released, or the wheel rests
 
     def __init__(
         self, parent: QWidget | None = None, *, characters: int = 8, steps: bool = False

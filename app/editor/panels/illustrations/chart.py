@@ -21,20 +21,8 @@ _FURTHEST = 1e4  # shares of the frame; what lies further out is cut there
 class Chart:
     """Axes in a rectangle, painted at once, and what is painted in them.
 
-    Parameters
-    ----------
-    painter : QPainter
-        Paints it.
-    area : QRectF
-        Everything, ticks and titles included.
-    x, y : Axis
-        The axes; the titles stand below and above.
-    theme : Theme
-        Colours.
-    square : bool
-        Whether a unit across is to be as long as one along.
-    left : float
-        Least room for the ticks of the ordinate, so that charts below one another line up.
+    The titles of the axes stand below and above. `square`: a unit across is as long as one along;
+    `left`: least room for the ticks of the ordinate, so that charts below one another line up.
     """
 
     def __init__(
@@ -246,14 +234,7 @@ def _runs(good: np.ndarray) -> list[slice]:
 class ChartWidget(QWidget):
     """Draws on the ground of its theme; what it draws is left to its kinds.
 
-    Parameters
-    ----------
-    theme : Theme
-        Its colours.
-    width, height : float
-        Of the room it likes to have, in lines of text.
-    parent : QWidget, optional
-        Qt's owner.
+    The room it likes to have is in lines of text.
     """
 
     def __init__(

@@ -12,14 +12,7 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter
 
 from app.editor.evaluation.queries import Passing, Query
-from app.editor.panels.illustrations.chart import (
-    Axis,
-    Bar,
-    Chart,
-    brief,
-    kelvin,
-    paint_bars,
-)
+from app.editor.panels.illustrations.chart import Axis, Bar, Chart, brief, kelvin, paint_bars
 from app.editor.panels.illustrations.illustration import Illustration
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Context
@@ -173,40 +166,19 @@ class Noises:
 
 @dataclass(frozen=True, eq=False)
 class Detectivity:
-    """D* against wavelength.
+    """D* against wavelength."""
 
-    Parameters
-    ----------
-    material : str
-        Name of the material; `manual` has no curve.
-    wavelength_um, values : ndarray, shape (points,)
-        µm; cm √Hz/W, 0 beyond the cut-off.
-    peak : Peak or None
-        Of the curve in the band.
-    conditions : str
-        What the detector sees.
-    band_um : (float, float) or None
-        Cut-on and cut-off, where known.
-    band_d_star : float or None
-        D* that the noise is computed with.
-    typed : bool
-        Whether that was typed in, in place of the material's.
-    noises : Noises or None
-        Where they can be computed.
-    problem : str
-        Why they cannot.
-    """
-
-    material: str
+    material: str  # name of the material; `manual` has no curve
+    # wavelength_um, values: shape (points,): µm; cm √Hz/W, 0 beyond the cut-off
     wavelength_um: Vector
     values: Vector
-    peak: Peak | None
-    conditions: str
-    band_um: tuple[float, float] | None
-    band_d_star: float | None
-    typed: bool
-    noises: Noises | None
-    problem: str = ""
+    peak: Peak | None  # of the curve in the band
+    conditions: str  # what the detector sees
+    band_um: tuple[float, float] | None  # cut-on and cut-off, where known
+    band_d_star: float | None  # D* that the noise is computed with
+    typed: bool  # whether that was typed in, in place of the material's
+    noises: Noises | None  # where they can be computed
+    problem: str = ""  # why they cannot
 
 
 @dataclass(frozen=True)

@@ -26,28 +26,15 @@ from core.chain.engine import PlannedNode
 
 @dataclass(frozen=True)
 class ElectronBudget:
-    """Where a pixel's electrons come from, and its noise by source, at the picture's mean.
+    """Where a pixel's electrons come from, and its noise by source, at the picture's mean."""
 
-    Parameters
-    ----------
-    sources_e, noises_e : mapping of str to float
-        Electrons by their source; standard deviations by theirs.
-    temporal_e : float
-        All noise that changes from frame to frame.
-    full_well_e : float or None
-        None where none is given.
-    per_K : float or None
-        Electrons per kelvin of the scene, where it is warm.
-    netd_K, snr : float or None
-        Where they mean something.
-    """
-
+    # sources_e, noises_e: electrons by their source; standard deviations by theirs
     sources_e: Mapping[str, float]
     noises_e: Mapping[str, float]
-    temporal_e: float
-    full_well_e: float | None
-    per_K: float | None
-    netd_K: float | None
+    temporal_e: float  # all noise that changes from frame to frame
+    full_well_e: float | None  # None where none is given
+    per_K: float | None  # electrons per kelvin of the scene, where it is warm
+    netd_K: float | None  # netd_K, snr: where they mean something
     snr: float | None
 
     @property

@@ -13,13 +13,7 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter
 
 from app.editor.evaluation.queries import Passing, Query
-from app.editor.panels.illustrations.chart import (
-    Axis,
-    Chart,
-    brief,
-    ordinate_ticks,
-    room_for_ticks,
-)
+from app.editor.panels.illustrations.chart import Axis, Chart, brief, ordinate_ticks, room_for_ticks
 from app.editor.panels.illustrations.illustration import Illustration, NodeQuery
 from core.chain.engine import PlannedNode
 
@@ -98,19 +92,15 @@ _POINTS = 401
 
 @dataclass(frozen=True, eq=False)
 class AirOverBand:
-    """Transmission and path radiance of a path over a band.
+    """Transmission and path radiance of a path over a band."""
 
-    Parameters
-    ----------
-    wavelength_um, transmission, added : ndarray, shape (points,)
-        µm; from 0 to 1; W/m²/sr/µm. All are empty where the picture has no band.
-    mean, added_in_band : float
-        Mean transmission of the band, by its light, and what is added in it, W/m²/sr.
-    """
-
+    # wavelength_um, transmission, added: shape (points,): µm; from 0 to 1; W/m²/sr/µm. All are
+    # empty where the picture has no band
     wavelength_um: Vector
     transmission: Vector
     added: Vector
+    # mean, added_in_band: mean transmission of the band, by its light, and what is added in it,
+    # W/m²/sr
     mean: float
     added_in_band: float
 

@@ -104,19 +104,11 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class MeanSpectrum:
-    """The mean of every band of a picture.
+    """The mean of every band of a picture."""
 
-    Parameters
-    ----------
-    centres_um, means : ndarray, shape (bands,)
-        Where the bands lie, and their means.
-    unit : str
-        Of the means.
-    """
-
-    centres_um: Vector
+    centres_um: Vector  # centres_um, means: shape (bands,): where the bands lie, and their means
     means: Vector
-    unit: str
+    unit: str  # of the means
 
 
 @dataclass(frozen=True, eq=False)

@@ -95,12 +95,7 @@ class InitTransIllustration(Illustration):
         self._ruler(painter, box, scale)
 
     def _detectors(
-        self,
-        painter: QPainter,
-        box: QRectF,
-        context: Context,
-        footprint: Footprint,
-        scale: float,
+        self, painter: QPainter, box: QRectF, context: Context, footprint: Footprint, scale: float
     ) -> None:
         colour = QColor(self.theme.groups["Detector"])
         outline = QPen(QColor(self.theme.faint_text), 1.0, Qt.PenStyle.DotLine)
@@ -134,12 +129,7 @@ class InitTransIllustration(Illustration):
                 painter.drawEllipse(at, size, size)
 
     def _arrow(
-        self,
-        painter: QPainter,
-        box: QRectF,
-        context: Context,
-        footprint: Footprint,
-        scale: float,
+        self, painter: QPainter, box: QRectF, context: Context, footprint: Footprint, scale: float
     ) -> None:
         """Where the scan of a line scanner, or the flight of a pushbroom, leads."""
         if context.platform == "array":
@@ -194,10 +184,7 @@ def facts(context: Context) -> list[str]:
     ]
     if footprint is None:
         return [*texts, "detector pitch or focal length is missing"]
-    ratios = (
-        footprint.pitch[0] / grid.interval_x_mrad,
-        footprint.pitch[1] / grid.interval_y_mrad,
-    )
+    ratios = (footprint.pitch[0] / grid.interval_x_mrad, footprint.pitch[1] / grid.interval_y_mrad)
     texts += [
         f"IFOV {pair(*footprint.sensitive)} mrad",
         f"fill {pair(context.fill_x, context.fill_y)}",

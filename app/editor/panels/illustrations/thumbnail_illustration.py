@@ -85,21 +85,11 @@ MOST_SAMPLES = 320  # across or along
 
 @dataclass(frozen=True, eq=False)
 class Thumbnail:
-    """A picture made small.
+    """A picture made small."""
 
-    Parameters
-    ----------
-    grey : ndarray of uint8, shape (high, wide)
-        From its least to its greatest sample, C order.
-    image : Image
-        What it is a picture of.
-    low, high : float
-        Extremes of the picture itself.
-    """
-
-    grey: NDArray[np.uint8]
-    image: Image
-    low: float
+    grey: NDArray[np.uint8]  # shape (high, wide): from its least to its greatest sample, C order
+    image: Image  # what it is a picture of
+    low: float  # low, high: extremes of the picture itself
     high: float
 
 

@@ -26,27 +26,16 @@ LOWEST_SHARE = 1e-3  # of the highest frequency, on a logarithmic axis
 
 @dataclass(frozen=True, eq=False)
 class TransferLine:
-    """A transfer function along one axis.
+    """A transfer function along one axis."""
 
-    Parameters
-    ----------
-    frequency, values : ndarray, shape (points,)
-        Cycles/mrad from 0 on; signed MTF, or PTF in radians.
-    nyquist : float
-        Of the image, cycles/mrad.
-    at_nyquist : float
-        The value there; NaN where the curve does not reach it.
-    half : float or None
-        Where the modulus of an MTF first falls to one half, cycles/mrad; None: nowhere here.
-    cutoff : float or None
-        From where on an aperture passes nothing, cycles/mrad, where there is one.
-    """
-
+    # frequency, values: shape (points,): cycles/mrad from 0 on; signed MTF, or PTF in radians
     frequency: Vector
     values: Vector
-    nyquist: float
-    at_nyquist: float
+    nyquist: float  # of the image, cycles/mrad
+    at_nyquist: float  # the value there; NaN where the curve does not reach it
+    # where the modulus of an MTF first falls to one half, cycles/mrad; None: nowhere here
     half: float | None
+    # from where on an aperture passes nothing, cycles/mrad, where there is one
     cutoff: float | None
 
 

@@ -24,22 +24,10 @@ class BandBar(QWidget):
     """All bands, one by a slider or its wavelength, or three as colours.
 
     It is hidden where the picture has no bands.
-
-    Parameters
-    ----------
-    owner : str
-        The viewer's name, which those of the controls begin with.
-
-    Signals
-    -------
-    chosen(choice)
-        The person has made another `BandChoice`.
-    noted(text)
-        A line for the person: a typed wavelength is none of the picture's.
     """
 
-    chosen = Signal(object)
-    noted = Signal(str)
+    chosen = Signal(object)  # choice: the person has made another `BandChoice`
+    noted = Signal(str)  # text: a line for the person: a typed wavelength is none of the picture's
     _letters: tuple[QLabel, ...] = ()
 
     def __init__(self, owner: str, parent: QWidget) -> None:
@@ -210,22 +198,9 @@ _UNITS = {UNIT: 1.0, "μm": 1.0, "um": 1.0, "nm": 1e-3}  # micro sign, Greek mu
 
 
 class WavelengthSpin(QSpinBox):
-    """Its value is the place of a band; what is typed, a wavelength in µm or nm, gives the nearest.
+    """Its value is the place of a band; a wavelength typed in µm or nm gives the nearest."""
 
-    Parameters
-    ----------
-    name, description : str
-        Of the control.
-    parent : QWidget
-        Qt's owner.
-
-    Signals
-    -------
-    typed(wavelength)
-        The person has typed a wavelength, in µm, and finished it.
-    """
-
-    typed = Signal(float)
+    typed = Signal(float)  # wavelength: the person has typed a wavelength, in µm, and finished it
 
     _centres: tuple[float, ...] = (0.0,)  # Qt measures texts while it makes the widget
     _decimals = _FEWEST

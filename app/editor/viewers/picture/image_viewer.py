@@ -6,12 +6,13 @@ import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction, QImage
 from PySide6.QtWidgets import QApplication, QMenu, QStackedWidget, QVBoxLayout, QWidget
 
+from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.viewers.network_ports import PICTURE_TYPES, ports_by_node
@@ -38,9 +39,6 @@ from app.editor.widgets import centred_hint
 from core.errors import UsageError
 from core.network.network import Network
 from nodes.files.formats import PNG
-
-if TYPE_CHECKING:
-    from app.editor.evaluation.evaluator import Evaluator
 
 
 class ImageViewer(Viewer):

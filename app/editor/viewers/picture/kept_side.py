@@ -16,24 +16,13 @@ NOW = "B  now"
 
 @dataclass(frozen=True)
 class KeptSide:
-    """What a viewer's picture is compared with, and how.
+    """What a viewer's picture is compared with, and how."""
 
-    Parameters
-    ----------
-    kept : KeptPicture or None
-        The kept picture; None where there is none of this wire, `missing` says why.
-    name : str
-        What the kept state is called.
-    way : "flip" or "wipe"
-        A in the place of B, or A left of the wipe and B right of it.
-    missing : str
-        Why there is nothing to compare with, in one line.
-    """
-
+    # the kept picture; None where there is none of this wire, `missing` says why
     kept: KeptPicture | None
-    name: str
-    way: Way
-    missing: str = ""
+    name: str  # what the kept state is called
+    way: Way  # A in the place of B, or A left of the wipe and B right of it
+    missing: str = ""  # why there is nothing to compare with, in one line
 
     @property
     def title(self) -> str:

@@ -32,17 +32,10 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
 
     The length of its bars is the logarithm of the count, so that rare samples are seen beside a
     uniform background.
-
-    Signals
-    -------
-    dragged(low, high)
-        The person drags the levels.
-    released
-        The person has let them go.
     """
 
-    dragged = Signal(float, float)
-    released = Signal()
+    dragged = Signal(float, float)  # low, high: the person drags the levels
+    released = Signal()  # the person has let them go
 
     def __init__(self) -> None:
         with without_matplotlib():

@@ -29,14 +29,9 @@ class PictureBands(QObject):
     """What a viewer has for a picture with bands; nothing of it is there for any other.
 
     `make_plot` makes the plot of the spectra, below the picture, once there are bands.
-
-    Signals
-    -------
-    wanted
-        Its queries are others.
     """
 
-    wanted = Signal()
+    wanted = Signal()  # its queries are others
 
     def __init__(
         self, bar: BandBar, make_plot: Callable[[], SpectrumPlot], parent: QWidget

@@ -15,24 +15,9 @@ from app.editor.widgets import menu_button, toggle_button, tool_button
 
 
 class PictureBar(QWidget):
-    """Wire, menus and zoom of an image viewer.
+    """Wire, menus and zoom of an image viewer."""
 
-    Parameters
-    ----------
-    session : Session
-        The open document.
-    owner : str
-        The viewer's name, which those of the controls begin with.
-    parent : QWidget
-        The viewer.
-
-    Signals
-    -------
-    opening
-        The menu of other wires and viewers is about to open.
-    """
-
-    opening = Signal()
+    opening = Signal()  # the menu of other wires and viewers is about to open
 
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
@@ -64,11 +49,7 @@ class PictureBar(QWidget):
 
 # The menus of an image viewer: how the picture is drawn, and what it is compared with.
 
-MAPPINGS = {
-    "linear": "&Linear",
-    "log": "Lo&garithm",
-    "spectrum": "Centred &Spectrum",
-}
+MAPPINGS = {"linear": "&Linear", "log": "Lo&garithm", "spectrum": "Centred &Spectrum"}
 LEVELS = {
     "extremes": "&Least to Greatest",
     "percentiles": "&0.5 % to 99.5 %",
@@ -78,15 +59,9 @@ MODES = {"alone": "&Alone", "wipe": "&Wipe", "difference": "&Difference"}
 
 
 class Radio(QObject):
-    """Actions of a menu of which one is chosen.
+    """Actions of a menu of which one is chosen."""
 
-    Signals
-    -------
-    chosen(name)
-        The person has chosen another.
-    """
-
-    chosen = Signal(str)
+    chosen = Signal(str)  # name: the person has chosen another
 
     def __init__(self, menu: QMenu, texts: Mapping[str, str]) -> None:
         super().__init__(menu)
@@ -133,18 +108,10 @@ class DisplayMenu(QObject):
 
 
 class CompareMenu(QObject):
-    """What the picture is compared with, and how; which viewers it moves with.
+    """What the picture is compared with, and how; which viewers it moves with."""
 
-    Signals
-    -------
-    other_chosen(port)
-        The other wire.
-    linked(number, on)
-        Whether to move with the viewer of that number.
-    """
-
-    other_chosen = Signal(str)
-    linked = Signal(int, bool)
+    other_chosen = Signal(str)  # port: the other wire
+    linked = Signal(int, bool)  # number, on: whether to move with the viewer of that number
 
     def __init__(self, menu: QMenu) -> None:
         super().__init__(menu)

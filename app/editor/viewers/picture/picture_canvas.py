@@ -33,26 +33,14 @@ _WIPE_STEP = 0.01  # of the width, for a key
 
 
 class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
-    """Draws the picture it is given, without a query of its own.
+    """Draws the picture it is given, without a query of its own."""
 
-    Signals
-    -------
-    pointed(place)
-        The cursor is at a place of the axes, a tuple; None where it is on no picture.
-    stepped(columns, rows)
-        An arrow key moves the probe.
-    band_stepped(by)
-        A key shows the next band, or the one before.
-    zoomed
-        The person sees another part of the picture.
-    menu_wanted(point)
-        A right click, or the key for menus, at a point of the screen.
-    """
-
+    # place: the cursor is at a place of the axes, a tuple; None where it is on no picture
     pointed = Signal(object)
-    stepped = Signal(int, int)
-    band_stepped = Signal(int)
-    zoomed = Signal()
+    stepped = Signal(int, int)  # columns, rows: an arrow key moves the probe
+    band_stepped = Signal(int)  # by: a key shows the next band, or the one before
+    zoomed = Signal()  # the person sees another part of the picture
+    # point: a right click, or the key for menus, at a point of the screen
     menu_wanted = Signal(QPoint)
     theme: Theme | None = None
 
@@ -380,12 +368,7 @@ _PAD = 4  # around the text
 class SideNames(QObject):
     """A name in the upper corner of each side of a wipe; of one picture alone, on its left.
 
-    Parameters
-    ----------
-    view : ViewBox
-        Where the pictures are drawn.
-    canvas : QGraphicsView
-        The widget that shows it; the names lie above it and take no mouse events.
+    The names lie above the canvas and take no mouse events.
     """
 
     def __init__(self, view: Any, canvas: QGraphicsView) -> None:

@@ -25,21 +25,9 @@ from nodes.files.formats import PNG, SAVED
 
 
 class PictureProbe(QObject):
-    """Shows the sample at one place of the picture.
+    """Shows the sample at one place of the picture."""
 
-    Parameters
-    ----------
-    canvas : PictureCanvas
-        Signals where the cursor is, and marks the place; Qt's owner.
-    status : StatusLine
-        Where the sample is shown.
-
-    Signals
-    -------
-    placed(place)
-        The row and column of a picture, at its full size; None where it is on none.
-    """
-
+    # place: the row and column of a picture, at its full size; None where it is on none
     placed = Signal(object)
 
     def __init__(self, canvas: PictureCanvas, status: StatusLine) -> None:

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import math
 from itertools import zip_longest
-from typing import TYPE_CHECKING
 
 import pyqtgraph as pg
 from PySide6.QtCore import QObject, QPointF
+from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme, theme_of
 from app.editor.viewers.picture.picture_item import extent
@@ -18,9 +18,6 @@ from app.editor.viewers.pixels.band_choice import CHANNELS
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.pixels.probing import Place, along_line
 from app.editor.viewers.plot.plot_looks import bare, paint_axes
-
-if TYPE_CHECKING:
-    from PySide6.QtWidgets import QWidget
 
 Ends = tuple[float, ...]
 _LINES = 8  # of text that the plot is high
@@ -30,21 +27,11 @@ _ACROSS: Ends = (0.1, 0.5, 0.9, 0.5)
 class ProfileLine(QObject):
     """The line in one plot, and the plot of what lies along it; there is none until it is shown.
 
-    Parameters
-    ----------
-    picture_plot : PlotItem
-        Where the line is drawn.
-    layout : GraphicsLayout
-        Where the plot of what lies along it gets its row, the second, while it is shown.
-    parent : QWidget
-        Qt's owner.
+    While it is shown that plot has the second row of the layout.
     """
 
     def __init__(
-        self,
-        picture_plot: pg.PlotItem,
-        layout: pg.GraphicsLayout,
-        parent: QWidget,
+        self, picture_plot: pg.PlotItem, layout: pg.GraphicsLayout, parent: QWidget
     ) -> None:
         super().__init__(parent)
         self._canvas = parent

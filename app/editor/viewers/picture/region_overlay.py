@@ -30,37 +30,14 @@ _TITLE_ROOM = 30  # dots above the frame that its title takes
 
 
 class RegionOverlay(QObject):
-    """Shows the region it is given, and signals what the person makes of it.
+    """Shows the region it is given, and signals what the person makes of it."""
 
-    Parameters
-    ----------
-    view : ViewBox
-        Where the picture is drawn.
-    canvas : GraphicsLayoutWidget
-        Gets the keys; Qt's owner.
-
-    Signals
-    -------
-    began
-        A drag, or a key that is held, begins.
-    changed(region)
-        Its region now.
-    ended(accepted)
-        It is over; not accepted where it was given up.
-    draw_wanted
-        The key to draw a region was pressed.
-    armed_changed(armed)
-        Whether the next drag draws a region.
-    menu_wanted(point)
-        Of the screen.
-    """
-
-    began = Signal()
-    changed = Signal(object)
-    ended = Signal(bool)
-    draw_wanted = Signal()
-    armed_changed = Signal(bool)
-    menu_wanted = Signal(QPoint)
+    began = Signal()  # a drag, or a key that is held, begins
+    changed = Signal(object)  # region: its region now
+    ended = Signal(bool)  # accepted: it is over; not accepted where it was given up
+    draw_wanted = Signal()  # the key to draw a region was pressed
+    armed_changed = Signal(bool)  # armed: whether the next drag draws a region
+    menu_wanted = Signal(QPoint)  # point: of the screen
 
     def __init__(self, view: pg.ViewBox, canvas: pg.GraphicsLayoutWidget) -> None:
         super().__init__(canvas)
@@ -278,19 +255,13 @@ class RegionFrame(QGraphicsObject):
     """A rectangle in the coordinates of its parent, to be dragged.
 
     Outline and handles have a dark edge, so that they are seen on bright and on dark pictures.
-
-    Signals
-    -------
-    pressed(grip, place), moved(place), released
-        What is held, and where the pointer is.
-    menu_wanted(point)
-        The menu is wanted there on the screen.
     """
 
+    # pressed(grip, place), moved(place), released: What is held, and where the pointer is
     pressed = Signal(object, object)
     moved = Signal(object)
     released = Signal()
-    menu_wanted = Signal(QPoint)
+    menu_wanted = Signal(QPoint)  # point: the menu is wanted there on the screen
 
     def __init__(self) -> None:
         super().__init__()
@@ -347,10 +318,7 @@ class RegionFrame(QGraphicsObject):
 
     def paint(self, painter: QPainter, *_: Any) -> None:
         """Draw the outline."""
-        for pen in (
-            thick(see_through(_SHADE, _SHADE_ALPHA), 4),
-            thick(self._colour, 2),
-        ):
+        for pen in (thick(see_through(_SHADE, _SHADE_ALPHA), 4), thick(self._colour, 2)):
             painter.setPen(pen)
             painter.drawRect(self._rect)
 

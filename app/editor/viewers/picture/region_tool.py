@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import QObject, QPoint, Signal
 from PySide6.QtWidgets import QMenu, QToolButton
 
+from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.picture.picture_item import extent
@@ -24,34 +25,15 @@ from core.editing.operations import Operation
 from core.errors import ImagechainError
 from core.network.network import Network
 
-if TYPE_CHECKING:
-    from app.editor.evaluation.evaluator import Evaluator
-
 
 class RegionTool(QObject):
     """Shows the region of a node on the picture it is of.
 
     It is that of the node selected last, or of one whose panel is pinned, on its input or on a
     picture of the same size before it or of its own.
-
-    Parameters
-    ----------
-    session : Session
-        The document.
-    evaluator : Evaluator or None
-        Has the plan, and in it the sizes of pictures.
-    canvas : PictureCanvas
-        Where it is drawn; Qt's owner.
-    button : QToolButton
-        Pressed to draw a region.
-
-    Signals
-    -------
-    picture_wanted(port)
-        The viewer is to show that picture.
     """
 
-    picture_wanted = Signal(str)
+    picture_wanted = Signal(str)  # port: the viewer is to show that picture
 
     def __init__(
         self,

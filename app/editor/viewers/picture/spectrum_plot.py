@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme, theme_of
 from app.editor.viewers.plot.plot_looks import bare, paint_axes, see_through, thick
 from core.chain.band_stack import BandStack
-
-if TYPE_CHECKING:
-    from PySide6.QtWidgets import QWidget
 
 Vector = NDArray[np.float64]
 _LINES = 8  # of text that the plot is high
@@ -29,21 +25,11 @@ NO_SAMPLE = "a single sample's is shown on wires before filtering"
 class SpectrumPlot(QObject):
     """Curves over wavelength, and a line at every band that is shown alone or as a colour.
 
-    Its place and its axes stay as they are while the cursor moves: the ordinate only grows.
-
-    Parameters
-    ----------
-    layout : GraphicsLayout
-        Where it gets a row while it is shown.
-    parent : QWidget
-        Qt's owner.
-
-    Signals
-    -------
-    dragged(line, wavelength)
-        The person drags a line: 0, or 0 to 2 for red, green and blue.
+    Its place and its axes stay as they are while the cursor moves: the ordinate only grows. While
+    it is shown it has a row of the layout.
     """
 
+    # line, wavelength: the person drags a line: 0, or 0 to 2 for red, green and blue
     dragged = Signal(int, float)
 
     def __init__(self, layout: pg.GraphicsLayout, parent: QWidget) -> None:

@@ -23,19 +23,11 @@ class BandChoice:
     """What is shown of a picture with bands; of any other it means nothing.
 
     Wavelengths, not numbers of bands: another file, or a narrower filter, has others.
-
-    Parameters
-    ----------
-    shown : "all", "one" or "colours"
-        All bands together, one alone, or three as red, green and blue.
-    one_um : float or None
-        Wavelength of the one, in µm; None for the middle one.
-    colours_um : (float, float, float) or None
-        Wavelengths of the three, in µm; None for three evenly spaced, the longest as red.
     """
 
-    shown: BandsShown = "all"
-    one_um: float | None = None
+    shown: BandsShown = "all"  # all bands together, one alone, or three as red, green and blue
+    one_um: float | None = None  # wavelength of the one, in µm; None for the middle one
+    # wavelengths of the three, in µm; None for three evenly spaced, the longest as red
     colours_um: Channels | None = None
 
     @property

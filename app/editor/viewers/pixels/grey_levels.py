@@ -29,18 +29,12 @@ _NARROWEST, _WIDEST = 1e-30, 1e38  # ranges in which single precision can be sca
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """How the samples of a picture are spread.
+    """How the samples of a picture are spread."""
 
-    Parameters
-    ----------
-    low, high : float
-        Least and greatest sample.
-    counts : ndarray of int64, shape (BINS,)
-        Samples in equal bins from low to high; all in the first bin where these are equal.
-    """
-
-    low: float
+    low: float  # low, high: least and greatest sample
     high: float
+    # shape (BINS,): samples in equal bins from low to high; all in the first bin where these are
+    # equal
     counts: NDArray[np.int64]
 
     @property
@@ -65,16 +59,9 @@ def extremes(samples: Array, *, for_each: ForEach = in_turn) -> Range:
 
 
 def grey_levels(samples: Array, low: float, high: float, *, for_each: ForEach = in_turn) -> Levels:
-    """Samples as 0 (`low` and below) to 255 (`high` and above), to the nearest level.
+    """Real, finite samples as 0 (`low` and below) to 255 (`high` and above), to the nearest level.
 
-    Parameters
-    ----------
-    samples : ndarray, shape (rows, columns)
-        Real and finite.
-    low, high : float
-        Black and white; where `high` is not above `low`, all is mid grey.
-    for_each : callable
-        `Work.each`, for large pictures.
+    Where `high` is not above `low`, all is mid grey.
     """
     if not high > low:
         return np.full(samples.shape, MID_GREY, np.uint8)

@@ -19,19 +19,11 @@ _MOST_OBLONG = 8.0  # longer over shorter side; a pixel beyond is drawn square
 
 @dataclass(frozen=True)
 class Axis:
-    """Where samples lie along rows or columns.
+    """Where samples lie along rows or columns."""
 
-    Parameters
-    ----------
-    first, step : float
-        Place of the first sample, and from one to the next.
-    label, unit : str
-        Quantity along the axis, and its unit.
-    """
-
-    first: float
+    first: float  # first, step: place of the first sample, and from one to the next
     step: float
-    label: str
+    label: str  # label, unit: quantity along the axis, and its unit
     unit: str = ""
 
     @property
@@ -50,39 +42,21 @@ class Axis:
 
 @dataclass(frozen=True)
 class Facts:
-    """What is shown, beside the samples.
+    """What is shown, beside the samples."""
 
-    Parameters
-    ----------
-    kind : "picture", "plane" or "pupil"
-        Samples in space, in frequency with zero in the middle, or in the aperture.
-    rows, columns : int
-        Size.
-    quantity, unit : str
-        What the samples are.
-    across, along : Axis
-        Where the columns and rows lie.
-    band_um : (float, float) or None
-        Cut-on and cut-off wavelength.
-    pixel_shape : float
-        Width of a sample over its height, in angle; 1 where that is not known or beyond 8.
-    wavelengths_um : tuple of float
-        Middles of the bands that are shown alone, or as red, green and blue; empty for all.
-    width_um : float or None
-        Width of the one band shown, whose samples are per µm.
-    """
-
-    kind: Kind
-    rows: int
+    kind: Kind  # samples in space, in frequency with zero in the middle, or in the aperture
+    rows: int  # rows, columns: size
     columns: int
-    quantity: str
+    quantity: str  # quantity, unit: what the samples are
     unit: str
-    across: Axis
+    across: Axis  # across, along: where the columns and rows lie
     along: Axis
-    band_um: Band | None = None
+    band_um: Band | None = None  # cut-on and cut-off wavelength
+    # width of a sample over its height, in angle; 1 where that is not known or beyond 8
     pixel_shape: float = 1.0
+    # middles of the bands that are shown alone, or as red, green and blue; empty for all
     wavelengths_um: tuple[float, ...] = ()
-    width_um: float | None = None
+    width_um: float | None = None  # width of the one band shown, whose samples are per µm
 
     @property
     def title(self) -> str:
@@ -123,10 +97,7 @@ def laid_over(preview: Facts, full: Facts) -> Facts:
     """
     if preview.kind != "picture" or full.kind != "picture":
         return preview
-    ways = (
-        (preview.columns, full.across, full.columns),
-        (preview.rows, full.along, full.rows),
-    )
+    ways = ((preview.columns, full.across, full.columns), (preview.rows, full.along, full.rows))
     across, along = (
         replace(axis, first=axis.first + (step - axis.step) / 2, step=step)
         for count, axis, whole in ways

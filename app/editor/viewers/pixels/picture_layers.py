@@ -10,13 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.editor.viewers.pixels import picture_steps as steps
-from app.editor.viewers.pixels.grey_levels import (
-    BINS,
-    Range,
-    Spread,
-    between_ends,
-    grey_levels,
-)
+from app.editor.viewers.pixels.grey_levels import BINS, Range, Spread, between_ends, grey_levels
 from app.editor.viewers.pixels.picture_facts import Facts
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
@@ -28,30 +22,15 @@ WHOLE: Range = (0.0, 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """Samples that become one colour, or all the greys.
+    """Samples that become one colour, or all the greys."""
 
-    Parameters
-    ----------
-    shown : ndarray, shape (rows, columns)
-        The samples as the probe shows them.
-    mapped : ndarray
-        The same, or their logarithms.
-    spread : Spread
-        Extremes and histogram of the mapped ones.
-    recipe, spread_recipe : Recipe
-        Of the mapped samples and of their spread.
-    signed : bool
-        Whether automatic levels put 0 in the middle.
-    bits : int or None
-        Of a converter whose numbers the mapped samples are; None where they are something else.
-    """
-
-    shown: NDArray[Any]
-    mapped: NDArray[Any]
-    spread: Spread
-    recipe: Recipe
+    shown: NDArray[Any]  # shape (rows, columns): the samples as the probe shows them
+    mapped: NDArray[Any]  # the same, or their logarithms
+    spread: Spread  # extremes and histogram of the mapped ones
+    recipe: Recipe  # recipe, spread_recipe: of the mapped samples and of their spread
     spread_recipe: Recipe
-    signed: bool = False
+    signed: bool = False  # whether automatic levels put 0 in the middle
+    # of a converter whose numbers the mapped samples are; None where they are something else
     bits: int | None = None
 
     def range_of(self, work: Work, levels: LevelChoice) -> Range:
@@ -74,22 +53,13 @@ class Layer:
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One colour of a picture composed of three bands.
+    """One colour of a picture composed of three bands."""
 
-    Parameters
-    ----------
-    samples : ndarray, shape (rows, columns)
-        Its samples, not mapped.
-    spread : Spread
-        Extremes and histogram of the mapped samples, as shares of what lies between its automatic
-        levels: 0 at the lower one, 1 at the upper.
-    ends : (float, float)
-        These levels.
-    """
-
-    samples: NDArray[Any]
+    samples: NDArray[Any]  # shape (rows, columns): its samples, not mapped
+    # extremes and histogram of the mapped samples, as shares of what lies between its automatic
+    # levels: 0 at the lower one, 1 at the upper
     spread: Spread
-    ends: Range
+    ends: Range  # these levels
 
 
 def composed(
@@ -136,27 +106,13 @@ def _as_shares(spread: Spread, low: float, between: float) -> Spread:
 
 @dataclass(frozen=True, eq=False)
 class KeptPicture:
-    """What was on a wire in an earlier state. Its arrays are read-only, and shared, not copied.
+    """What was on a wire in an earlier state. Its arrays are read-only, and shared, not copied."""
 
-    Parameters
-    ----------
-    port : str
-        ``NODE.PORT``.
-    value : object
-        What was on the wire.
-    samples : ndarray, shape (rows, columns)
-        The samples, not mapped.
-    facts : Facts
-        What they are.
-    spread : Spread
-        Their extremes and histogram.
-    """
-
-    port: str
-    value: Any
-    samples: NDArray[Any]
-    facts: Facts
-    spread: Spread
+    port: str  # ``NODE.PORT``
+    value: Any  # what was on the wire
+    samples: NDArray[Any]  # shape (rows, columns): the samples, not mapped
+    facts: Facts  # what they are
+    spread: Spread  # their extremes and histogram
 
 
 def why_not_compared(kept: Facts, now: Facts) -> str:

@@ -47,46 +47,28 @@ Levels = Automatic | Range
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture ready to be shown. All arrays are read-only.
+    """A picture ready to be shown. All arrays are read-only."""
 
-    Parameters
-    ----------
-    facts : Facts
-        What it is.
-    samples : ndarray, shape (rows, columns)
-        The samples as the probe shows them, not mapped; of a composite those of its red.
-    grey : ndarray of uint8, shape (rows, columns) or (rows, columns, 3)
-        The mapped samples from black to white; of a composite red, green and blue.
-    levels : (float, float)
-        Mapped values of black and white; of a composite shares, as its channels' spreads have.
-    spread : Spread
-        Extremes and histogram of the mapped samples; of a composite of all channels together.
-    mapping : "linear", "log" or "spectrum"
-        How samples are mapped; otherwise than linear they are shown by their decimal logarithm,
-        but for planes, which are spectra already.
-    value : object
-        What is on the wire, for writing files.
-    other : Picture or None
-        The other half of a wipe.
-    reduced : int
-        Above 1 in a preview.
-    refused : str
-        Why the kept picture it was to be compared with is not its other half, in one line.
-    channels : tuple of Channel
-        Red, green and blue of a composite; else empty.
-    """
-
-    facts: Facts
+    facts: Facts  # what it is
+    # shape (rows, columns): the samples as the probe shows them, not mapped; of a composite those
+    # of its red
     samples: NDArray[Any]
+    # shape (rows, columns) or (rows, columns, 3): the mapped samples from black to white; of a
+    # composite red, green and blue
     grey: NDArray[np.uint8]
+    # mapped values of black and white; of a composite shares, as its channels' spreads have
     levels: Range
+    # extremes and histogram of the mapped samples; of a composite of all channels together
     spread: Spread
+    # how samples are mapped; otherwise than linear they are shown by their decimal logarithm, but
+    # for planes, which are spectra already
     mapping: Scale
-    value: Any
-    other: Picture | None = None
-    reduced: int = 1
+    value: Any  # what is on the wire, for writing files
+    other: Picture | None = None  # the other half of a wipe
+    reduced: int = 1  # above 1 in a preview
+    # why the kept picture it was to be compared with is not its other half, in one line
     refused: str = ""
-    channels: tuple[Channel, ...] = ()
+    channels: tuple[Channel, ...] = ()  # red, green and blue of a composite; else empty
 
     @property
     def logarithmic(self) -> bool:
@@ -97,39 +79,25 @@ class Picture:
 
 @dataclass(frozen=True)
 class PictureQuery(Query):
-    """What is on one wire, or on two compared.
-
-    Parameters
-    ----------
-    port : str
-        ``NODE.PORT``.
-    other : str or None
-        A second wire, for `mode`.
-    mode : "alone", "wipe" or "difference"
-        The first alone, both to be shown side by side, or the first less the second.
-    mapping : "linear", "log" or "spectrum"
-        Samples as they are, the logarithm of their modulus, or the logarithm of the modulus of an
-        image's spectrum.
-    levels : "extremes", "percentiles" or (low, high)
-        What becomes black and white: the extremes, the quantiles of 0.5 % and 99.5 %, or these
-        mapped values. A linear difference has automatic levels that put 0 in the middle. Every
-        colour of a composite has its own; two numbers are then shares of what lies between these.
-    kept : KeptPicture or None
-        An earlier state's picture, as the other half: mapped as the present one is, to its levels.
-    bands : BandChoice
-        What is shown of pictures with bands.
-    """
+    """What is on one wire, or on two compared."""
 
     urgency: ClassVar[int] = 0
     from_preview: ClassVar[bool] = True
 
-    port: str
-    other: str | None = None
+    port: str  # ``NODE.PORT``
+    other: str | None = None  # a second wire, for `mode`
+    # the first alone, both to be shown side by side, or the first less the second
     mode: Mode = "alone"
+    # samples as they are, the logarithm of their modulus, or the logarithm of the modulus of an
+    # image's spectrum
     mapping: Scale = "linear"
+    # what becomes black and white: the extremes, the quantiles of 0.5 % and 99.5 %, or these mapped
+    # values. A linear difference has automatic levels that put 0 in the middle. Every colour of a
+    # composite has its own; two numbers are then shares of what lies between these
     levels: Levels = "extremes"
+    # an earlier state's picture, as the other half: mapped as the present one is, to its levels
     kept: KeptPicture | None = None
-    bands: BandChoice = ALL
+    bands: BandChoice = ALL  # what is shown of pictures with bands
 
     def key(self, plan: Plan) -> Hashable:
         """The question and the content of the wires."""

@@ -28,25 +28,14 @@ RADIANCE_PER_UM = "W/m²/sr/µm"
 
 @dataclass(frozen=True)
 class Probe:
-    """One sample.
+    """One sample."""
 
-    Parameters
-    ----------
-    row, column : int
-        Index into the samples, from 0.
-    value : float
-        The sample.
-    temperature_K : float or None
-        The apparent temperature, where the sample is a radiance in a known band.
-    colours : tuple of float
-        Samples of red, green and blue, where it is composed of these.
-    """
-
-    row: int
+    row: int  # row, column: index into the samples, from 0
     column: int
-    value: float
+    value: float  # the sample
+    # the apparent temperature, where the sample is a radiance in a known band
     temperature_K: float | None = None
-    colours: tuple[float, ...] = ()
+    colours: tuple[float, ...] = ()  # samples of red, green and blue, where it is composed of these
 
 
 def probe(picture: Picture, row: int, column: int) -> Probe | None:

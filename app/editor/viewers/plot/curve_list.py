@@ -18,15 +18,9 @@ _UNCHECKED = Qt.CheckState.Unchecked
 
 
 class CurveList(QListWidget):
-    """Entries with a box to tick.
+    """Entries with a box to tick."""
 
-    Signals
-    -------
-    toggled(name, shown)
-        The person has ticked one, or the other way round.
-    """
-
-    toggled = Signal(str, bool)
+    toggled = Signal(str, bool)  # name, shown: the person has ticked one, or the other way round
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)

@@ -30,24 +30,12 @@ FINEST = 1025  # points of a curve
 
 @dataclass(frozen=True, eq=False)
 class TransferCurve:
-    """One stage's transfer function along the line.
+    """One stage's transfer function along the line."""
 
-    Parameters
-    ----------
-    name : str
-        The node's id, or that of a product.
-    title : str
-        For people, unique in the plot.
-    kind : "stage", "beside" or "total"
-        Whether it leads to the final picture, stands beside, or is a product.
-    mtf, ptf : ndarray
-        Signed MTF, and PTF in radians.
-    """
-
-    name: str
-    title: str
-    kind: Kind
-    mtf: Vector
+    name: str  # the node's id, or that of a product
+    title: str  # for people, unique in the plot
+    kind: Kind  # whether it leads to the final picture, stands beside, or is a product
+    mtf: Vector  # mtf, ptf: signed MTF, and PTF in radians
     ptf: Vector
 
     @property
@@ -70,30 +58,15 @@ class Mark:
 
 @dataclass(frozen=True, eq=False)
 class TransferCurves:
-    """What is plotted of a chain.
+    """What is plotted of a chain."""
 
-    Parameters
-    ----------
-    angle_deg : float
-        Direction of the line.
-    frequency : ndarray
-        Cycles/mrad along the line.
-    curves : tuple of TransferCurve
-        The stages and products.
-    marks : tuple of Mark
-        Nyquist frequencies, and the cutoff of the optics.
-    trouble : str
-        What cannot be planned or computed, and why, in one line; empty where all can.
-    missing : str
-        Why there is no total, in one line; empty where there is one.
-    """
-
-    angle_deg: float
-    frequency: Vector
-    curves: tuple[TransferCurve, ...]
-    marks: tuple[Mark, ...]
+    angle_deg: float  # direction of the line
+    frequency: Vector  # cycles/mrad along the line
+    curves: tuple[TransferCurve, ...]  # the stages and products
+    marks: tuple[Mark, ...]  # Nyquist frequencies, and the cutoff of the optics
+    # what cannot be planned or computed, and why, in one line; empty where all can
     trouble: str = ""
-    missing: str = ""
+    missing: str = ""  # why there is no total, in one line; empty where there is one
 
 
 @dataclass(frozen=True)
@@ -101,16 +74,11 @@ class CurvesQuery(Query):
     """MTF and PTF of every stage that leads to the final picture, and of their product.
 
     Of a network with errors, what can be planned.
-
-    Parameters
-    ----------
-    angle_deg : float
-        Direction of the line: 0 across, 90 along.
     """
 
     urgency: ClassVar[int] = 1
 
-    angle_deg: float = 0.0
+    angle_deg: float = 0.0  # direction of the line: 0 across, 90 along
 
     def key(self, plan: Plan) -> Hashable:
         """The stages with their names, and what cannot be planned."""
@@ -158,17 +126,11 @@ class CurvesQuery(Query):
 
 @dataclass(frozen=True)
 class PortDataQuery(Query):
-    """The curves or table of a port.
-
-    Parameters
-    ----------
-    port : str
-        ``NODE.PORT``.
-    """
+    """The curves or table of a port."""
 
     urgency: ClassVar[int] = 1
 
-    port: str
+    port: str  # ``NODE.PORT``
 
     def key(self, plan: Plan) -> Hashable:
         """The question and the content of the port."""

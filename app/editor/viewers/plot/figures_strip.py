@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
 
 from app.editor.declared_text import error_text
+from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, PassDone, Passing, Query
 from app.editor.session import Session
@@ -23,10 +24,6 @@ from app.run.shipped import sound_part
 from core.chain.engine import Plan
 from core.errors import ImagechainError
 
-if TYPE_CHECKING:
-    from app.editor.evaluation.evaluator import Evaluator
-
-
 RUN_TIME = "run_time"
 OUTPUT = "output"
 
@@ -39,10 +36,7 @@ class FiguresStrip(Viewer):
     """
 
     def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator | None,
-        parent: QWidget | None = None,
+        self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
     ) -> None:
         super().__init__(session, evaluator, "figures_strip", parent)
         self.setAccessibleName("Figures of the sensor")
@@ -192,42 +186,23 @@ class Figure:
 
 @dataclass(frozen=True)
 class Figures:
-    """The read-outs of one node.
+    """The read-outs of one node."""
 
-    Parameters
-    ----------
-    node : str or None
-        The electronics; None where there is none, or it is not clear which leads to the output.
-    figures : tuple of Figure
-        Its read-outs.
-    output : str or None
-        Port of the picture that the network delivers.
-    missing : str
-        Why there is none, in one line.
-    choices : tuple of str
-        Ports of the pictures that could be meant, where none is marked.
-    """
-
+    # the electronics; None where there is none, or it is not clear which leads to the output
     node: str | None
-    figures: tuple[Figure, ...] = ()
-    output: str | None = None
-    missing: str = ""
-    choices: tuple[str, ...] = ()
+    figures: tuple[Figure, ...] = ()  # its read-outs
+    output: str | None = None  # port of the picture that the network delivers
+    missing: str = ""  # why there is none, in one line
+    choices: tuple[str, ...] = ()  # ports of the pictures that could be meant, where none is marked
 
 
 @dataclass(frozen=True)
 class FiguresQuery(Query):
-    """Figures of the electronics that lead to the final picture.
-
-    Parameters
-    ----------
-    preferred : str or None
-        The node to show if there are several; else it is the last one.
-    """
+    """Figures of the electronics that lead to the final picture."""
 
     urgency: ClassVar[int] = 1
 
-    preferred: str | None = None
+    preferred: str | None = None  # the node to show if there are several; else it is the last one
 
     def key(self, plan: Plan) -> Hashable:
         """The node and what its figures are made of."""

@@ -21,30 +21,11 @@ PARTS = {"mtf": "MTF", "ptf": "PTF", "both": "MTF, PTF"}
 
 
 class PlotBar(QWidget):
-    """What is plotted; of the chain along which line and which part, of a node which output.
+    """What is plotted; of the chain along which line and which part, of a node which output."""
 
-    Parameters
-    ----------
-    session : Session
-        The open document.
-    owner : str
-        The viewer's name, which those of the controls begin with.
-    parent : QWidget
-        The viewer.
-
-    Signals
-    -------
-    angle_chosen(degrees)
-        Another direction of the line.
-    parts_chosen(name)
-        "mtf", "ptf" or "both".
-    log_chosen(on)
-        Whether the ordinate is logarithmic.
-    """
-
-    angle_chosen = Signal(float)
-    parts_chosen = Signal(str)
-    log_chosen = Signal(bool)
+    angle_chosen = Signal(float)  # degrees: another direction of the line
+    parts_chosen = Signal(str)  # name: "mtf", "ptf" or "both"
+    log_chosen = Signal(bool)  # on: whether the ordinate is logarithmic
 
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
@@ -113,26 +94,9 @@ class PlotBar(QWidget):
 
 
 class OutputButtons(QWidget):
-    """One button for each output of the node that is shown; none where it has but one.
+    """One button for each output of the node that is shown; none where it has but one."""
 
-    Parameters
-    ----------
-    session : Session
-        The open document.
-    types : tuple of str
-        Types of ports that are offered.
-    owner : str
-        The viewer's name, which those of the buttons begin with.
-    parent : QWidget
-        The bar.
-
-    Signals
-    -------
-    chosen(port)
-        The person has chosen one, ``NODE.PORT``.
-    """
-
-    chosen = Signal(str)
+    chosen = Signal(str)  # port: the person has chosen one, ``NODE.PORT``
 
     def __init__(
         self, session: Session, types: tuple[str, ...], owner: str, parent: QWidget

@@ -28,18 +28,10 @@ _STEP = 0.01  # of the abscissa's range, for the arrow keys
 
 
 class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
-    """Draws a `Drawing`.
+    """Draws a `Drawing`."""
 
-    Signals
-    -------
-    read(text)
-        What the cursor reads; empty where it reads nothing.
-    recoloured
-        The pens are others.
-    """
-
-    read = Signal(str)
-    recoloured = Signal()
+    read = Signal(str)  # text: what the cursor reads; empty where it reads nothing
+    recoloured = Signal()  # the pens are others
     theme: Theme | None = None
 
     def __init__(self, parent: QWidget | None = None) -> None:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QAction, QResizeEvent
@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.viewers.network_ports import followed
@@ -46,10 +47,6 @@ from core.chain.results import CurveData, TableData, TableRow
 from core.errors import UsageError
 from core.network.network import Network
 
-if TYPE_CHECKING:
-    from app.editor.evaluation.evaluator import Evaluator
-
-
 _LIST_SHARE = 0.36  # of the width, at most, for the legend; of the height where it lies below
 _NO_LIMIT = 16_777_215  # of a size: Qt's largest
 _NARROW = 75  # characters; a narrower viewer has its legend below the plot
@@ -59,10 +56,7 @@ class PlotViewer(Viewer):
     """Shows the chain's transfer functions, or the curves or table of one port."""
 
     def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator | None,
-        parent: QWidget | None = None,
+        self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
     ) -> None:
         super().__init__(session, evaluator, "plot_viewer", parent)
         self.setAccessibleName("Plot viewer")
@@ -348,14 +342,7 @@ def with_kept(drawing: Drawing, kept: Drawing, name: str) -> Drawing:
     """The drawing with the kept curves that differ from the present ones of the same title.
 
     They stand behind the present ones in the legend, and are drawn dashed in their colours. Where
-    the two have other axes, only a note says so.
-
-    Parameters
-    ----------
-    drawing, kept : Drawing
-        Of the present state and of the kept one, made alike.
-    name : str
-        What the kept state is called.
+    the two have other axes, only a note says so, with the kept state's name.
     """
     if not kept.panels or not drawing.panels:
         return drawing

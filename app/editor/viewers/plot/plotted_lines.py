@@ -24,32 +24,15 @@ _BOUNDS = ("+ ", "\N{MINUS SIGN} ")  # how the labels of limits around a curve b
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of the legend.
+    """A line of the legend."""
 
-    Parameters
-    ----------
-    name : str
-        Unique in the drawing.
-    title : str
-        For people.
-    total : bool
-        Whether it is a product of the others.
-    shown : bool
-        Whether it is shown until the person chooses otherwise.
-    bound : bool
-        Whether it is a limit around the entry before it.
-    over : int
-        On how many of the entries before it it lies: these are to be seen through it.
-    of : str
-        The entry of the present state, where it is the same curve of a kept one; else empty.
-    """
-
-    name: str
-    title: str
-    total: bool = False
-    shown: bool = True
-    bound: bool = False
-    over: int = 0
+    name: str  # unique in the drawing
+    title: str  # for people
+    total: bool = False  # whether it is a product of the others
+    shown: bool = True  # whether it is shown until the person chooses otherwise
+    bound: bool = False  # whether it is a limit around the entry before it
+    over: int = 0  # on how many of the entries before it it lies: these are to be seen through it
+    # the entry of the present state, where it is the same curve of a kept one; else empty
     of: str = ""
 
 
