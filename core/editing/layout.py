@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right, insort
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from core.network.network import Network, topological
+from core.network.network import Network, reached, topological
 
 Point = tuple[float, float]
 Size = tuple[float, float]
@@ -59,21 +60,14 @@ def components(followers: Followers) -> list[list[str]]:
         for target in targets:
             joined[name].append(target)
             joined[target].append(name)
-    part: dict[str, int] = {}
-    count = 0
+    place = {name: number for number, name in enumerate(followers)}
+    parts: list[list[str]] = []
+    seen: set[str] = set()
     for start in followers:
-        if start in part:
-            continue
-        part[start] = count
-        rest = [start]
-        while rest:
-            fresh = [name for name in joined[rest.pop()] if name not in part]
-            part.update(dict.fromkeys(fresh, count))
-            rest += fresh
-        count += 1
-    parts: list[list[str]] = [[] for _ in range(count)]
-    for name in followers:
-        parts[part[name]].append(name)
+        if start not in seen:
+            part = reached(joined, {start})
+            seen |= part
+            parts.append(sorted(part, key=place.__getitem__))
     return parts
 
 
@@ -145,22 +139,11 @@ def crossings(followers: Followers, column: Mapping[str, int], height: Mapping[s
 
 
 def _inversions(values: list[float]) -> int:
-    """Pairs in the wrong order, counted while merging ever longer sorted runs."""
-    count, size = 0, 1
-    while size < len(values):
-        merged: list[float] = []
-        for start in range(0, len(values), 2 * size):
-            left = values[start : start + size]
-            right = values[start + size : start + 2 * size]
-            place = 0
-            for value in right:
-                while place < len(left) and left[place] <= value:
-                    merged.append(left[place])
-                    place += 1
-                count += len(left) - place
-                merged.append(value)
-            merged += left[place:]
-        values, size = merged, 2 * size
+    """Pairs in the wrong order."""
+    count, before = 0, list[float]()
+    for value in values:
+        count += len(before) - bisect_right(before, value)
+        insort(before, value)
     return count
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Iterable
 
 from core.errors import NetworkError
 from core.modules.declaration import Declaration, Library, Port
@@ -99,17 +98,6 @@ def way_between(network: Network, start: str, end: str) -> tuple[str, ...] | Non
     while way[-1] != start:
         way.append(came_from[way[-1]])
     return tuple(reversed(way))
-
-
-def reached_from(network: Network, starts: Iterable[str]) -> set[str]:
-    """These nodes and all that their links lead to."""
-    reached = set(starts)
-    rest = list(reached)
-    while rest:
-        fresh = [name for name in network.followers[rest.pop()] if name not in reached]
-        reached.update(fresh)
-        rest += fresh
-    return reached
 
 
 def declared(network: Network, library: Library, name: str) -> Declaration | None:

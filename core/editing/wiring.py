@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from core.editing.layout import Point
-from core.editing.links import check_new_wires, declared, misfit, reached_from
+from core.editing.links import check_new_wires, declared, misfit
 from core.editing.operations import (
     Add,
     Operation,
@@ -28,7 +28,7 @@ from core.modules.declaration import (
     where_absent,
 )
 from core.names import close, shown
-from core.network.network import Link, Network, Node, passed_through
+from core.network.network import Link, Network, Node, passed_through, reached
 
 Output = tuple[str, str]
 """Node and port."""
@@ -64,7 +64,7 @@ def side_links(
     module = declared(network, library, node)
     if module is None:
         return []
-    behind = reached_from(network, {node, *followers})
+    behind = reached(network.followers, {node, *followers})
     links = []
     for port in module.inputs:
         if port.name in taken or not port.required or port.types[0] not in _FEW:
@@ -335,7 +335,7 @@ def _others(network: Network, library: Library, link: Link, node: str) -> list[L
     taken = {link.input} if link.target == node else set()
     followers = {link.target} - {node}
     links = side_links(network, library, node, taken, followers)
-    behind = reached_from(network, {node, *followers})
+    behind = reached(network.followers, {node, *followers})
     for kind in (MAGNITUDE, PHASE):
         port = port_of(module.inputs, kind)
         if port is None or port.name in taken or len(port.types) > 1:

@@ -25,7 +25,7 @@ from core.network.expression_grammar import (
     rewritten,
 )
 from core.network.macro import SEPARATOR, expanded
-from core.network.network import EXPRESSION, Network, Node, cycles, topological, way_round
+from core.network.network import EXPRESSION, Network, Node, cycles, reached, topological, way_round
 
 _Place = tuple[str, str]  # node and parameter
 
@@ -216,13 +216,7 @@ def following(network: Network, node: str) -> set[str]:
             for reference in references_in(follower.params[name]):
                 leader, _ = network.parameter_behind(reference.node, reference.parameter)
                 followers.setdefault(leader, set()).add(follower.id)
-    reached: set[str] = set()
-    waiting = [node]
-    while waiting:
-        fresh = followers.get(waiting.pop(), set()) - reached
-        reached |= fresh
-        waiting += fresh
-    return reached - {node}
+    return reached(followers, {node}) - {node}
 
 
 class _Survey:

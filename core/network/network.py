@@ -388,6 +388,17 @@ def topological(followers: Followers) -> tuple[str, ...]:
     return tuple(ordered)
 
 
+def reached(followers: Mapping[str, Iterable[str]], starts: Iterable[str]) -> set[str]:
+    """These nodes and all that follow them."""
+    found = set(starts)
+    rest = list(found)
+    while rest:
+        fresh = [name for name in followers.get(rest.pop(), ()) if name not in found]
+        found.update(fresh)
+        rest += fresh
+    return found
+
+
 def cycles(followers: Followers) -> list[tuple[str, ...]]:
     """One cycle of every set of nodes that reach each other, each once round, in order."""
     place = {name: number for number, name in enumerate(followers)}

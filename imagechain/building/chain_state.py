@@ -14,7 +14,7 @@ import numpy as np
 from app.run.output import find_output
 from app.run.own_scene import OwnScene, with_own_scene
 from core.chain.engine import Engine, Plan, PlannedNode
-from core.editing.links import declared, reached_from
+from core.editing.links import declared
 from core.editing.macros import at_level
 from core.editing.operations import (
     ABSENT,
@@ -36,7 +36,7 @@ from core.modules.parameters import Parameter
 from core.names import close, shown
 from core.network.linked_values import resolved, with_values
 from core.network.macro import declared_node, opened, path_of, step_inside
-from core.network.network import Link, Network, Node
+from core.network.network import Link, Network, Node, reached
 from core.network.validation import NetworkProblems, check_network, plain_network
 from imagechain.parts.module_part import Part, file_value
 from imagechain.parts.plain_errors import block, table
@@ -348,7 +348,7 @@ def _completed(network: Network, library: Library, name: str, order: Sequence[st
     known = declared(network, library, name)
     assert known is not None
     linked = {link.input for link in network.links_into(name)}
-    behind = reached_from(network, {name})
+    behind = reached(network.followers, {name})
     place = {node: index for index, node in enumerate(order)}
     links = []
     for port in known.inputs:

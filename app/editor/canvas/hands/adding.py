@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
 from functools import partial
+from operator import itemgetter
 from typing import Any
 
 from PySide6.QtCore import QPoint, QPointF
@@ -16,13 +16,13 @@ from app.editor.canvas.view.choice_popup import Choice, ChoicePopup
 from app.editor.library_view import found_by
 from core.editing.backdrops import following
 from core.editing.layout import Point
-from core.editing.links import reached_from, refusal
+from core.editing.links import refusal
 from core.editing.operations import Move, Operation, Rewire, Together
 from core.editing.room import GAP_X, free_places, made_way
 from core.editing.wiring import Candidate, End, Side, continued, fitting, new_node, wired_to
 from core.errors import ImagechainError
 from core.modules.declaration import Library, Port, declaration, local_key
-from core.network.network import Link, Network, Node
+from core.network.network import Link, Network, Node, reached
 
 
 class Adding:
@@ -79,10 +79,10 @@ class Adding:
         `loose` is the link the wire was before; it is taken away unless something takes its place.
         """
         surface = self._surface
-        end: End = (port.node.id, port.name, port.face.side)
-        other: Side = "input" if port.face.side == "output" else "output"
+        end: End = (port.node.id, port.name, port.side)
+        other: Side = "input" if port.side == "output" else "output"
         point = surface.view.scene_point(pos)
-        candidates = fitting(surface.session.library, port.face.types, other)
+        candidates = fitting(surface.session.library, port.types, other)
         choices = [
             self._module_choice(
                 candidate.module,
@@ -94,16 +94,16 @@ class Adding:
         if loose is not None:
             choices.insert(0, Choice(f"Disconnect {loose}", self._disconnect_loose))
         elif not choices:
-            kinds = " or ".join(port.face.types) or "a wire of unknown type"
+            kinds = " or ".join(port.types) or "a wire of unknown type"
             surface.session.message.emit("note", f"no module has an {other} for {kinds}")
             return
         start, finish = port.centre(), point
-        if port.face.side == "input":
+        if port.side == "input":
             start, finish = finish, start
         title = f"Wire {end[0]}.{end[1]} {'to' if other == 'input' else 'from'}"
         self._popup.open_at(pos, title, choices)
         self._loose = loose
-        surface.live.show_wire(start, finish, surface.content.style.port(port.face.types))
+        surface.live.show_wire(start, finish, surface.content.style.port(port.types))
         if loose is not None and loose in surface.content.wires:
             surface.content.wires[loose].setVisible(False)
 
@@ -116,8 +116,8 @@ class Adding:
             return
         possible = possible_links(session.network, session.library, session.selection)
         choices = [
-            Choice(str(one.link), partial(session.do, Rewire(add=(one.link,))), one.remark)
-            for one in possible
+            Choice(str(link), partial(session.do, Rewire(add=(link,))), remark)
+            for link, remark in possible.items()
         ]
         choices += [
             Choice(f"Disconnect {link}", partial(session.do, Rewire(remove=(link,))))
@@ -202,32 +202,28 @@ class Adding:
 # Which wires some nodes could have, for the list that wires by the keyboard. Without Qt.
 
 
-@dataclass(frozen=True)
-class Possible:
-    """A link that could be made, and what it would replace; empty inputs come first."""
+def possible_links(network: Network, library: Library, names: Collection[str]) -> dict[Link, str]:
+    """Every link that fits, and what it would replace.
 
-    link: Link
-    remark: str
-    rank: int
-
-
-def possible_links(network: Network, library: Library, names: Collection[str]) -> list[Possible]:
-    """Every link that fits: of one node to all others, of several nodes among themselves.
-
-    First those into empty inputs that need one, then into other empty ones, then those that would
-    take another link's place.
+    Of one node to all others, of several among themselves. First those into empty inputs that need
+    one, then into other empty ones, then those that would take another link's place.
     """
     among = names if len(names) > 1 else network.nodes
     ours = set(names)
-    possible = []
-    for source in among:
-        for target in among:
-            if source != target and ours & {source, target}:
-                possible += list(_between(network, library, source, target))
-    return sorted(possible, key=lambda possibility: possibility.rank)
+    possible = [
+        found
+        for source in among
+        for target in among
+        if source != target and ours & {source, target}
+        for found in _between(network, library, source, target)
+    ]
+    return {link: remark for _, link, remark in sorted(possible, key=itemgetter(0))}
 
 
-def _between(network: Network, library: Library, source: str, target: str) -> Iterator[Possible]:
+def _between(
+    network: Network, library: Library, source: str, target: str
+) -> Iterator[tuple[int, Link, str]]:
+    """The links from one node to another, with their ranks and what they would replace."""
     taken = {link.input: link for link in network.links_into(target)}
     for output in _ports(network, library, source, "output"):
         for entry in _ports(network, library, target, "input"):
@@ -235,10 +231,9 @@ def _between(network: Network, library: Library, source: str, target: str) -> It
             old = taken.get(entry.name)
             if old == link or not set(output.types) & set(entry.types):
                 continue
-            if refusal(network, library, link) is not None:
-                continue
-            remark = f"instead of {old.source}.{old.output}" if old is not None else ""
-            yield Possible(link, remark, 2 if old is not None else 0 if entry.required else 1)
+            if refusal(network, library, link) is None:
+                remark = f"instead of {old.source}.{old.output}" if old is not None else ""
+                yield 2 if old is not None else 0 if entry.required else 1, link, remark
 
 
 def _ports(network: Network, library: Library, name: str, side: str) -> tuple[Port, ...]:
@@ -290,7 +285,7 @@ def with_way_made(
     """
     network = operation.apply(surface.session.network)
     sizes = surface.content.sizes() | ({name: size} if size is not None else {})
-    behind = reached_from(network, {name}) - {name}
+    behind = reached(network.followers, {name}) - {name}
     places = made_way(network, sizes, name, network.layout[name], behind)
     pushed = {node: whole(QPointF(*at)) for node, at in places.items()}
     if not pushed:

@@ -148,7 +148,7 @@ class DragWire(Gesture):
 
     def __init__(self, surface: Surface, pos: QPoint, port: NodePort, dropped: Dropped) -> None:
         super().__init__(surface, pos)
-        at_input = surface.content.wires_at(port.node.id) if port.face.side == "input" else ()
+        at_input = surface.content.wires_at(port.node.id) if port.side == "input" else ()
         self._carried = next((wire for wire in at_input if wire.input_port is port), None)
         self._fixed: NodePort = self._carried.output_port if self._carried else port
         self._dropped = dropped
@@ -165,10 +165,10 @@ class DragWire(Gesture):
         port, refused = self._target(point)
         end = port.centre() if port is not None and not refused else point
         ends = (self._fixed.centre(), end)
-        if self._fixed.face.side == "input":
+        if self._fixed.side == "input":
             ends = (end, self._fixed.centre())
         refusing = bool(refused)
-        colour = surface.content.style.port(self._fixed.face.types)
+        colour = surface.content.style.port(self._fixed.types)
         surface.live.show_wire(*ends, surface.content.style.error if refusing else colour)
         surface.hint.show_at(refused or "", pos)
         shape = Qt.CursorShape.ForbiddenCursor if refusing else Qt.CursorShape.CrossCursor
@@ -225,27 +225,25 @@ class DragWire(Gesture):
             return None, None
         if self._carried is not None and node is self._carried.input_port.node:
             return self._carried.input_port, None
-        others = [
-            other for other in node.ports.values() if other.face.side != self._fixed.face.side
-        ]
+        others = [other for other in node.ports.values() if other.side != self._fixed.side]
         fitting = [other for other in others if self._refusal(other) is None]
-        free = [other for other in fitting if not (other.wires and other.face.side == "input")]
+        free = [other for other in fitting if not (other.wires and other.side == "input")]
         if fitting:
             return (free or fitting)[0], None
-        side = "input" if self._fixed.face.side == "output" else "output"
-        kinds = " or ".join(self._fixed.face.types) or "this wire"
+        side = "input" if self._fixed.side == "output" else "output"
+        kinds = " or ".join(self._fixed.types) or "this wire"
         return None, f"{node.id} has no {side} for {kinds}"
 
     def _refusal(self, port: NodePort) -> str | None:
-        if port.face.side == self._fixed.face.side:
-            return f"a wire leads from an output to an input; {port.name} is an {port.face.side}"
+        if port.side == self._fixed.side:
+            return f"a wire leads from an output to an input; {port.name} is an {port.side}"
         link = link_between(self._fixed, port)
         return refusal(self._network, self.surface.session.library, link)
 
 
 def link_between(one: NodePort, other: NodePort) -> Link:
     """The link between an output and an input, in whichever order."""
-    output, entry = (one, other) if one.face.side == "output" else (other, one)
+    output, entry = (one, other) if one.side == "output" else (other, one)
     return Link(output.node.id, output.name, entry.node.id, entry.name)
 
 

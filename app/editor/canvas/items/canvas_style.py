@@ -24,25 +24,8 @@ from core.network.network import Link, Node
 
 COLOUR = "colour"  # field of a node in the file
 Side = Literal["input", "output"]
-
-
-@dataclass(frozen=True)
-class PortFace:
-    """A port as it is drawn; without types where the module does not declare it."""
-
-    side: Side
-    name: str
-    types: tuple[str, ...] = ()
-    required: bool = True
-
-    @property
-    def tooltip(self) -> str:
-        """Text shown at the pointer."""
-        if not self.types:
-            return f"{self.name}: {self.side} of an unknown type"
-        kinds = " or ".join(self.types)
-        need = "" if self.side == "output" else ", required" if self.required else ", optional"
-        return f"{self.name}: {self.side}, {kinds}{need}"
+INPUT: Side = "input"
+OUTPUT: Side = "output"
 
 
 @dataclass(frozen=True)
@@ -59,8 +42,8 @@ class NodeFace:
     module: str
     group: str
     summary: str
-    inputs: tuple[PortFace, ...]
-    outputs: tuple[PortFace, ...]
+    inputs: tuple[Port, ...]
+    outputs: tuple[Port, ...]
     known: bool = True
     disabled: bool = False
     output: bool = False
@@ -80,10 +63,9 @@ class NodeFace:
         within = "\nDouble-click, or Enter, shows the nodes inside." if self.macro else ""
         return f"{self.id} · {self.module}{state}\n{self.summary}{mark}{within}"
 
-    def port(self, side: Side, name: str) -> PortFace | None:
-        """The port of that name."""
-        ports = self.inputs if side == "input" else self.outputs
-        return next((port for port in ports if port.name == name), None)
+    def ports(self, side: Side) -> tuple[Port, ...]:
+        """Those of a side, from top to bottom."""
+        return self.inputs if side == "input" else self.outputs
 
 
 def _absent(module: str) -> str:
@@ -95,9 +77,9 @@ def _absent(module: str) -> str:
 def face_of(
     node: Node, declared: Declaration | None, links: Sequence[Link], *, output: bool = False
 ) -> NodeFace:
-    """The face of a node with the links at it; ports that only a link names are shown too."""
-    inputs = _faces("input", declared.inputs if declared else ())
-    outputs = _faces("output", declared.outputs if declared else ())
+    """The face of a node with the links at it; ports that only a link names have no types."""
+    inputs = declared.inputs if declared else ()
+    outputs = declared.outputs if declared else ()
     coming = (link.input for link in links if link.target == node.id)
     going = (link.output for link in links if link.source == node.id)
     return NodeFace(
@@ -105,8 +87,8 @@ def face_of(
         module=declared.title if declared else node.module,
         group=declared.group if declared else "",
         summary=declared.summary if declared else _absent(node.module),
-        inputs=inputs + _missing("input", inputs, coming),
-        outputs=outputs + _missing("output", outputs, going),
+        inputs=inputs + _missing(inputs, coming),
+        outputs=outputs + _missing(outputs, going),
         known=declared is not None,
         disabled=node.disabled,
         output=output,
@@ -121,13 +103,9 @@ def colour_of(node: Node) -> str:
     return colour if isinstance(colour, str) else ""
 
 
-def _faces(side: Side, ports: Iterable[Port]) -> tuple[PortFace, ...]:
-    return tuple(PortFace(side, port.name, port.types, port.required) for port in ports)
-
-
-def _missing(side: Side, known: tuple[PortFace, ...], names: Iterable[str]) -> tuple[PortFace, ...]:
+def _missing(known: tuple[Port, ...], names: Iterable[str]) -> tuple[Port, ...]:
     there = {port.name for port in known}
-    return tuple(PortFace(side, name) for name in dict.fromkeys(names) if name not in there)
+    return tuple(Port(name, ()) for name in dict.fromkeys(names) if name not in there)
 
 
 TextRole = Literal["title", "id", "port", "backdrop"]
@@ -282,11 +260,11 @@ def geometry_of(face: NodeFace, style: CanvasStyle) -> NodeGeometry:
     labels = [_row_width(face, row, style) for row in range(rows)]
     width = min(max([NARROWEST, title, *labels]), WIDEST)
     height = head + rows * PORT_ROW + 2 * _FOOT
-    ports = {}
-    for x, faces in ((0.0, face.inputs), (width, face.outputs)):
-        for row, port in enumerate(faces):
+    ports: dict[tuple[Side, str], QPointF] = {}
+    for x, side in ((0.0, INPUT), (width, OUTPUT)):
+        for row, port in enumerate(face.ports(side)):
             y = head + _FOOT + (row + 0.5) * PORT_ROW
-            ports[port.side, port.name] = QPointF(x, y)
+            ports[side, port.name] = QPointF(x, y)
     return NodeGeometry(width, height, head, ports)
 
 
@@ -295,10 +273,7 @@ def _row_width(face: NodeFace, row: int, style: CanvasStyle) -> float:
     return sum(style.width("port", text) + _PADDING for text in texts) + _PADDING
 
 
-def label_room(geometry: NodeGeometry, port: PortFace, face: NodeFace) -> float:
+def label_room(geometry: NodeGeometry, row: int, others: Sequence[Port]) -> float:
     """How wide a port's label may be; more where nothing stands on the other side of its row."""
-    own, others = (
-        (face.inputs, face.outputs) if port.side == "input" else (face.outputs, face.inputs)
-    )
-    alone = own.index(port) >= len(others)
+    alone = row >= len(others)
     return geometry.width * (1.0 if alone else 0.62) - 2 * _PADDING

@@ -54,7 +54,7 @@ class Marks:
     def hover(self, hit: Hit) -> None:
         """Mark the port or the wire under the pointer, and no other."""
         port = hit.port
-        over = (port.node.id, port.face.side, port.name) if port is not None else None
+        over = (port.node.id, port.side, port.name) if port is not None else None
         if over != self._over_port:
             self._show_port(False)
             self._over_port = over

@@ -11,11 +11,12 @@ from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
 from app.editor.canvas.items.canvas_style import (
     BADGE_ROOM,
+    INPUT,
+    OUTPUT,
     PORT_RADIUS,
     CanvasStyle,
     NodeFace,
     NodeGeometry,
-    PortFace,
     Side,
     geometry_of,
     label_room,
@@ -23,6 +24,7 @@ from app.editor.canvas.items.canvas_style import (
 from app.editor.canvas.items.nodegraphqt import AbstractNodeItem
 from app.editor.evaluation.queries import Badge, BadgeKind
 from core.editing.layout import Box
+from core.modules.declaration import Port
 
 OVERVIEW = 0.62  # of the natural zoom: below, port names cannot be read
 _ROUND = 5.0
@@ -42,15 +44,17 @@ class NodePort(QGraphicsItem):
     there is none.
     """
 
-    def __init__(self, face: PortFace, parent: NodeItem) -> None:
+    def __init__(self, port: Port, side: Side, parent: NodeItem) -> None:
         super().__init__(parent)
-        self.face = face
-        self.name = face.name
+        self.name, self.types, self.side = port.name, port.types, side
         self.fits: bool | None = None
         self.hovered = False
         self.wires = 0
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents, True)
-        self.setToolTip(face.tooltip)
+        kinds = " or ".join(port.types)
+        need = "" if side == "output" else ", required" if port.required else ", optional"
+        about = f"{side}, {kinds}{need}" if kinds else f"{side} of an unknown type"
+        self.setToolTip(f"{port.name}: {about}")
 
     def boundingRect(self) -> QRectF:
         """Where the pointer meets it."""
@@ -83,10 +87,10 @@ class NodeItem(AbstractNodeItem):
         self._width, self._height = self.geometry.width, self.geometry.height
         self._bounds = self.geometry.frame.adjusted(-_MARGIN, -_MARGIN, _MARGIN, _MARGIN)
         self.ports: dict[tuple[Side, str], NodePort] = {}
-        for port in (*face.inputs, *face.outputs):
-            item = NodePort(port, self)
-            item.setPos(self.geometry.ports[port.side, port.name])
-            self.ports[port.side, port.name] = item
+        for side in (INPUT, OUTPUT):
+            for port in face.ports(side):
+                item = self.ports[side, port.name] = NodePort(port, side, self)
+                item.setPos(self.geometry.ports[side, port.name])
         self._badge: BadgeItem | None = None
         self._title: tuple[tuple[float, CanvasStyle], Fitted | None] | None = None
         self.setToolTip(face.tooltip)
@@ -203,12 +207,14 @@ def _paint_full(painter: QPainter, item: NodeItem) -> None:
         painter.drawText(QPointF(_LEFT, 32), style.elided("id", face.subtitle, room))
         painter.setOpacity(painter.opacity() / 0.8)
     painter.setFont(style.font("port"))
-    for port in (*face.inputs, *face.outputs):
-        at = geometry.ports[port.side, port.name]
-        text = style.elided("port", port.name, label_room(geometry, port, face))
-        x = _LEFT if port.side == "input" else at.x() - _LEFT - style.width("port", text)
-        painter.setPen(style.text if port.required else style.faint)
-        painter.drawText(QPointF(x, at.y() + 4), text)
+    for side, other in ((INPUT, OUTPUT), (OUTPUT, INPUT)):
+        for row, port in enumerate(face.ports(side)):
+            at = geometry.ports[side, port.name]
+            room = label_room(geometry, row, face.ports(other))
+            text = style.elided("port", port.name, room)
+            x = _LEFT if side == INPUT else at.x() - _LEFT - style.width("port", text)
+            painter.setPen(style.text if port.required else style.faint)
+            painter.drawText(QPointF(x, at.y() + 4), text)
 
 
 def _paint_overview(painter: QPainter, item: NodeItem, zoom: float) -> None:
@@ -280,7 +286,7 @@ def _paint_output_mark(painter: QPainter, item: NodeItem, *, with_text: bool) ->
 
 
 def _paint_port(painter: QPainter, port: NodePort, style: CanvasStyle) -> None:
-    colour = style.port(port.face.types)
+    colour = style.port(port.types)
     before = painter.opacity()
     if port.fits is False:
         painter.setOpacity(0.2)

@@ -61,7 +61,7 @@ class WireItem(QGraphicsPathItem):
             self._follow(dotted_path(start, end, self.dots))
             return
         ends = (start.x(), start.y()), (end.x(), end.y())
-        beside = self.style_of_canvas.lane(self.output_port.face.types)
+        beside = self.style_of_canvas.lane(self.output_port.types)
         lane, self.reach = course_of(*ends, ground, beside)
         self._follow(wire_path(start, end, lane))
 
@@ -73,7 +73,7 @@ class WireItem(QGraphicsPathItem):
     def restyle(self) -> None:
         """Take the colour and width of the state."""
         style = self.style_of_canvas
-        types = self.output_port.face.types or self.input_port.face.types
+        types = self.output_port.types or self.input_port.types
         self.colour = colour = style.port(types)
         marked = self.chosen or self.target
         self._pen_colour = style.accent if marked else colour

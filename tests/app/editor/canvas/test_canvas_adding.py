@@ -157,11 +157,11 @@ def test_the_keyboard_wires_a_node(opened, canvas, hand):
 def test_possible_wires_fit(opened, library):
     network = opened("first_steps").network
     found = possible_links(network, library, ["back"])
-    links = [str(each.link) for each in found]
+    links = [str(link) for link in found]
     assert "scene.image → back.magnitude" not in links
     assert "back.image → init.image" not in links  # a cycle
     assert "init.magnitude → back.magnitude" in links
-    remark = {str(each.link): each.remark for each in found}["init.magnitude → back.magnitude"]
+    remark = found[Link.between("init.magnitude", "back.magnitude")]
     assert remark == "instead of blur.magnitude"
     assert "blur.magnitude → back.magnitude" not in links  # is there already
 
@@ -188,7 +188,7 @@ def test_wires_into_empty_inputs_that_need_one_come_first(library):
         ],
     )
     found = possible_links(network, library, ["init"])
-    assert [(str(each.link), each.remark) for each in found] == [
+    assert [(str(link), remark) for link, remark in found.items()] == [
         ("init.magnitude → needing.magnitude", ""),
         ("init.phase → optional.phase", ""),
         ("init.context → taken.context", "instead of other.context"),
@@ -202,7 +202,7 @@ def test_wires_into_empty_inputs_that_need_one_come_first(library):
 def test_of_several_nodes_only_wires_among_them(opened, library):
     network = opened("kodak_kir310").network
     found = possible_links(network, library, ["init", "charge"])
-    assert {str(each.link) for each in found} == {"init.magnitude → charge.magnitude"}
+    assert {str(link) for link in found} == {"init.magnitude → charge.magnitude"}
 
 
 def test_without_a_selection_there_is_a_word(opened, canvas):
