@@ -184,7 +184,7 @@ def _with_macro(
         if not (link.source in inner and link.target in inner):
             start, end = (link.source, link.output), (link.target, link.input)
             links[Link(*exits.get(start, start), *entry.get(end, end))] = None
-    extra = _with_moved(without_dots(network.extra, _links_at(network, inner)), moved)
+    extra = renamed(without_dots(network.extra, _links_at(network, inner)), moved)
     changed = replace(network, nodes=nodes, links=tuple(links), layout=layout, extra=extra)
     around = face_of_macro(network)
     if around != Interface():
@@ -236,7 +236,7 @@ def _without_macro(
     for old, at in body.layout.items():
         if old in body.nodes:
             layout[fresh[old]] = at[0] + x, at[1] + y
-    extra = _with_moved(without_dots(network.extra, _links_at(network, {name})), moved)
+    extra = renamed(without_dots(network.extra, _links_at(network, {name})), moved)
     if backdrops_of(body):
         extra[BACKDROPS] = [
             *thaw(network.extra.get(BACKDROPS, [])),
@@ -340,13 +340,6 @@ def _shift(network: Network, macro: str, body: Network) -> Point:
         return 0.0, 0.0
     middle, at = _middle(body.layout), network.layout[macro]
     return at[0] - middle[0], at[1] - middle[1]
-
-
-def _with_moved(extra: Mapping[str, Any], moved: Mapping[str, str]) -> dict[str, Any]:
-    """A network's fields with the nodes' new names."""
-    for old, new in moved.items():
-        extra = renamed(extra, old, new)
-    return dict(extra)
 
 
 def _links_at(network: Network, names: Collection[str]) -> set[Link]:

@@ -97,9 +97,7 @@ def with_body(
     if names and naming(changed, names):
         nodes = {name: with_names(other, names) for name, other in changed.nodes.items()}
         changed = changed.with_nodes(nodes)
-    extra: Mapping[str, Any] = network.extra
-    for old, new in names.items():
-        extra = renamed(extra, old, new)
+    extra: Mapping[str, Any] = renamed(network.extra, names) if names else network.extra
     gone = set(unfolded(node.macro).nodes) - set(unfolded(body).nodes) - moved.keys()
     if gone:
         extra = dropped(extra, {head + name for name in gone})

@@ -381,9 +381,6 @@ class Rename(Operation):
         except NetworkError as error:
             raise NetworkError(f"{shown(self.old)} cannot be renamed: {error.message}") from None
         renamed_node = replace(nodes[self.old], id=self.new)
-        extra: Mapping[str, Any] = network.extra
-        for old, new in self.moved(network).items():
-            extra = renamed(extra, old, new)
         return replace(
             network,
             nodes={
@@ -392,7 +389,7 @@ class Rename(Operation):
             },
             links=tuple(link.renamed({self.old: self.new}) for link in network.links),
             layout={name_of(name): at for name, at in network.layout.items()},
-            extra=extra,
+            extra=renamed(network.extra, self.moved(network)),
         )
 
     def moved(self, network: Network) -> dict[str, str]:

@@ -19,23 +19,23 @@ def of_nodes(names: Iterable[str], nodes: Mapping[str, Node]) -> set[str]:
     return {*names, *unfolded(Network(nodes=chosen)).nodes}
 
 
-def renamed(extra: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:
-    """The fields with a node's new name."""
+def renamed(extra: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+    """The fields with nodes' new names, by the old ones."""
     fields = dict(extra)
-    if _of(fields.get("final")) == old:
-        fields["final"] = _moved(fields["final"], new)
-    if any(_of(row.get("from")) == old for row in _rows(fields)):
+    if _of(fields.get("final")) in names:
+        fields["final"] = _moved(fields["final"], names)
+    if any(_of(row.get("from")) in names for row in _rows(fields)):
         fields["published"] = [
-            {**row, "from": _moved(row["from"], new)} if _of(row.get("from")) == old else row
+            {**row, "from": _moved(row["from"], names)} if _of(row.get("from")) in names else row
             for row in thaw(fields["published"])
         ]
     links = _links_of_dots(fields)
-    if any(old in (link.source, link.target) for link in links if link is not None):
+    if any(names.keys() & {link.source, link.target} for link in links if link is not None):
         fields[WIRE_DOTS] = [
-            entry if link is None else {**entry, "link": link.renamed({old: new}).text()}
+            entry if link is None else {**entry, "link": link.renamed(names).text()}
             for entry, link in zip(thaw(fields[WIRE_DOTS]), links, strict=True)
         ]
-    return _with_face_of(extra, fields, lambda face: face.renamed(old, new))
+    return _with_face_of(extra, fields, lambda face: face.renamed(names))
 
 
 def dropped(extra: Mapping[str, Any], gone: set[str]) -> dict[str, Any]:
@@ -108,5 +108,6 @@ def _of(port: Any) -> str | None:
     return port.rpartition(".")[0] if isinstance(port, str) else None
 
 
-def _moved(port: str, node: str) -> str:
-    return f"{node}.{port.rpartition('.')[2]}"
+def _moved(port: str, names: Mapping[str, str]) -> str:
+    node, _, name = port.rpartition(".")
+    return f"{names[node]}.{name}"

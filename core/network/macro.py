@@ -253,11 +253,11 @@ class Interface:
         )
         return Interface({name: ends for name, ends in inputs.items() if ends}, outputs, parameters)
 
-    def renamed(self, old: str, new: str) -> Interface:
-        """With an inner node's new name."""
+    def renamed(self, names: Mapping[str, str]) -> Interface:
+        """With inner nodes' new names, by the old ones."""
 
         def moved(end: End) -> tuple[End]:
-            return ((new, end[1]) if end[0] == old else end,)
+            return ((names.get(end[0], end[0]), end[1]),)
 
         return self.mapped(moved, moved, moved)
 
