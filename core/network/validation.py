@@ -288,20 +288,18 @@ def _at_level(level: Network, library: Library, unfinished: bool) -> Iterator[Im
 
 def _one_name_twice(network: Network) -> Iterator[NetworkError]:
     """Nodes whose ids are those of nodes inside: ``a/b`` beside the node b of the macro a."""
-    names = Counter(_plain_names(network))
+    inside = (
+        f"{macro}{SEPARATOR}{name}"
+        for macro, node in macros_in(network)
+        for name in (node.macro.nodes if node.macro is not None else ())
+    )
+    names = Counter((*network.nodes, *inside))
     for name, count in names.items():
         if count > 1:
             yield NetworkError(
                 f"{shown(name)} is the name of {count} nodes, one of them inside of a macro: "
                 "give one of them another id"
             )
-
-
-def _plain_names(network: Network, prefix: str = "") -> Iterator[str]:
-    for name, node in network.nodes.items():
-        yield prefix + name
-        if node.macro is not None:
-            yield from _plain_names(node.macro, f"{prefix}{name}{SEPARATOR}")
 
 
 def _of_macro(node: Node, body: Network, library: Library) -> Iterator[ImagechainError]:

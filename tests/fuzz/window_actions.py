@@ -13,17 +13,8 @@ from window_hands import CTRL, KEY, SHIFT
 
 ALT = Qt.KeyboardModifier.AltModifier
 UNITS = (
-    "600 urad",
-    "3 um",
-    "1 kHz",
-    "2 km",
-    "0.5 mm",
-    "40 %",
-    "300 K",
-    "1e-6 m",
-    "5 µm",
-    "7 bogus",
-)
+    "600 urad", "3 um", "1 kHz", "2 km", "0.5 mm", "40 %", "300 K", "1e-6 m", "5 µm", "7 bogus",
+)  # fmt: skip
 NAMES = ("camera", "Lens 2", "it's", "a" * 80, "ümläut", "camera", "x.y", "", "b/c", "π")
 FORMULAS = (
     "= {0}", "= 2*{0}", "= {0} + {1}", "= {0}/({1}-{1})", "= nobody.nothing", "= sqrt(-1)", "= 1/0",
@@ -250,8 +241,7 @@ class NewerActions:
     def do_menu(self):
         """The menu of what is at a point: one of its entries, or a colour."""
         name = self.node()
-        rect = self.hands.port_of_view.rect()
-        pos = QPoint(self.random.randrange(rect.width()), self.random.randrange(rect.height()))
+        pos = self.anywhere()
         if name is not None and self.random.random() < 0.7:
             pos = self.hands.head(name)
         if not self.visible(pos):
@@ -272,12 +262,7 @@ class NewerActions:
             return
 
     def do_cut_wires(self):
-        rect = self.hands.port_of_view.rect()
-        ends = [
-            QPoint(self.random.randrange(rect.width()), self.random.randrange(rect.height()))
-            for _ in range(2)
-        ]
-        self.hands.drag(*ends, ALT | SHIFT)
+        self.hands.drag(self.anywhere(), self.anywhere(), ALT | SHIFT)
 
     def do_insert(self):
         """A node dropped on a wire."""
@@ -311,10 +296,6 @@ class NewerActions:
 
     def do_snapshot(self):
         self.window.actions_by_name["keep_snapshot"].trigger()
-
-    def do_compare(self):
-        self.hands.focus()
-        self.hands.key(self.random.choice([KEY.Key_K, KEY.Key_W]))
 
     def do_snapshot_list(self):
         """Another A, another name, less of them, or back to one."""

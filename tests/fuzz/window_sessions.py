@@ -26,7 +26,7 @@ os.environ.setdefault("QT_QPA_PLATFORM", f"offscreen:configfile={SCREEN}")
 
 from PySide6.QtCore import QPoint, Qt, qInstallMessageHandler  # noqa: E402
 from PySide6.QtTest import QTest  # noqa: E402
-from PySide6.QtWidgets import QApplication, QLineEdit  # noqa: E402
+from PySide6.QtWidgets import QApplication  # noqa: E402
 from window_actions import NewerActions  # noqa: E402
 
 from app.editor.window.documents.recent_files import Settings  # noqa: E402
@@ -39,6 +39,20 @@ from window_hands import CTRL, KEY, SHIFT, WindowHands  # noqa: E402
 ALT = Qt.KeyboardModifier.AltModifier
 QUIET = ("propagateSizeHints", "does not support raise", "grabbing the keyboard")
 STARTS = ("", "first_steps", "kodak_kir310", "spatial_blur", "camera_and_sensor", "pupils")
+PLAIN = Qt.KeyboardModifier.NoModifier
+KEYED = {  # keys of the canvas, what is held with them, how often they are pressed at most
+    "delete": ([KEY.Key_Delete, KEY.Key_Backspace],),
+    "cut": ([KEY.Key_X], CTRL),
+    "undo": ([KEY.Key_Z], CTRL, 6),
+    "redo": ([KEY.Key_Z], CTRL | SHIFT, 6),
+    "letter": ([KEY.Key_D, KEY.Key_L, KEY.Key_F, KEY.Key_T, KEY.Key_M],),
+    "output": ([KEY.Key_O],),
+    "align": ([KEY.Key_Left, KEY.Key_Right, KEY.Key_Up, KEY.Key_Down], ALT),
+    "nudge": ([KEY.Key_Left, KEY.Key_Down],),
+    "select_all": ([KEY.Key_A], CTRL),
+    "view": ([KEY.Key_1, KEY.Key_2],),
+    "compare": ([KEY.Key_K, KEY.Key_W],),
+}
 TYPED = ("0.3", "1e-3", "-1", "", "abc", "600", "2*0.3", "1e400")
 
 
@@ -73,15 +87,23 @@ class WindowSession(NewerActions):
         return format_network(self.session.document.network, library=self.library)
 
     def run(self, actions):
-        names = [name for name in dir(self) if name.startswith("do_")]
+        names = [*(name for name in dir(self) if name.startswith("do_")), *KEYED]
         for _ in range(actions):
             name = self.random.choice(names)
             self.log.append(name)
-            getattr(self, name)()
+            if name in KEYED:
+                self.press(*KEYED[name])
+            else:
+                getattr(self, name)()
             QApplication.processEvents()
             self.put_dialogs_away()
             self.check_drawn()
         self.settle()
+
+    def press(self, keys, modifiers=PLAIN, most=1):
+        self.hands.focus()
+        for _ in range(self.random.randint(1, most)):
+            self.hands.key(self.random.choice(keys), modifiers)
 
     def settle(self):
         end = time.monotonic() + 600
@@ -104,8 +126,12 @@ class WindowSession(NewerActions):
         return self.random.choice(names) if names else None
 
     def visible(self, pos):
+        return self.hands.port_of_view.rect().contains(pos)
+
+    def anywhere(self):
+        """A pixel of the canvas."""
         rect = self.hands.port_of_view.rect()
-        return rect.contains(pos)
+        return QPoint(self.random.randrange(rect.width()), self.random.randrange(rect.height()))
 
     # --- what is done ---------------------------------------------------------------------------
 
@@ -121,16 +147,11 @@ class WindowSession(NewerActions):
     def do_click(self):
         name = self.node()
         if name is not None and self.visible(pos := self.hands.head(name)):
-            keys = self.random.choice([Qt.KeyboardModifier.NoModifier, CTRL, SHIFT])
+            keys = self.random.choice([PLAIN, CTRL, SHIFT])
             self.hands.click(pos, keys)
 
     def do_band(self):
-        rect = self.hands.port_of_view.rect()
-        a, b = (
-            QPoint(self.random.randrange(rect.width()), self.random.randrange(rect.height()))
-            for _ in range(2)
-        )
-        self.hands.drag(a, b)
+        self.hands.drag(self.anywhere(), self.anywhere())
 
     def do_drag(self):
         name = self.node()
@@ -150,14 +171,6 @@ class WindowSession(NewerActions):
             ends.append(self.hands.port(name, self.random.choice(ports), side))
         self.hands.drag(*ends)
 
-    def do_delete(self):
-        self.hands.focus()
-        self.hands.key(self.random.choice([KEY.Key_Delete, KEY.Key_Backspace]))
-
-    def do_cut(self):
-        self.hands.focus()
-        self.hands.key(KEY.Key_X, CTRL)
-
     def do_copy_paste(self):
         self.hands.focus()
         if len(self.session.network.nodes) < 60:
@@ -168,34 +181,6 @@ class WindowSession(NewerActions):
         self.hands.focus()
         if len(self.session.network.nodes) < 60:
             self.hands.key(KEY.Key_D, CTRL)
-
-    def do_undo(self):
-        self.hands.focus()
-        for _ in range(self.random.randint(1, 6)):
-            self.hands.key(KEY.Key_Z, CTRL)
-
-    def do_redo(self):
-        self.hands.focus()
-        for _ in range(self.random.randint(1, 6)):
-            self.hands.key(KEY.Key_Z, CTRL | SHIFT)
-
-    def do_letter(self):
-        """One of the canvas's letters."""
-        self.hands.focus()
-        self.hands.key(self.random.choice([KEY.Key_D, KEY.Key_L, KEY.Key_F, KEY.Key_T, KEY.Key_M]))
-
-    def do_output(self):
-        self.hands.focus()
-        self.hands.key(KEY.Key_O)
-
-    def do_align(self):
-        self.hands.focus()
-        arrows = [KEY.Key_Left, KEY.Key_Right, KEY.Key_Up, KEY.Key_Down]
-        self.hands.key(self.random.choice(arrows), ALT)
-
-    def do_nudge(self):
-        self.hands.focus()
-        self.hands.key(self.random.choice([KEY.Key_Left, KEY.Key_Down]))
 
     def do_backdrop(self):
         self.hands.focus()
@@ -211,22 +196,9 @@ class WindowSession(NewerActions):
             self.hands.type(name)
             self.hands.key(KEY.Key_Return)
 
-    def do_select_all(self):
-        self.hands.focus()
-        self.hands.key(KEY.Key_A, CTRL)
-
     def do_type(self):
         """Type a value into a field of the panel."""
-        name = self.node()
-        if name is None:
-            return
-        self.window.level.select([name])
-        QApplication.processEvents()
-        edits = [
-            edit
-            for edit in self.window.panels.findChildren(QLineEdit)
-            if edit.isVisible() and edit.isEnabled() and edit.objectName().startswith("value.")
-        ]
+        edits = [edit for edit in self.fields() if edit.isEnabled()]
         if edits:
             edit = self.random.choice(edits)
             edit.setFocus()
@@ -237,10 +209,6 @@ class WindowSession(NewerActions):
     def do_wheel(self):
         middle = self.hands.port_of_view.rect().center()
         self.hands.wheel(middle, self.random.choice([-240, 120, 240]))
-
-    def do_view(self):
-        self.hands.focus()
-        self.hands.key(self.random.choice([KEY.Key_1, KEY.Key_2]))
 
     def do_layout(self):
         names = ("picture_below", "picture_beside", "canvas_first", "reset_layout")
