@@ -223,10 +223,10 @@ def parameters_of(body: Network) -> dict[str, Any]:
     return dict(thaw(body.extra.get(PARAMETERS, {})))
 
 
-def expose(network: Network, node: str, parameter: str, name: str = "") -> Operation:
+def expose(network: Network, node: str, parameter: str) -> Operation:
     """Show a parameter of an inner node, ``camera/init``, on the panel of the macro around it.
 
-    `name` is what it is called there; its own name, or the next that is free, if not given.
+    It has its own name there, or the next that is free.
 
     Raises `NetworkError` if the node lies in no macro, or the parameter is shown already.
     """
@@ -240,9 +240,7 @@ def expose(network: Network, node: str, parameter: str, name: str = "") -> Opera
         )
     body = _body(network, macros)
     entries = parameters_of(body)
-    if name in entries:
-        raise NetworkError(f"{shown(macros[-1])} has a parameter {shown(name)} already")
-    wanted = name or fresh_name(parameter, entries)
+    wanted = fresh_name(parameter, entries)
     entries[wanted] = text((inner, parameter))
     interface_of({PARAMETERS: entries})  # whether the name is allowed
     label = f"Expose {node}.{parameter}"

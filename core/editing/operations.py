@@ -268,11 +268,10 @@ class Rewire(Operation):
 
 @dataclass(frozen=True)
 class Placed:
-    """A node with its point of the canvas and its place in the document's order (None: last)."""
+    """A node with its point of the canvas."""
 
     node: Node
     at: Point | None = None
-    index: int | None = None
 
 
 @dataclass(frozen=True)
@@ -292,22 +291,15 @@ class Add(Operation):
 
     def apply(self, network: Network) -> Network:
         """The network with them."""
-        order = list(network.nodes)
-        nodes = dict(network.nodes)
-        layout = dict(network.layout)
+        nodes, layout = dict(network.nodes), dict(network.layout)
         for placed in self.placed:
             if placed.node.id in nodes:
                 raise NetworkError(f"there is a node {shown(placed.node.id)} already")
             nodes[placed.node.id] = placed.node
-            order.insert(len(order) if placed.index is None else placed.index, placed.node.id)
             if placed.at is not None:
                 layout[placed.node.id] = _finite(placed.node.id, placed.at)
-        grown = replace(
-            network,
-            nodes={name: nodes[name] for name in order},
-            layout=layout,
-            extra={**network.extra, **self.extra},
-        )
+        extra = {**network.extra, **self.extra}
+        grown = replace(network, nodes=nodes, layout=layout, extra=extra)
         return Rewire(add=self.links).apply(grown)
 
 
@@ -337,9 +329,9 @@ class Remove(Operation):
 
 @dataclass(frozen=True)
 class Move(Operation):
-    """Put nodes at points of the canvas; None takes a node's point away."""
+    """Put nodes at points of the canvas."""
 
-    positions: Mapping[str, Point | None]
+    positions: Mapping[str, Point]
     label: str = ""
 
     def _usual_text(self) -> str:
@@ -350,10 +342,7 @@ class Move(Operation):
         layout: dict[str, Point] = dict(network.layout)
         for name, at in self.positions.items():
             network.node(name)
-            if at is None:
-                layout.pop(name, None)
-            else:
-                layout[name] = _finite(name, at)
+            layout[name] = _finite(name, at)
         return replace(network, layout=layout)
 
 
@@ -444,11 +433,10 @@ def fresh_name(wanted: str, taken: Container[str]) -> str:
 class SetOutput(Operation):
     """Mark these nodes as the network's output, one at most, and no others.
 
-    `port` is the network's own field ``final``, an older way to mark; ABSENT takes it away.
+    The network's own field ``final``, an older way to mark, goes.
     """
 
     nodes: tuple[str, ...]
-    port: Any = ABSENT
 
     def _usual_text(self) -> str:
         return f"Mark {self.nodes[0]} as the output" if self.nodes else "Unmark the output"
@@ -458,9 +446,7 @@ class SetOutput(Operation):
         for name in self.nodes:
             if not network.has(name):
                 network.node(name)
-        _check_value(self.port, "final")
-        extra = with_field(network.extra, "final", self.port)
-        return with_marks(network, self.nodes, extra)
+        return with_marks(network, self.nodes, with_field(network.extra, "final", ABSENT))
 
 
 def output_toggled(network: Network, library: Library, name: str) -> Operation:

@@ -100,8 +100,7 @@ def dots_along(network: Network, places: Mapping[str, Point]) -> dict[Link, tupl
 
 def moved_with_dots(network: Network, moving: Move) -> Operation:
     """The move of nodes, with the dots of the wires among them."""
-    places = {name: at for name, at in moving.positions.items() if at is not None}
-    dots = dots_along(network, places)
+    dots = dots_along(network, moving.positions)
     if not dots:
         return moving
     return Together((moving, with_dots(network, dots, moving.text)), moving.text)

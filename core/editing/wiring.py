@@ -462,18 +462,16 @@ def dissolved(
     return _led_past(names, _ways(network, library, names, only_one=False), verb)
 
 
-def deleted(
-    network: Network, library: Library, names: Collection[str], verb: str = "Delete"
-) -> Operation:
+def deleted(network: Network, library: Library, names: Collection[str]) -> Operation:
     """Take nodes out; a wire is led past them where there is one way through.
 
     There is none through a node that is fed several wires of the type, as one that adds two
     pictures: which of them was to go on is the user's to say.
     """
-    return _led_past(names, _ways(network, library, names, only_one=True), verb)
+    return _led_past(names, _ways(network, library, names, only_one=True))
 
 
-def _led_past(names: Collection[str], new: tuple[Link, ...], verb: str) -> Operation:
+def _led_past(names: Collection[str], new: tuple[Link, ...], verb: str = "Delete") -> Operation:
     text = f"{verb} {named([shown(name) for name in names])}"
     removal = Remove(tuple(names), text)
     return Together((removal, Rewire(add=new)), text) if new else removal

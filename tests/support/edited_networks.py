@@ -149,12 +149,12 @@ def _add(e: Editor) -> Operation | None:
     return new_node(e.network, e.library, e.random.choice(list(e.library)), e.point())[1]
 
 
-def _add_first(e: Editor) -> Operation | None:
+def _add_unknown(e: Editor) -> Operation | None:
     node = Node(f"first {e.random.randint(0, 10**9)}", GONE, {"p": 1})
     taking = e.name()
     links = (Link(node.id, "a", taking, "a"),) if taking else ()
     unknown = taking is not None and e.network.nodes[taking].module == GONE
-    return Add((Placed(node, None, 0),), links if unknown else ())
+    return Add((Placed(node),), links if unknown else ())
 
 
 def _remove(e: Editor) -> Operation | None:
@@ -183,7 +183,7 @@ def _made_way(e: Editor) -> Operation | None:
 
 
 def _move(e: Editor) -> Operation | None:
-    return Move({name: e.random.choice([e.point(), e.point(), None]) for name in e.some()})
+    return Move({name: e.point() for name in e.some()})
 
 
 def _rename(e: Editor) -> Operation | None:
@@ -279,8 +279,7 @@ def _switch(e: Editor) -> Operation | None:
 
 def _output(e: Editor) -> Operation | None:
     name = e.name()
-    value = e.random.choice([ABSENT, ABSENT, "jitter_mtf.image", None])
-    return SetOutput((name,) if name and e.random.random() < 0.7 else (), value)
+    return SetOutput((name,) if name and e.random.random() < 0.7 else ())
 
 
 def _node_extra(e: Editor) -> Operation | None:
@@ -375,7 +374,7 @@ def _several(e: Editor) -> Operation | None:
 
 
 MAKERS: tuple[Maker, ...] = (
-    _add, _add_first, _remove, _healed, _continued, _made_way,
+    _add, _add_unknown, _remove, _healed, _continued, _made_way,
     _move, _rename, _connect, _disconnect, _redraw, _wired, _inserted,
     _parameter, _switch, _output, _node_extra, _network_field, _extra_field, _backdrop, _dots,
     _paste,

@@ -54,10 +54,8 @@ class Canvas(QWidget):
     files_dropped = Signal(list, QPointF)
     preset_dropped = Signal(str, QPointF)
 
-    def __init__(
-        self, session: Session | Level, theme: Theme, parent: QWidget | None = None
-    ) -> None:
-        super().__init__(parent)
+    def __init__(self, session: Session | Level, theme: Theme) -> None:
+        super().__init__()
         self.setObjectName("canvas")
         self.setAccessibleName("Canvas")
         self._style = style = CanvasStyle(theme, self.font())

@@ -157,7 +157,8 @@ def test_a_node_renamed_inside_is_followed_outside(camera, library):
 
 
 def test_a_name_that_a_macro_shows_is_followed_and_renamed(camera, library):
-    camera.do(expose(camera.network, "camera/aberration", "sigma_y_mrad", "spot"))
+    camera.do(expose(camera.network, "camera/aberration", "sigma_y_mrad"))
+    camera.do(rename_exposed(camera.network, "camera", "sigma_y_mrad", "spot"))
     camera.do(set_parameter("electronics", "bias_percent", expression("camera.spot * 1000")))
     width = values(camera.network, library)["electronics", "bias_percent"]
     assert width == pytest.approx(truth(camera.network)["aberration", "sigma_y_mrad"] * 1000)
@@ -193,8 +194,8 @@ def test_hiding_what_follows_leaves_the_value(camera, library):
 def test_taking_out_what_is_followed_inside_leaves_the_value_in_force(linked, library):
     """Also one that the macro sets from outside, which the inside alone does not know."""
     network = group(linked, library, ["init", "optics", "aberration"], "camera")[1].apply(linked)
-    network = expose(network, "camera/init", "f_number", "stop").apply(network)
-    network = network.with_parameter("camera", "stop", 8.0)
+    network = expose(network, "camera/init", "f_number").apply(network)
+    network = network.with_parameter("camera", "f_number", 8.0)
     body = network.nodes["camera"].macro
     value = resolved(network, library=library).value
     step, kept = keeping_values(

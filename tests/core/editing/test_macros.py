@@ -237,11 +237,12 @@ def test_a_value_set_inside_takes_the_place_of_that_outside(camera):
     assert value(camera, "camera/init.f_number") == 5.0
 
 
-def test_exposing_twice_or_under_a_name_that_is_taken_is_refused(camera):
+def test_exposing_twice_or_renaming_to_a_name_that_is_taken_is_refused(camera):
     with pytest.raises(NetworkError, match=r"shows camera/init\.f_number already, as f_number"):
         expose(camera.network, "camera/init", "f_number")
+    camera.do(expose(camera.network, "camera/init", "focal_length_mm"))
     with pytest.raises(NetworkError, match="camera has a parameter f_number already"):
-        expose(camera.network, "camera/init", "focal_length_mm", "f_number")
+        camera.do(rename_exposed(camera.network, "camera", "focal_length_mm", "f_number"))
     with pytest.raises(NetworkError, match="scene lies in no macro"):
         expose(camera.network, "scene", "width")
 
