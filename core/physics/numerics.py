@@ -29,8 +29,6 @@ def gauss_legendre(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]
     nodes, weights : ndarray, shape (count,)
         Exact for polynomials of degree 2·count − 1.
 
-    Notes
-    -----
     Source: Golub and Welsch 1969, as in numpy.polynomial.legendre.leggauss.
     """
     nodes, weights = np.polynomial.legendre.leggauss(count)
@@ -129,8 +127,6 @@ def brent_root(
     ParameterError
         If the function has one sign at both ends.
 
-    Notes
-    -----
     Source: Brent 1973, Algorithms for Minimization without Derivatives, chapter 4.
     """
     before, best = low, high

@@ -44,11 +44,6 @@ def spatial_share(*, length_mrad: ArrayLike, noise_bandwidth_cyc_per_mrad: float
         (1/B)·∫₀ᴮ sinc²(L·ξ) dξ, sinc(x) = sin(πx)/(πx): 1 for a short length, 1/(2·B·L), the
         inverse of the number of samples, for a long one.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
-
     Notes
     -----
     The integral is Si(2πBL)/(πL) − sin²(πBL)/(π²BL²), Si the sine integral.
@@ -147,11 +142,6 @@ def frames_integrated(*, frame_rate_Hz: float, eye_integration_s: float) -> floa
     -------
     F_R·t_E, or 1 where fewer frames come than the eye could average.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
-
     Notes
     -----
     The temporal integrator of FLIR92, E_t = α_t/(F_R·τ_E), is the inverse of it, with α_t = 1:
@@ -197,13 +187,6 @@ def eye_contrast_threshold(
         1/[a·u·e^(−b·u)·√(1 + 0.06·e^(b·u))], a = 540·(1 + 0.7/L)^−0.2/(1 + 12/(w·(1 + u/3)²)),
         b = 0.3·(1 + 100/L)^0.15; infinite at u = 0, of the broadcast shape.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or shapes that do not broadcast.
-
-    Notes
-    -----
     Source: Barten 1990, J. Opt. Soc. Am. A 7, 2024 (fit to measured thresholds), the form used by
     Vollmerhausen and Jacobs 2004, report AMSEL-NV-TR-230. Written down from the literature that
     quotes it; the numbers of the equations could not be checked.
@@ -254,13 +237,6 @@ def system_contrast_threshold(
     float or ndarray
         CTF_eye/MTF·√(1 + α²·σ²/L²), α = 169.6 √Hz, of the broadcast shape.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or shapes that do not broadcast.
-
-    Notes
-    -----
     Source: Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806; Vollmerhausen and Jacobs
     2004, report AMSEL-NV-TR-230, where α is fitted to observers. The numbers of the equations
     could not be checked.

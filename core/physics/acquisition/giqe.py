@@ -55,13 +55,6 @@ def giqe_3(
     float or ndarray
         11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR, of the broadcast shape.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or shapes that do not broadcast.
-
-    Notes
-    -----
     Source: Leachtenauer, Malila, Irvine, Colburn and Salvaggio 1997, Appl. Opt. 36, 8322, which
     quotes it. The coefficients could not be checked.
     """
@@ -85,13 +78,6 @@ def giqe_4(
         10.251 − a·lg(GSD) + b·lg(RER) − 0.656·H − 0.344·G/SNR, with a = 3.32 and b = 1.559 for RER
         of 0.9 and above, else a = 3.16 and b = 2.817.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or shapes that do not broadcast.
-
-    Notes
-    -----
     Source: Leachtenauer, Malila, Irvine, Colburn and Salvaggio 1997, Appl. Opt. 36, 8322. The
     equation jumps at an RER of 0.9 wherever GSD is not near 5 inches.
     """
@@ -110,13 +96,6 @@ def giqe_5(*, gsd_inch: ArrayLike, rer: ArrayLike, snr: ArrayLike) -> Any:
     float or ndarray
         9.57 − 3.32·lg(GSD) + 3.32·(1 − e^(−1.9/SNR))·lg(RER) − 2·lg(RER)⁴ − 1.8/SNR.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or shapes that do not broadcast.
-
-    Notes
-    -----
     Source: Harrington, Tanner, Valliant and Gillin 2015, General image quality equation, GIQE
     version 5, National Geospatial-Intelligence Agency.
     """

@@ -79,11 +79,6 @@ def mdtd_K(  # noqa: N802
     ndarray of float64, shape (n,)
         K; infinite where the blur leaves nothing of the target.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
-
     Notes
     -----
     Ī is the product over both directions of W·∫ sinc(W·ξ)·sinc(w·ξ)·H(ξ) dξ, over negative

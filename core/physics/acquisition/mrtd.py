@@ -83,11 +83,6 @@ def mrtd_ratches_K(  # noqa: N802
     ndarray of float64, shape (n,)
         K; infinite from the first zero of H on.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
-
     Notes
     -----
     MRTD = (π²/(4√14))·SNR_th·(NETD/H(f))·√(Δ·v·f·Q(f)/(Δf_N·N_os·F_R·t_E)), Q(f) = ∫ sinc²(ξ/(2f))
@@ -157,11 +152,6 @@ def mrtd_flir92_K(  # noqa: N802
     ndarray of float64, shape (n,)
         K; infinite from the first zero of H on, and from the limit of sampling on.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
-
     Notes
     -----
     MRTD_h(f) = (π²/8)·SNR_th·σ_tvh·k_h(f)·√(E_t·E_h(f)·E_v(f))/H_h(f), where E_t = 1/(F_R·t_E),
@@ -225,11 +215,6 @@ def mrtd_two_dimensional(
     (frequency, mrtd) : ndarrays of float64, at most m each
         cycles/mrad, rising, and K, the least that resolves them; without noise in both directions
         zero up to where the curves end. No samples if one of the directions resolves nothing.
-
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
 
     Notes
     -----
@@ -310,13 +295,6 @@ def eyeball_mtf(*, frequency_cyc_per_mrad: ArrayLike, luminance_cd_m2: float) ->
         0.0216·D²·ln D), i0 = (0.7155 + 0.277/√D)² and a pupil of D = −9.011 +
         13.23·exp(−lg(L/fL)/21.082) mm, 2 to 8.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
-
-    Notes
-    -----
     Source: Overington 1976, Vision and Acquisition, as Vollmerhausen and Jacobs 2004, report
     AMSEL-NV-TR-230, has it. Written down from the literature that quotes it; the coefficients could
     not be checked.
@@ -364,13 +342,6 @@ def perceived_share(
         B(r) = exp(−2.2·ln² r) and the eyeball's MTF E; the display is perfect. Within 1e-5: E has a
         cusp at zero.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
-
-    Notes
-    -----
     Source: Vollmerhausen and Jacobs 2004, report AMSEL-NV-TR-230: the noise integrals Q_H and Q_V.
     The numbers of the equations could not be checked.
     """

@@ -21,7 +21,6 @@ from core.physics.checks import (
     broadcast,
     rising,
 )
-from core.physics.numerics import range_for_probability
 
 
 def johnson_probability(*, cycles: ArrayLike, n50: ArrayLike) -> Any:
@@ -41,13 +40,6 @@ def johnson_probability(*, cycles: ArrayLike, n50: ArrayLike) -> Any:
     float or ndarray
         P = r^E/(1 + r^E) with r = N/N50, E = 2.7 + 0.7·r; of the broadcast shape.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or shapes that do not broadcast.
-
-    Notes
-    -----
     Source: Johnson 1958, Analysis of image forming systems (cycles); Ratches, Vollmerhausen and
     Driggers 2001, IEEE Sensors J. 1, 31 (two dimensions); Howe 1993, The Infrared and
     Electro-Optical Systems Handbook 4, chapter 2 (target transfer probability function with this
@@ -59,7 +51,7 @@ def johnson_probability(*, cycles: ArrayLike, n50: ArrayLike) -> Any:
 
 
 def ttp_probability(*, value: ArrayLike, v50: ArrayLike) -> Any:
-    """Probability of a task from the TTP value of the target (`ttp_value`).
+    """Probability of a task from the TTP value of the target (`core.physics.acquisition.ttp`).
 
     Parameters
     ----------
@@ -73,13 +65,6 @@ def ttp_probability(*, value: ArrayLike, v50: ArrayLike) -> Any:
     float or ndarray
         P = r^E/(1 + r^E) with r = V/V50, E = 1.51 + 0.24·r; of the broadcast shape.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or shapes that do not broadcast.
-
-    Notes
-    -----
     Source: Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806. The number of the
     equation could not be checked.
     """
@@ -115,13 +100,6 @@ def apparent_difference(
     float or ndarray
         ΔT·exp(−β·R), K, of the broadcast shape and the sign of `delta_K`.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or shapes that do not broadcast.
-
-    Notes
-    -----
     Source: Bouguer 1729, Beer 1852 (one coefficient for the band); Ratches 1976.
     """
     difference, extinction, distance = broadcast(
@@ -157,8 +135,6 @@ def resolvable_frequency(*, frequency: ArrayLike, mrtd_K: ArrayLike, apparent_K:
     ParameterError
         For a value out of range, or a curve whose two rows differ in length.
 
-    Notes
-    -----
     Source: Ratches 1976. Between samples the MRTD is a power of the frequency, as it is towards
     zero; from frequency zero, or an MRTD of zero, it is linear. End the curve at the first zero
     of the MTF: the lobes beyond, of false resolution, would count.
@@ -227,13 +203,6 @@ def resolvable_cycles(
         Highest frequency at which ΔT·exp(−β·R) reaches the MRTD, times the target's angle, of
         the shape to which the last four broadcast.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or shapes that do not fit.
-
-    Notes
-    -----
     Source: Ratches 1976, static performance model: acquisition with Johnson's cycles.
     """
     size = all_above_zero("target_size_m", target_size_m, unit="m")
@@ -253,32 +222,3 @@ def target_cycles(per_mrad: Values, size_m: Values, range_m: Values) -> Values:
     with np.errstate(over="ignore", under="ignore"):
         angle = np.minimum(1000.0 * (size_m / range_m), np.finfo(np.float64).max)
         return np.asarray(per_mrad * angle, np.float64)
-
-
-def johnson_range(
-    *,
-    frequency: ArrayLike,
-    mrtd_K: ArrayLike,
-    delta_K: float,
-    target_size_m: float,
-    n50: float,
-    probability: float = 0.5,
-    extinction_per_km: float = 0.0,
-) -> float | None:
-    """Range at which `johnson_probability` of `resolvable_cycles` falls to a value.
-
-    Parameters are those of the three functions; returns and errors as `range_for_probability`.
-    """
-
-    def probability_at(range_m: Values) -> Values:
-        cycles = resolvable_cycles(
-            frequency=frequency,
-            mrtd_K=mrtd_K,
-            delta_K=delta_K,
-            target_size_m=target_size_m,
-            range_m=range_m,
-            extinction_per_km=extinction_per_km,
-        )
-        return np.asarray(johnson_probability(cycles=cycles, n50=n50), np.float64)
-
-    return range_for_probability(probability_at=probability_at, probability=probability)

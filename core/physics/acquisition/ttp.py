@@ -44,13 +44,6 @@ def thermal_contrast(*, difference_K: ArrayLike, scene_contrast_K: ArrayLike) ->
     float or ndarray
         ΔT/(2·S), of the broadcast shape.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or shapes that do not broadcast.
-
-    Notes
-    -----
     Source: Vollmerhausen and Jacobs 2004, report AMSEL-NV-TR-230 (the equation's number could not
     be checked). With the threshold of an MRTD the TTP value is the same for every S.
     """
@@ -62,15 +55,8 @@ def thermal_contrast(*, difference_K: ArrayLike, scene_contrast_K: ArrayLike) ->
         return (difference / scene / 2.0)[()]
 
 
-def ttp_value(
-    *,
-    frequency: ArrayLike,
-    ctf: ArrayLike | Threshold,
-    contrast: ArrayLike,
-    target_area_m2: ArrayLike,
-    range_m: ArrayLike,
-) -> Any:
-    """TTP value V of a target.
+class TtpThreshold:
+    """A contrast threshold with its sums: TTP values V of targets of many contrasts.
 
     Parameters
     ----------
@@ -81,43 +67,14 @@ def ttp_value(
         Contrast threshold function of sensor and eye: values of zero or above at the frequencies
         (zero at the first only; infinite where nothing is seen), or a function that gives them
         for an array of frequencies.
-    contrast
-        Contrast of the target C at the sensor, in the unit of the threshold, zero or above; an
-        apparent temperature difference, where the threshold is an MRTD.
-    target_area_m2
-        m², above zero.
-    range_m
-        m, above zero.
-
-    Returns
-    -------
-    float or ndarray
-        V = √A/R·∫√(C/CTF) df over all frequencies at which C is above CTF; of the shape to which
-        the last three broadcast.
-
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or shapes that do not fit.
 
     Notes
     -----
     Source: Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806 (the equation's number could
     not be checked); the bounds of the sum are where C = CTF. With thresholds across and along, V is
-    the root of the product of both. Samples are joined as in
-    `core.physics.acquisition.ttp`. The sum is Gauss-Legendre's between neighbouring
-    frequencies, and the places where C = CTF, of which there may be one between two.
-    """
-    return TtpThreshold(frequency, ctf).value(contrast, target_area_m2, range_m)
-
-
-class TtpThreshold:
-    """A contrast threshold with its sums: TTP values of many contrasts, as `ttp_value` has them.
-
-    Parameters
-    ----------
-    frequency, ctf
-        As of `ttp_value`.
+    the root of the product of both. Samples are joined as in `interpolated`. The sum is
+    Gauss-Legendre's between neighbouring frequencies, and the places where C = CTF, of which there
+    may be one between two.
     """
 
     def __init__(self, frequency: ArrayLike, ctf: ArrayLike | Threshold) -> None:
@@ -127,7 +84,11 @@ class TtpThreshold:
         self._whole = _panels(self._ctf, self._places[:-1], self._places[1:])
 
     def value(self, contrast: ArrayLike, target_area_m2: ArrayLike, range_m: ArrayLike) -> Any:
-        """TTP value V of a target."""
+        """V = √A/R·∫√(C/CTF) df over all frequencies at which C is above CTF.
+
+        Of contrasts C at the sensor, in the unit of the threshold (an apparent temperature
+        difference, where that is an MRTD), areas A in m² and ranges R in m, which broadcast.
+        """
         level, area, distance = broadcast(
             contrast=all_from_zero("contrast", contrast),
             target_area_m2=all_above_zero("target_area_m2", target_area_m2, unit="m²"),
@@ -158,10 +119,10 @@ def ttp_range(
     probability: float = 0.5,
     extinction_per_km: float = 0.0,
 ) -> float | None:
-    """Range at which `ttp_probability` of `ttp_value` falls to a value.
+    """Range at which `ttp_probability` of a TTP value falls to a value.
 
     The contrast, given as it is at the target, falls by exp(−extinction·range) on the way; the
-    other parameters are those of the two functions, returns and errors as
+    other parameters are those of `ttp_probability` and `TtpThreshold`, returns and errors as
     `core.physics.numerics.range_for_probability`.
     """
     extinction = non_negative("extinction_per_km", extinction_per_km, unit="1/km")

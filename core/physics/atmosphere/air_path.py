@@ -82,8 +82,6 @@ class AirPath:
     ParameterError
         For a value out of range, or an extinction without a range.
 
-    Notes
-    -----
     Source: Bouguer 1729 and Beer 1852; Ångström 1929 (exponent); Kirchhoff's law for air of one
     temperature that scatters nothing into the path.
     """
@@ -289,13 +287,6 @@ def extinction_of_visibility(*, visibility_km: float) -> float:
     float
         3.912/V, 1/km.
 
-    Raises
-    ------
-    ParameterError
-        For a visibility out of range.
-
-    Notes
-    -----
     Source: Koschmieder 1924; the threshold of 2 % is the usual one.
     """
     return KOSCHMIEDER / positive("visibility_km", visibility_km, unit="km")
@@ -334,8 +325,6 @@ def transmission_at_ranges(
     DataError
         For a background that emits nothing in the band.
 
-    Notes
-    -----
     Source: Bouguer 1729, Beer 1852. A table is taken to have no lines narrower than its steps: of
     molecular lines it is exact at the table's own range, and the further from it the less so.
     """

@@ -57,8 +57,6 @@ def fried_mtf(
     ParameterError
         When a value is out of range, or alpha is above 0 without an aperture.
 
-    Notes
-    -----
     Source: D. L. Fried, J. Opt. Soc. Am. 56, 1372 (1966). The expansion holds for
     λρ < D only; the factor is kept from going negative, so that the MTF never exceeds 1.
     """
@@ -105,13 +103,6 @@ def fried_r0_at_m(*, fried_r0_m: float, from_wavelength_um: float, wavelength_um
     float
         r0·(λ/λ₀)^{6/5} in m.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
-
-    Notes
-    -----
     Source: Fried 1966: r0 = (0.423 k² ∫Cn² dz)^{−3/5}, k = 2π/λ, in air without dispersion.
     """
     old = positive("r0_wavelength_um", from_wavelength_um, unit="µm")
@@ -138,13 +129,6 @@ def aerosol_mtf(
     ndarray of float64
         exp(−τ(ρ/ρc)²) below the cutoff, exp(−τ) from there on.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
-
-    Notes
-    -----
     Source: D. Sadot and N. S. Kopeika, Opt. Eng. 31, 200 (1992) and N. S. Kopeika, A System
     Engineering Approach to Imaging (SPIE, 1998), divided by its value at zero frequency.
     """
@@ -172,13 +156,6 @@ def aerosol_mtf_of_particles(
     ndarray of float64
         `aerosol_mtf` with the cutoff a/λ cycles/rad.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
-
-    Notes
-    -----
     Source: as of `aerosol_mtf`: light scattered by a particle spreads over about λ/a.
     """
     radius = positive("particle_radius_um", particle_radius_um, unit="µm")
@@ -199,13 +176,6 @@ def turbidity_optical_depth(*, level: str) -> float:
     float
         −ln(plateau), without unit.
 
-    Raises
-    ------
-    ParameterError
-        When the level has another name.
-
-    Notes
-    -----
     Source: Tantalo 1996, fig. 4.8a, after Kaufman (1982) and Pearce (1977).
     """
     plateaus = dict(_TURBIDITY_PLATEAUS)
@@ -256,13 +226,6 @@ def path_optical_depth(
         Absorption and scattering apart. Absorption dims every frequency alike, zero included, so
         the depth of an MTF is `scattering`; `extinction` is that of the path's transmission.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range or the view has another name.
-
-    Notes
-    -----
     Source: horizontal, Sadot and Kopeika 1992. Vertical: exponential profile, L. Elterman, Appl.
     Opt. 9, 1804 (1970); an effective height of 1 km in the visible, falling to 0.2-0.3 km in 8 to
     12 µm, is reported by N. N. Shchelkanov, Proc. SPIE 5397 (2004).

@@ -35,13 +35,6 @@ def relative_air_mass(*, elevation_deg: float) -> float:
     float
         1 at the zenith within 0.03 %, 38 at the horizon.
 
-    Raises
-    ------
-    ParameterError
-        For an elevation out of range.
-
-    Notes
-    -----
     Source: F. Kasten and A. T. Young, Appl. Opt. 28, 4735 (1989).
     """
     height = within("sun_elevation_deg", elevation_deg, 0.0, 90.0, unit="deg")
@@ -67,13 +60,6 @@ class Sunlight:
     optical_depth : float
         Of the air from the zenith, in the way of the sun alone.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
-
-    Notes
-    -----
     Source: Lambert 1760: L = ρ·(E_sun·e^{−τm}·sin h + E_sky)/π, E_sky = π·L_sky of an even sky.
     """
 

@@ -38,13 +38,6 @@ def hufnagel_valley_cn2(
     ndarray of float64
         Cn² in m^(−2/3). The defaults are the HV 5/7 model: r0 = 5 cm at 0.5 µm to the zenith.
 
-    Raises
-    ------
-    ParameterError
-        When a parameter is negative or not finite.
-
-    Notes
-    -----
     Source: L. C. Andrews and R. L. Phillips, Laser Beam Propagation through Random Media, 2nd ed.
     (SPIE, 2005), chapter 12, after Hufnagel (1974) and Valley (1980).
     """
@@ -79,13 +72,6 @@ def fried_r0_uniform_m(
     float
         r0 in m; infinite without turbulence.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
-
-    Notes
-    -----
     Source: Fried 1966; the spherical wave's mean weight is ∫u^{5/3}du = 3/8.
     """
     strength = non_negative("cn2", cn2, unit="m^(-2/3)")
@@ -129,8 +115,6 @@ def fried_r0_slant_m(
     ParameterError
         When a value is out of range, or the path is shorter than the difference of the heights.
 
-    Notes
-    -----
     Source: Fried 1966; Andrews and Phillips 2005, chapter 12. Turbulence near the aperture blurs
     most, so looking down through it is better than looking up (Tantalo 1996, fig. 4.9).
     """

@@ -46,11 +46,6 @@ def netd_noise_radiance(
     float
         In W/m²/sr: NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ. A bolometer's own noise does not
         depend on the scene, so that over dL/dT of another background it is the NETD there.
-
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
     """
     netd = non_negative("netd", netd_K, unit="K")
     reference = positive("reference_f_number", reference_f_number)
@@ -87,11 +82,6 @@ def lag_weights(*, kept: float, most: int) -> tuple[float, ...]:
     tuple of float
         (1 − kept)·kept^k, down to `SETTLED`; the last one takes all that is older, so that they add
         to 1.
-
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
     """
     if not 0.0 <= kept < 1.0:
         raise ParameterError("share kept", kept, "from 0 to below 1")

@@ -58,11 +58,6 @@ def quantum_efficiency(wavelength_um: ArrayLike, *, material: Material) -> Float
     -------
     0 to 1, of the shape of `wavelength_um`; 0 beyond the cut-off.
 
-    Raises
-    ------
-    ParameterError
-        For a wavelength that is not above 0.
-
     Source: ideal photon detector (Rogalski 2011, Infrared Detectors, chapter 3); Schottky
     barrier: Fowler 1931, as C1 (hν − ψ)²/hν = C1·hν·(1 − λ/λc)².
     """
@@ -149,11 +144,6 @@ def band_d_star(
     Returns
     -------
     cm √Hz/W; 0 where the material responds nowhere in the band.
-
-    Raises
-    ------
-    ParameterError
-        For values out of range.
 
     Source: Tantalo 1996, eq. 4.53.
     """
@@ -279,11 +269,6 @@ class ResponseCurve:
         Of a form, 0 to 1.
     points : tuple of (float, float)
         Wavelength in µm, rising, and response; beyond the first and last it is 0.
-
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
     """
 
     shape: Shape

@@ -36,13 +36,6 @@ def charge_transfer_mtf(
     ndarray of float64
         MTF from 0 to 1, of the shape of `phase_per_transfer`.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range or the model has another name.
-
-    Notes
-    -----
     Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini (1990); exact form: the product of N
     transfers. 1 − cos w is taken as 2·sin²(w/2), which keeps its digits near w = 0.
     """
@@ -79,13 +72,6 @@ def charge_transfer_ptf(
     ndarray of float64
         Phase in radians, odd in w; charge that lags behind gives a negative one.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range or the model has another name.
-
-    Notes
-    -----
     Source: Tantalo 1996, eq. 4.58. Erratum: the published phase starts with w³; that of N
     transfers starts as −N(1−ε)·w. Series for w − sin w below 1 radian, where it cancels.
     """
@@ -179,11 +165,6 @@ def tdi_mtf(
     -------
     ndarray of float64
         Signed.
-
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
     """
     pitch = positive("pitch", pitch_mrad, unit="mrad")
     if not stages >= 1:
@@ -248,13 +229,6 @@ def aperture_mtf(*, frequency: ArrayLike, effective_ifov_mrad: float) -> NDArray
     ndarray of float64
         sinc(IFOV·frequency); negative beyond the first zero, where the phase is π.
 
-    Raises
-    ------
-    ParameterError
-        When the IFOV is negative or not finite.
-
-    Notes
-    -----
     Source: Tantalo 1996, eqs. 4.44 and 4.48; the MTF in x and y is the product of two of these.
     """
     width = non_negative("effective_ifov_mrad", effective_ifov_mrad, unit="mrad")
@@ -275,13 +249,6 @@ def first_zero_cyc_per_mrad(*, effective_ifov_mrad: float) -> float:
     float
         First zero of the detector MTF in cycles/mrad.
 
-    Raises
-    ------
-    ParameterError
-        When the IFOV is not positive and finite.
-
-    Notes
-    -----
     Source: Tantalo 1996, eqs. 4.45-4.46 and 4.49-4.50 (the "sinc width").
     """
     return 1.0 / positive("effective_ifov_mrad", effective_ifov_mrad, unit="mrad")

@@ -36,13 +36,6 @@ def lowpass_mtf(
     ndarray of float64
         (1 + (2πτv·frequency)²)^(−n/2).
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
-
-    Notes
-    -----
     Source: Tantalo 1996, section 4.9.2 and eq. 4.60 (one pole).
     """
     count = pole_count(poles)
@@ -70,43 +63,11 @@ def lowpass_ptf(
     ndarray of float64
         −n·arctan(2πτv·frequency) in radians: a lag to +x when the scan runs to +x.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
-
-    Notes
-    -----
     Source: Tantalo 1996, section 4.9.2 (one pole).
     """
     count = pole_count(poles)
     size = _phase_size(frequency, scan_velocity_mrad_per_s, time_constant_s)
     return np.asarray(-count * np.arctan(size), dtype=np.float64)
-
-
-def corner_frequency_hz(*, time_constant_s: float) -> float:
-    """Frequency at which one pole passes half the power: 1/(2πτ).
-
-    Parameters
-    ----------
-    time_constant_s : float
-        Time constant τ in s, above zero.
-
-    Returns
-    -------
-    float
-        Corner (3 dB) frequency in Hz.
-
-    Raises
-    ------
-    ParameterError
-        When the time constant is not positive and finite.
-
-    Notes
-    -----
-    Source: Tantalo 1996, section 4.9.2.
-    """
-    return 1.0 / (2.0 * math.pi * positive("time_constant_s", time_constant_s, unit="s"))
 
 
 def noise_bandwidth_hz(*, time_constant_s: float) -> float:
@@ -122,13 +83,6 @@ def noise_bandwidth_hz(*, time_constant_s: float) -> float:
     float
         Bandwidth in Hz.
 
-    Raises
-    ------
-    ParameterError
-        When the time constant is not positive and finite.
-
-    Notes
-    -----
     Source: Tantalo 1996, section 4.6.
     """
     return 0.5 / positive("time_constant_s", time_constant_s, unit="s")
@@ -149,13 +103,6 @@ def dwell_time_s(*, interval_mrad: float, scan_velocity_mrad_per_s: float) -> fl
     float
         interval/velocity in s, positive.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
-
-    Notes
-    -----
     Source: Tantalo 1996, section 4.9.2: 30° in 512 samples at 16 Hz have a bandwidth of 49152 Hz.
     """
     velocity = finite("scan_velocity_mrad_per_s", scan_velocity_mrad_per_s, unit="mrad/s")
@@ -178,13 +125,6 @@ def mirror_scan_velocity_mrad_per_s(*, scan_mirror_rate_Hz: float) -> float:
     float
         Scan velocity in mrad/s.
 
-    Raises
-    ------
-    ParameterError
-        When the rate is negative or not finite.
-
-    Notes
-    -----
     Source: Tantalo 1996, section 4.9.2.
     """
     rate = non_negative("scan_mirror_rate_Hz", scan_mirror_rate_Hz, unit="Hz")
@@ -246,13 +186,6 @@ def post_filter_mtf(
     ndarray of float64
         Modulus of H, of the shape of `frequency`.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range or the kind has another name.
-
-    Notes
-    -----
     Source: poles, linear network theory. Boost: the raised-cosine form of thermal-system models
     (Ratches et al. 1975), held at its gain beyond the boost frequency instead of falling again.
     """
@@ -285,13 +218,6 @@ def post_filter_ptf(
         Phase of H in radians, odd in frequency and 0 at 0: −n·arctan(u) for `lowpass`,
         n·(±π/2 − arctan(u)) for `highpass`, 0 for `none` and `boost`.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range or the kind has another name.
-
-    Notes
-    -----
     Source: linear network theory.
     """
     ratio = _ratio(frequency, kind, corner_cyc_per_mrad)
@@ -319,13 +245,6 @@ def corner_in_cyc_per_mrad(*, corner_Hz: float, scan_velocity_mrad_per_s: float)
     float
         corner/velocity in cycles/mrad.
 
-    Raises
-    ------
-    ParameterError
-        When a value is not positive and finite.
-
-    Notes
-    -----
     Source: frequency in time = velocity × frequency in angle.
     """
     velocity = positive("scan_velocity_mrad_per_s", scan_velocity_mrad_per_s, unit="mrad/s")

@@ -28,8 +28,6 @@ def cone_sr(*, f_number: float) -> float:
     float
         Ω = π/(4F² + 1), sr.
 
-    Notes
-    -----
     Source: Dereniak and Boreman 1996, Infrared Detectors and Systems, chapter 2: π·sin²θ with
     tan θ = 1/(2F).
     """
@@ -51,8 +49,6 @@ def housing_sr(*, f_number: float, cold_shield_efficiency: float) -> float:
     float
         (π − Ω)(1 − η), sr.
 
-    Notes
-    -----
     Source: Dereniak and Boreman 1996, chapter 2.
     """
     efficiency = within("cold_shield_efficiency", cold_shield_efficiency, 0.0, 1.0)
@@ -86,8 +82,6 @@ def exposure_m2_s(
     float
         t·n·A·FF. Times a photon radiance and a solid angle it is a number of photons.
 
-    Notes
-    -----
     Source: Holst and Lomheim 2007, CMOS/CCD Sensors and Camera Systems, chapter 4.
     """
     area_m2 = (
@@ -227,8 +221,6 @@ def bent_response(
     float or ndarray
         The largest value of the parabola from there on, so that more light never gives less.
 
-    Notes
-    -----
     Source: Janesick 2007, Photon Transfer, chapter 7: V/V and V/e nonlinearity to first order.
     """
     percent = within("nonlinearity_percent", nonlinearity_percent, 0.0, HIGHEST_PERCENT)
@@ -354,11 +346,6 @@ def rule_07_A_per_cm2(*, cutoff_um: float, detector_K: float) -> float:  # noqa:
         J₀·exp(C·1.24 q/(k·λₑ·T)), A/cm². λₑ is the cutoff from 4.635 µm on, and below it
         λ/(1 − (λₛ/λ − λₛ/λₜ)^P).
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
-
     Notes
     -----
     Within a factor of 2.5 for λ·T from 400 to 1700 µm K and 77 K and above. Source: Tennant, Lee,
@@ -425,8 +412,6 @@ def two_point_gain(*, low: Array, high: Array) -> Array:
     DataError
         If both references give the same on average.
 
-    Notes
-    -----
     Source: Perry and Dereniak 1993; Schulz and Caldwell 1995, Infrared Phys. Technol. 36.
     """
     response = np.asarray(high, np.float64) - np.asarray(low, np.float64)

@@ -58,8 +58,6 @@ def quantize(
     DataError
         When `out` has another shape or dtype.
 
-    Notes
-    -----
     Source: Tantalo 1996, section 4.7 (2^m levels for m bits).
     """
     samples = np.asarray(array)
@@ -104,8 +102,6 @@ def quantization_rms(*, original: NDArray[Any], quantized: NDArray[Any]) -> floa
     DataError
         When the shapes differ or there are no samples.
 
-    Notes
-    -----
     Source: Tantalo 1996, eq. 4.56. Erratum: the root there is of a sum; the mean is meant.
     """
     before, after = np.asarray(original), np.asarray(quantized)
@@ -203,11 +199,6 @@ def rounding_variances(*, step: float, noise_variance: float) -> tuple[float, fl
         equal chance, as of a picture with many levels; a picture of one level only has one fixed
         error.
 
-    Raises
-    ------
-    ParameterError
-        For a step that is not above zero or a negative variance.
-
     Notes
     -----
     The mean error of s + noise over the noise is a Fourier series in s; its mean square is
@@ -271,11 +262,6 @@ def apply_gain_bias(
     Returns
     -------
     New picture of the same shape and type.
-
-    Raises
-    ------
-    ParameterError
-        For an unknown model or a negative or non-finite percentage.
 
     Source: Tantalo 1996, eq. 4.59. Erratum: as printed it multiplies the picture by a number of
     the order of the gain error; the text above it describes `published`.

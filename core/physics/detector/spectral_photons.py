@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
 from core.physics.checks import positive, within
-from core.physics.numerics import gauss_legendre
 from core.physics.radiometry.constants import (
     PLANCK_J_S,
     SECOND_RADIATION_CONSTANT_M_K,
     SPEED_OF_LIGHT_M_S,
 )
 from core.physics.radiometry.planck import (
+    band_nodes,
     band_photon_radiance,
     band_photon_radiance_derivative,
     spectral_radiance,
@@ -26,8 +25,6 @@ FloatArray = NDArray[np.float64]
 PHOTON_ENERGY_J_UM = PLANCK_J_S * SPEED_OF_LIGHT_M_S * 1e6
 """Energy of a photon times its wavelength, J µm."""
 
-_NODES = 24
-_WIDEST_RATIO = 1.06  # of the ends of a piece: Planck's law is a polynomial of low degree on it
 _LARGEST_X = 700.0
 
 
@@ -132,15 +129,6 @@ class QuantumEfficiency:
         low, high = max(self.cut_on_um, known[0]), min(self.cut_off_um, known[-1])
         if not low < high:
             return np.empty(0), np.empty(0)
-        edges = [low, *known[(known > low) & (known < high)], high]
-        pieces = [edges[0]]
-        for left, right in pairwise(edges):
-            count = int(np.ceil(np.log(right / left) / np.log(_WIDEST_RATIO)))
-            pieces += list(np.geomspace(left, right, max(count, 1) + 1)[1:])
-        ends = np.array(pieces)
-        nodes, weights = gauss_legendre(_NODES if len(ends) < 100 else 8)
-        half, middle = np.diff(ends) / 2.0, (ends[1:] + ends[:-1]) / 2.0
-        wavelength = (middle[:, np.newaxis] + half[:, np.newaxis] * nodes).ravel()
-        weight = (half[:, np.newaxis] * weights).ravel()
+        wavelength, weight = band_nodes(float(low), float(high), known.tolist())
         efficiency = np.interp(wavelength, known, [value for _, value in self.points])
         return wavelength, weight * efficiency

@@ -173,13 +173,6 @@ def periodic_pattern(
     ndarray of float64
         The pattern, of the common shape, to be added to an image.
 
-    Raises
-    ------
-    ParameterError
-        When a value is not finite, or the depth is outside 0 to 1.
-
-    Notes
-    -----
     Source: Tantalo 1996, chapter 3 ("simple sinusoidal noise models and modified periodic noise").
     """
     x = np.asarray(x_mrad, dtype=np.float64)

@@ -24,11 +24,6 @@ def g_number(*, f_number: float, filter_transmission: float, optics_transmission
     -------
     (1 + 4F²)/(τ_f·τ_o·π), sr⁻¹.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
-
     Source: Tantalo 1996, eq. 4.54 (F/1.75 with 0.9 and 0.9 gives the published 5.20692).
     """
     _require_positive("f_number", f_number)

@@ -33,8 +33,6 @@ def annular_otf(
     DataError
         If a frequency is not finite.
 
-    Notes
-    -----
     Source: Goodman 2005, Introduction to Fourier Optics, eq. 6-32 (disc); O'Neill 1956, JOSA 46,
     285 (annulus). Relative precision holds up to the cutoff, where arc cosine forms cancel.
     """

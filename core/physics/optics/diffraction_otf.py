@@ -289,7 +289,7 @@ def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
 
 MOST_DEFOCUS_WAVES = 100.0
 _NODES = 24  # Gauss-Legendre nodes of a panel
-_PHASE_PER_PANEL = 12.0  # [rad]; 24 nodes integrate cos over it to rounding
+PHASE_PER_PANEL = 12.0  # [rad]; 24 nodes integrate cos over it to rounding
 _VALUES_PER_BLOCK = 1 << 19
 
 
@@ -344,11 +344,11 @@ def annular_defocus_otf(
     flat, rate = v.ravel(), (8.0 * np.pi * w20 * v).ravel()
     otf = np.zeros(flat.size)
     inside = np.flatnonzero(flat < 1.0)
-    panels = np.ceil(rate[inside] * (1.0 + inner) / _PHASE_PER_PANEL).astype(np.int64) + 1
+    panels = np.ceil(rate[inside] * (1.0 + inner) / PHASE_PER_PANEL).astype(np.int64) + 1
     sizes = 1 << np.ceil(np.log2(panels)).astype(np.int64)
     for size in np.unique(sizes):
         chosen = inside[sizes == size]
-        nodes, weights = _panel_rule(int(size))
+        nodes, weights = panel_rule(int(size))
         step = max(1, _VALUES_PER_BLOCK // len(nodes))
         for start in range(0, chosen.size, step):
             block = chosen[start : start + step]
@@ -385,7 +385,7 @@ def _shared(v: Vector, k: Vector, inner: float, nodes: Vector, weights: Vector) 
     return np.asarray(area / (np.pi * (1.0 - inner**2)))
 
 
-def _panel_rule(panels: int) -> tuple[Vector, Vector]:
+def panel_rule(panels: int) -> tuple[Vector, Vector]:
     """Nodes and weights over [0, 1] in equal panels."""
     nodes, weights = gauss_legendre(_NODES)
     places = (np.arange(panels)[:, np.newaxis] + 0.5 * (nodes + 1.0)) / panels
@@ -486,8 +486,6 @@ def wavefront_factor(*, frequency_ratio: ArrayLike, rms_waves: ArrayLike) -> NDA
     ParameterError
         For an error out of range: beyond 0.18 waves the form gives negative contrast.
 
-    Notes
-    -----
     Source: Shannon 1994, "Optical specifications", in Handbook of Optics, 2nd ed., vol. I, chapter
     35. An empirical mean over aberrations of low order; a known wavefront belongs to Exit Pupils.
     """

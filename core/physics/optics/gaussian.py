@@ -25,13 +25,6 @@ def gaussian_mtf(*, frequency: ArrayLike, sigma_mrad: float) -> NDArray[np.float
     ndarray of float64
         exp(−2π²σ²·frequency²), of the shape of `frequency`.
 
-    Raises
-    ------
-    ParameterError
-        When sigma is negative or not finite.
-
-    Notes
-    -----
     Source: Tantalo 1996, eqs. 4.22 and 4.36. Erratum: eq. 4.36 calls σ² the variance and takes
     it in µrad; here σ is in mrad, as the frequencies are per mrad.
     """
@@ -54,13 +47,6 @@ def fwhm_to_sigma_mrad(*, fwhm_mrad: float) -> float:
     float
         FWHM/(2·√(2·ln 2)), in mrad.
 
-    Raises
-    ------
-    ParameterError
-        When the width is negative or not finite.
-
-    Notes
-    -----
     Source: definition of the normal density. Erratum: the width parameter of Tantalo 1996,
     eqs. 4.8-4.9, is damaged in print; this is the relation they stand for.
     """

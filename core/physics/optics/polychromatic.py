@@ -45,8 +45,6 @@ def spectral_weight(
     ndarray
         (λ0/λ)⁴·e^{−(x − x0)}·(1 − e^{−x0})/(1 − e^{−x}) for photons, x = c2/(λT).
 
-    Notes
-    -----
     Source: Planck's law; Dereniak and Boreman 1996, Infrared Detectors and Systems, eq. 2.9.
     """
     wavelength = np.asarray(wavelength_um, np.float64)
@@ -229,11 +227,6 @@ def band_wavelengths(
     -------
     wavelengths_um, weights : ndarray
         Shape (count,), ascending; the weights sum to 1.
-
-    Raises
-    ------
-    ParameterError
-        If the band is empty or the count out of range.
     """
     if not (math.isfinite(cut_on_um) and cut_on_um > 0.0):
         raise ParameterError("cut_on_um", cut_on_um, "above 0", unit="um")

@@ -106,13 +106,6 @@ def sampled_psf_otf(
         the samples, where the sum only repeats itself, 0: a function sampled finely enough has
         nothing there.
 
-    Raises
-    ------
-    ParameterError
-        If a pitch is not above 0.
-
-    Notes
-    -----
     Source: Goodman 2005, Introduction to Fourier Optics, eq. 6-26 (OTF as the normalised transform
     of the point spread function); Shannon's theorem.
     """

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
 from core.physics.checks import positive
-from core.physics.numerics import gauss_legendre
 from core.physics.optics.annular_otf import annular_otf
+from core.physics.optics.diffraction_otf import PHASE_PER_PANEL, panel_rule
 from core.physics.optics.overlap_area import half_disc_overlap_area
 from core.physics.optics.pupil_shapes import PupilShape, by_tiles, vane_direction
 from core.physics.optics.sampled_otf import sampled_otf
@@ -56,13 +56,6 @@ def geometric_pupil_otf(
     ndarray of float64
         Σ w·γ(λ·xi/pitch_x, λ·eta/pitch_y), γ the normalised autocorrelation of the pupil.
 
-    Raises
-    ------
-    ParameterError
-        For a size out of range.
-
-    Notes
-    -----
     Source: Tantalo 1996, eqs. 4.13 to 4.19 (after Gaskill 1979), with λ in µm times cycles/mrad
     giving the lag in mm. Erratum: the cutoff 12.8 cycles/mrad of eq. 4.21 is that of the array's
     half width; the aperture's is its diameter over the wavelength.
@@ -102,13 +95,6 @@ def circular_pupil_otf(
     -------
     ndarray of float64
 
-    Raises
-    ------
-    ParameterError
-        For a size out of range.
-
-    Notes
-    -----
     Source: as `geometric_pupil_otf`; Tantalo 1996, appendix E.
     """
     diameter = positive("diameter_mm", diameter_mm, unit="mm")
@@ -154,11 +140,6 @@ def defocused_disc_otf(
     -------
     ndarray of float64
         Real and signed.
-
-    Raises
-    ------
-    ParameterError
-        For a size, wavelength or defocus out of range.
     """
     rho = np.asarray(rho, np.float64)
     diameter = positive("diameter_mm", diameter_mm, unit="mm")
@@ -246,8 +227,6 @@ def _over_band(otfs: Iterable[Array], weights: tuple[float, ...]) -> Array:
 # OTF of a clear circular aperture out of focus.
 
 MOST_DEFOCUS_WAVES = 1e4
-_NODES = 24  # Gauss-Legendre nodes of a panel
-_PHASE_PER_PANEL = 12.0  # [rad]; 24 nodes integrate cos over it to rounding
 _VALUES_PER_BLOCK = 1 << 17
 
 
@@ -290,26 +269,19 @@ def defocus_otf(*, frequency_ratio: ArrayLike, w20_waves: float) -> NDArray[np.f
         return annular_otf(frequency_ratio=v)
     flat = np.minimum(v.ravel(), 1.0)
     rate = 8.0 * np.pi * w20 * flat
-    panels = np.ceil(rate * (1.0 - flat) / _PHASE_PER_PANEL).astype(np.int64) + 1
+    panels = np.ceil(rate * (1.0 - flat) / PHASE_PER_PANEL).astype(np.int64) + 1
     sizes = 1 << np.ceil(np.log2(panels)).astype(np.int64)
     otf = np.empty_like(flat)
     for size in np.unique(sizes):
         chosen = np.flatnonzero(sizes == size)
-        step = max(1, _VALUES_PER_BLOCK // (_NODES * int(size)))
-        nodes, weights = _panel_rule(int(size))
+        nodes, weights = panel_rule(int(size))
+        step = max(1, _VALUES_PER_BLOCK // len(nodes))
         for start in range(0, chosen.size, step):
             block = chosen[start : start + step]
             otf[block] = _overlap_integral(flat[block], rate[block], nodes, weights)
     otf[flat == 0.0] = 1.0
     otf[flat >= 1.0] = 0.0
     return otf.reshape(v.shape)
-
-
-def _panel_rule(panels: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Nodes and weights over [0, 1] in equal panels."""
-    nodes, weights = gauss_legendre(_NODES)
-    places = (np.arange(panels)[:, np.newaxis] + 0.5 * (nodes + 1.0)) / panels
-    return places.ravel(), np.tile(0.5 * weights / panels, panels)
 
 
 def _overlap_integral(

@@ -42,8 +42,6 @@ class PupilShape:
     ParameterError
         If a value is out of range or nothing transparent is left.
 
-    Notes
-    -----
     Source: Tantalo 1996, section 4.3.
     """
 
@@ -127,11 +125,6 @@ def sample_pupil(
     -------
     ndarray
         Shape (rows * oversampling, columns * oversampling), float64.
-
-    Raises
-    ------
-    ParameterError
-        If a size is not positive.
 
     Notes
     -----

@@ -60,8 +60,6 @@ def autocorrelation(pupil: ArrayLike, *, workers: int | None = None) -> Complexe
     DataError
         If the pupil is not a 2-D array of finite samples with some transmission.
 
-    Notes
-    -----
     Source: Goodman 2005, Introduction to Fourier Optics, eq. 6-28; Tantalo 1996, eq. 4.15.
     """
     samples = _checked(pupil)
@@ -123,8 +121,6 @@ def sampled_otf(
     DataError
         If a lag is not finite.
 
-    Notes
-    -----
     Source: Tantalo 1996, section 4.3 (the two choices of interpolation).
     """
     if interpolation not in INTERPOLATIONS:

@@ -15,13 +15,7 @@ HIGHEST_NOLL_INDEX = 861  # 40 radial orders; beyond, samples of a pupil do not 
 
 
 def noll_order(*, noll_index: int) -> tuple[int, int]:
-    """Radial order n and signed azimuthal order m (negative: sine) of Noll's index.
-
-    Raises
-    ------
-    ParameterError
-        If the index is not 1 to 861.
-    """
+    """Radial order n and signed azimuthal order m (negative: sine) of Noll's index."""
     if not 1 <= noll_index <= HIGHEST_NOLL_INDEX:
         raise ParameterError("noll_index", noll_index, f"1 to {HIGHEST_NOLL_INDEX}")
     n = (math.isqrt(8 * noll_index - 7) - 1) // 2
@@ -46,13 +40,6 @@ def zernike(*, noll_index: int, x: ArrayLike, y: ArrayLike) -> NDArray[np.float6
     ndarray
         Value, dimensionless.
 
-    Raises
-    ------
-    ParameterError
-        If the index is not 1 to 861.
-
-    Notes
-    -----
     Source: Noll 1976, JOSA 66, 207, eqs. 1 and 2; the radial part as a Jacobi polynomial, whose
     recurrence does not cancel as Noll's sum of factorials does.
     """

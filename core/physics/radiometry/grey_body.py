@@ -70,8 +70,6 @@ def grey_radiance(
     ParameterError, DataError
         For temperatures, a band or emissivities out of range.
 
-    Notes
-    -----
     Source: Kirchhoff's law; Holst 2000, Common Sense Approach to Thermal Imaging, chapter 3.
     """
     band = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
@@ -153,11 +151,6 @@ def brightest_surface_radiance(*, band_um: tuple[float, float] | None) -> float:
     W m⁻² sr⁻¹: a blackbody at the hottest land surface, and on top of it a white matt surface in
     overhead sun without an atmosphere. Either alone is more than any surface gives. Flames, lamps,
     engines, glints and the Sun itself may be brighter.
-
-    Raises
-    ------
-    ParameterError
-        For a band out of range.
 
     Source: Planck's law; the Sun as a blackbody of its nominal effective temperature.
     """

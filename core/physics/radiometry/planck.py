@@ -43,11 +43,6 @@ def spectral_radiance(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> Flo
     -------
     W m⁻² sr⁻¹ µm⁻¹, of the broadcast shape (0-d for two scalars).
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
-
     Source: Planck 1900; Tantalo 1996, eq. 4.66 (exitance there, with rounded constants and the
     exponent of c1 misprinted).
     """
@@ -75,11 +70,6 @@ def band_radiance(
     -------
     W m⁻² sr⁻¹, float or array as `temperature_K`, to 1e-12 relative; 0 where it is below the
     smallest number.
-
-    Raises
-    ------
-    ParameterError
-        For a band or temperature out of range.
 
     Source: Tantalo 1996, eq. 4.65 (its exitance divided by π).
     """

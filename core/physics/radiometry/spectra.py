@@ -183,13 +183,6 @@ def white_surface_radiance(
     float
         Radiance [W m⁻² sr⁻¹]; 0 where the Sun is on the horizon.
 
-    Raises
-    ------
-    ParameterError
-        For a band or an elevation out of range.
-
-    Notes
-    -----
     Source: Planck's law; Lambert's cosine law. Over all wavelengths E is 1390 W m⁻², where 1361
     are measured (Kopp and Lean 2011, Geophysical Research Letters 38, L01706).
     """

@@ -32,13 +32,6 @@ def interval_mrad(*, fov_deg: float, samples: int, name: str = "fov_deg") -> flo
     float
         Sampling interval in mrad.
 
-    Raises
-    ------
-    ParameterError
-        When the field of view or the number of samples is out of range.
-
-    Notes
-    -----
     Source: Tantalo 1996, eq. 4.1: the angle itself is divided, not its tangent.
     """
     angle = positive(name, fov_deg, unit="deg")
@@ -60,11 +53,6 @@ def nyquist_cyc_per_mrad(*, interval_mrad: float) -> float:
     -------
     float
         Nyquist frequency in cycles/mrad.
-
-    Raises
-    ------
-    ParameterError
-        When the interval is not positive and finite.
     """
     return 0.5 / positive("interval_mrad", interval_mrad, unit="mrad")
 
@@ -83,11 +71,6 @@ def frequency_interval_cyc_per_mrad(*, interval_mrad: float, samples: int) -> fl
     -------
     float
         Frequency interval in cycles/mrad.
-
-    Raises
-    ------
-    ParameterError
-        When the interval or the number of samples is out of range.
     """
     return 1.0 / (positive("interval_mrad", interval_mrad, unit="mrad") * _count(samples))
 
@@ -110,13 +93,6 @@ def ifov_mrad(*, pitch_um: float, focal_length_mm: float, fill: float = 1.0) -> 
     float
         pitch·fill/focal length, in mrad.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
-
-    Notes
-    -----
     Source: Tantalo 1996, eqs. 4.41-4.42 (IFOV) and 4.48 (effective IFOV).
     """
     share = positive("fill", fill)
@@ -143,13 +119,6 @@ def oversampling(*, pitch_um: float, focal_length_mm: float, interval_mrad: floa
     float
         pitch/focal length/interval, without unit.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range.
-
-    Notes
-    -----
     Source: Tantalo 1996, section 4.1.
     """
     footprint = ifov_mrad(pitch_um=pitch_um, focal_length_mm=focal_length_mm)

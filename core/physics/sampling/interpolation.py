@@ -31,13 +31,6 @@ def block_mean_mtf(*, frequency: ArrayLike, interval_mrad: float, samples: int) 
     ndarray
         sin(πnfd)/(n·sin(πfd)), signed, 1 at zero frequency.
 
-    Raises
-    ------
-    ParameterError
-        For an interval or number out of range.
-
-    Notes
-    -----
     Source: Bracewell 1986, The Fourier Transform and Its Applications, the row of n impulses.
     """
     if samples < 1:
@@ -73,13 +66,6 @@ def interpolation_mtf(
         Signed, 1 at zero frequency. The places are symmetric about the old samples, so that this
         is all, but where `takes_the_later` of two: there `interpolation_ptf` belongs to it.
 
-    Raises
-    ------
-    ParameterError
-        For a value out of range or another order.
-
-    Notes
-    -----
     Source: Keys 1981, IEEE Trans. ASSP 29, for the cubic weights; Park and Schowengerdt 1982,
     Applied Optics 21, for the mean over the places of samples.
     """

@@ -29,13 +29,6 @@ def blur_mrad(*, velocity_m_per_s: float, time_s: float, range_m: float) -> floa
     float
         1000·v·t/range in mrad, with the sign of the velocity.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range or the blur is not finite.
-
-    Notes
-    -----
     Source: Tantalo 1996, eqs. 4.24-4.35. Erratum: the widths 134, 160 and 201 there are
     cycles/rad, not cycles/mrad: the blur is 1000 times what they give.
     """
@@ -62,13 +55,6 @@ def scan_blur_mrad(*, scan_velocity_mrad_per_s: float, dwell_time_s: float) -> f
     float
         v·t in mrad.
 
-    Raises
-    ------
-    ParameterError
-        When a value is out of range or the blur is not finite.
-
-    Notes
-    -----
     Source: Tantalo 1996, section 4.4.1 and eq. 4.26.
     """
     velocity = finite("scan_velocity_mrad_per_s", scan_velocity_mrad_per_s, unit="mrad/s")
@@ -91,13 +77,6 @@ def motion_mtf(*, frequency: ArrayLike, blur_mrad: float) -> NDArray[np.float64]
     ndarray of float64
         sinc(blur·frequency); exactly 1 everywhere for no blur.
 
-    Raises
-    ------
-    ParameterError
-        When the blur is not finite.
-
-    Notes
-    -----
     Source: Tantalo 1996, eqs. 4.26 and 4.31; in x and y the published form is the product.
     """
     width = finite("blur_mrad", blur_mrad, unit="mrad")
@@ -122,13 +101,6 @@ def line_motion_mtf(
     ndarray of float64
         sinc(bx·xi + by·eta), of the common shape; it does not separate.
 
-    Raises
-    ------
-    ParameterError
-        When a component is not finite.
-
-    Notes
-    -----
     Source: Fourier transform of a line of uniform weight. Erratum: Tantalo 1996, eq. 4.31, has the
     product of two sincs, which is a blur over a whole rectangle.
     """
@@ -241,11 +213,6 @@ def scale_nodes_mrad(*, intervals_mrad: ArrayLike, count: int) -> Vector:
     ndarray, shape (count,)
         Chebyshev nodes between the smallest and largest of the scales 1/interval, as intervals in
         mrad.
-
-    Raises
-    ------
-    ParameterError
-        When an interval is not above zero or the number of nodes is not positive.
     """
     if count < 1:
         raise ParameterError("count", count, "1 or more")
@@ -270,13 +237,6 @@ def scale_weights(*, nodes_mrad: ArrayLike, intervals_mrad: ArrayLike) -> Vector
     ndarray, shape (nodes, columns)
         Lagrange's polynomials in the scale 1/interval; each column adds to 1.
 
-    Raises
-    ------
-    ParameterError
-        When an interval is not above zero.
-
-    Notes
-    -----
     Source: Trefethen 2013, Approximation Theory and Approximation Practice, chapters 5 and 8: for
     a transfer function smooth in frequency the error falls geometrically with the nodes.
     """

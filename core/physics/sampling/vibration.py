@@ -49,13 +49,6 @@ def vibration_mtf(
         For whole (or many) periods the signed J0(2πA·frequency). With a part of a period left
         over, the modulus of `vibration_otf`, whose phase is then neither 0 nor π.
 
-    Raises
-    ------
-    ParameterError
-        When a value is negative or not finite.
-
-    Notes
-    -----
     Source: N. S. Kopeika, A System Engineering Approach to Imaging (SPIE, 1998). With a remainder,
     a lobe in which J0 is negative comes out positive; `vibration_otf` keeps its phase.
     """
@@ -90,13 +83,6 @@ def vibration_otf(
     ndarray of complex128
         The mean of exp(−2πi·A·frequency·sin(2πf·t')) over the exposure; real for whole periods.
 
-    Raises
-    ------
-    ParameterError
-        When a value is negative or not finite.
-
-    Notes
-    -----
     Source: time average of a displaced image. n whole periods give J0, the remainder its own
     integral, each weighted by its time.
     """
@@ -228,11 +214,6 @@ class MotionSpectrum:
         Of the law S = rms²·(2/π)/(corner·(1 + (f/corner)²)), a first-order Gauss–Markov motion.
     points : tuple of (Hz, mrad²/Hz)
         In place of the law: a power of the frequency between two of them, nothing beyond.
-
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
     """
 
     rms_mrad: float = 0.0

@@ -13,6 +13,7 @@ from core.physics.atmosphere import scattering_and_turbulence as atmosphere
 from core.physics.detector import detector_mtf as charge_transfer
 from core.physics.detector import detector_mtf as detector
 from core.physics.detector import filters as electronics
+from core.physics.numerics import brent_root
 from core.physics.optics import gaussian
 from core.physics.sampling import detector_sampling as sampling
 from core.physics.sampling import platform_motion as motion
@@ -109,10 +110,15 @@ def _lowpass(v: Values) -> Values:
         "scan_velocity_mrad_per_s": v["scan_velocity_mrad_per_s"],
         "time_constant_s": v["time_constant_s"],
     }
+
+    def beyond_half_power(xi: float) -> float:
+        return _at(electronics.lowpass_mtf(**{**given, "frequency": np.array([xi])})) ** 2 - 0.5
+
+    corner = brent_root(beyond_half_power, low=0.0, high=1e4)
     return {
         "mtf": _at(electronics.lowpass_mtf(**given)),
         "ptf_rad": _at(electronics.lowpass_ptf(**given)),
-        "f_3db_Hz": electronics.corner_frequency_hz(time_constant_s=v["time_constant_s"]),
+        "f_3db_Hz": corner * v["scan_velocity_mrad_per_s"],
     }
 
 

@@ -1,16 +1,23 @@
-"""MRTD by hand for two sensors, by simulated noise, and the laws that it must obey."""
+"""MRTD by hand, by simulated noise, in both directions, and in noise as the eye filters it."""
 
 from __future__ import annotations
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from core.errors import ParameterError
-from core.physics.acquisition.mrtd import mrtd_flir92_K, mrtd_ratches_K
+from core.physics.acquisition.mrtd import (
+    eyeball_mtf,
+    mrtd_flir92_K,
+    mrtd_ratches_K,
+    mrtd_two_dimensional,
+    perceived_share,
+)
 from core.physics.noise.noise_components import NoiseVariances
 
 FREQUENCY = np.linspace(0.01, 3.9, 80)
@@ -35,12 +42,8 @@ def flir92(**changes):
 
 def sum_of_sinc_squared(length, end):
     """∫ sinc² from 0 to `end`, by the middles of 20000 strips."""
-    strip = end / 20000
-    total = 0.0
-    for k in range(20000):
-        x = math.pi * length * (k + 0.5) * strip
-        total += (math.sin(x) / x) ** 2
-    return total * strip
+    x = np.pi * length * (np.arange(20000) + 0.5) * end / 20000
+    return float(np.sum((np.sin(x) / x) ** 2) * end / 20000)
 
 
 class TestByHand:
@@ -249,3 +252,186 @@ class TestLaws:
 def test_refused(model, changes, name):
     with pytest.raises(ParameterError, match=name):
         model(**changes)
+
+
+# The one MRTD of both directions: powers in closed form, and curves of any shape.
+
+
+class TestTwoDimensional:
+    def test_equal_curves_are_their_own(self):
+        curve = 0.1 * FREQUENCY**1.5
+        frequency, mrtd = mrtd_two_dimensional(
+            frequency=FREQUENCY, horizontal_K=curve, vertical_K=curve
+        )
+        np.testing.assert_allclose(mrtd, 0.1 * frequency**1.5, rtol=1e-12)
+        assert frequency[[0, -1]] == pytest.approx(FREQUENCY[[0, -1]])
+
+    def test_root_of_both_frequencies(self):
+        """Powers: f_h = T and f_v = √(T/2), so that f = T^(3/4)/2^(1/4)."""
+        frequency, mrtd = mrtd_two_dimensional(
+            frequency=FREQUENCY, horizontal_K=FREQUENCY, vertical_K=2 * FREQUENCY**2
+        )
+        inside = (mrtd > 2 * 0.01**2) & (mrtd < 3.9)
+        truth = mrtd**0.75 / 2**0.25
+        np.testing.assert_allclose(frequency[inside], truth[inside], rtol=1e-9)
+
+    def test_direction_that_ends_at_nyquist_stays_there(self):
+        cut = np.where(FREQUENCY < 1, FREQUENCY, np.inf)
+        frequency, mrtd = mrtd_two_dimensional(
+            frequency=FREQUENCY, horizontal_K=FREQUENCY, vertical_K=cut
+        )
+        last = FREQUENCY[FREQUENCY < 1][-1]
+        assert frequency[-1] == pytest.approx(math.sqrt(FREQUENCY[-1] * last))
+        assert mrtd[-1] == pytest.approx(FREQUENCY[-1])
+
+    def test_nothing_resolved(self):
+        found = mrtd_two_dimensional(
+            frequency=FREQUENCY, horizontal_K=FREQUENCY, vertical_K=np.full(80, np.inf)
+        )
+        assert [len(each) for each in found] == [0, 0]
+
+    def test_without_noise_all_is_resolved_up_to_the_end(self):
+        """One direction without noise is always at its end; both have an MRTD of zero to theirs."""
+        nothing, cut = np.zeros(80), np.where(FREQUENCY < 1, 0.0, np.inf)
+        frequency, mrtd = mrtd_two_dimensional(
+            frequency=FREQUENCY, horizontal_K=FREQUENCY, vertical_K=nothing
+        )
+        np.testing.assert_allclose(frequency, np.sqrt(mrtd * 3.9), rtol=1e-12)
+        frequency, mrtd = mrtd_two_dimensional(
+            frequency=FREQUENCY, horizontal_K=nothing, vertical_K=cut
+        )
+        end = FREQUENCY[FREQUENCY < 1][-1]
+        assert frequency == pytest.approx([0.01, math.sqrt(3.9 * end)])
+        assert list(mrtd) == [0, 0]
+
+    @pytest.mark.parametrize(
+        "curve",
+        [
+            FREQUENCY * np.exp(-FREQUENCY),  # boosted: it falls towards the end
+            np.minimum(FREQUENCY, 1.0),  # level
+            np.where(FREQUENCY < 0.02, FREQUENCY, np.inf),  # a single sample
+            np.sin(5 * FREQUENCY) + 1.1,
+        ],
+    )
+    def test_frequency_rises_whatever_the_curves(self, curve):
+        for other in (curve, FREQUENCY, np.full(80, 0.3)):
+            frequency, mrtd = mrtd_two_dimensional(
+                frequency=FREQUENCY, horizontal_K=curve, vertical_K=other
+            )
+            assert len(frequency) == len(mrtd) > 0
+            assert (np.diff(frequency) > 0).all()
+            assert (np.diff(mrtd) > 0).all()
+
+
+# Noise through the eye's filters, by quadrature of mpmath and in limits that are known.
+
+
+DISPLAY = {"magnification": 3.0, "luminance_cd_m2": 34.0}
+
+
+def eye(u, luminance):
+    pupil = -9.011 + 13.23 * math.exp(-math.log10(luminance / 3.4262590996) / 21.082)
+    pupil = min(max(pupil, 2.0), 8.0)
+    f0 = math.exp(3.663 - 0.0216 * pupil**2 * math.log(pupil))
+    i0 = (0.7155 + 0.277 / math.sqrt(pupil)) ** 2
+    return mpmath.exp(-((43.69 * u / f0) ** i0) - 0.375 * u**1.21 - 0.4441 * u**2)
+
+
+def test_the_eyeball():
+    u = np.array([0.0, 0.1, 0.5, 1.0, 2.0])
+    made = eyeball_mtf(frequency_cyc_per_mrad=u, luminance_cd_m2=34.0)
+    assert made[0] == 1.0
+    assert (np.diff(made) < 0).all()
+    np.testing.assert_allclose(made, [float(eye(value, 34.0)) for value in u], rtol=1e-12)
+
+
+@pytest.mark.parametrize("frequency", [0.2, 1.0, 2.5])
+def test_white_noise_by_mpmath(frequency):
+    across, along = 2.0, 1.5
+    made = perceived_share(
+        frequency=[frequency], across_cyc_per_mrad=across, along_cyc_per_mrad=along, **DISPLAY
+    )
+
+    def channel(x):
+        return mpmath.exp(-4.4 * mpmath.log(x / frequency) ** 2) * eye(x / 3.0, 34.0) ** 2
+
+    inner = [0, min(frequency, across) / 2, min(frequency, across), across]
+    x = mpmath.quad(channel, sorted(set(inner))) / across
+    y = mpmath.quad(lambda v: eye(v / 3.0, 34.0) ** 2, [0, along]) / along
+    assert made[0] == pytest.approx(float(x * y), rel=1e-5)  # the cusp of the eye at zero
+
+
+def test_cells_of_a_spectrum_add():
+    """Of a spectrum in four cells, the sum of the shares of each by itself."""
+    power = np.array([[3.0, 1.0], [0.5, 2.0]])
+    how = {"frequency": [0.7, 1.9], "across_cyc_per_mrad": 2.0, "along_cyc_per_mrad": 1.5}
+    whole = perceived_share(**how, **DISPLAY, spectrum=power)
+    parts = np.zeros(2)
+    for place in np.ndindex(2, 2):
+        one = np.zeros((2, 2))
+        one[place] = power[place]
+        parts += perceived_share(**how, **DISPLAY, spectrum=one) * power[place] / power.sum()
+    np.testing.assert_allclose(whole, parts, rtol=1e-12)
+    flat = perceived_share(**how, **DISPLAY, spectrum=np.ones((2, 2)))
+    np.testing.assert_allclose(flat, perceived_share(**how, **DISPLAY), rtol=1e-5)
+
+
+def test_what_is_refused():
+    good = {"frequency": [1.0], "across_cyc_per_mrad": 2.0, "along_cyc_per_mrad": 2.0, **DISPLAY}
+    for wrong in ({"frequency": [0.0]}, {"magnification": 0.0}, {"spectrum": np.zeros((2, 2))}):
+        with pytest.raises(ParameterError, match=next(iter(wrong))):
+            perceived_share(**{**good, **wrong})
+
+
+class TestColouredNoise:
+    """Noise behind a single pole 1/(1 + (πf/4)²), white along: spectrum in cells of 1/12."""
+
+    CELLS = 48
+    POLE = np.pi / 4.0  # dwell time of one sample, Nyquist 4 cycles/mrad
+
+    def spectrum(self):
+        """Mean of the pole's power in each cell: the difference of its integral, an arc tangent."""
+        edges = np.linspace(0, 4, self.CELLS + 1)
+        return np.diff(np.arctan(self.POLE * edges)).reshape(1, -1)
+
+    def over_width(self, frequency):
+        """∫ sinc²(x/(2f))/(1 + (πx/4)²) dx over ∫ 1/(1 + (πx/4)²) dx, in 200000 strips."""
+        x = (np.arange(200000) + 0.5) * 4 / 200000
+        weight = 1 / (1 + (self.POLE * x) ** 2)
+        return float(np.sum(np.sinc(0.5 / frequency * x) ** 2 * weight) / np.sum(weight))
+
+    def test_ratches(self):
+        found = ratches(spectrum=self.spectrum())
+        for k in (3, 20, 60):
+            share = self.over_width(FREQUENCY[k])
+            left = math.sqrt(share * 0.125 * 2 * FREQUENCY[k] / 7)
+            truth = math.pi**2 / 8 * 2.5 * 0.2 * left / MTF[k]
+            assert found[k] == pytest.approx(truth, rel=1e-3)
+
+    @pytest.mark.parametrize("direction", ["horizontal", "vertical"])
+    def test_flir92(self, direction):
+        """All temporal noise has the spectrum, fixed noise stays as it is: vh 0.1 K, white."""
+        noise = NoiseVariances(tvh=0.03, tv=0.004, th=0.005, t=0.001, vh=0.01)
+        spectrum = self.spectrum() if direction == "horizontal" else self.spectrum().T
+        found = flir92(noise=noise, spectrum=spectrum, direction=direction, frames=5)
+        for k in (3, 20, 60):
+            f = FREQUENCY[k]
+            width = sum_of_sinc_squared(0.5 / f, 4) / 4
+            length = sum_of_sinc_squared(3.5 / f, 4) / 4
+            if direction == "horizontal":
+                share = self.over_width(f) * length
+            else:
+                share = width * self.over_width(f / 7)  # along the bar, of 3.5/f
+            left = math.sqrt(0.04 / 5 * share + 0.01 * width * length)
+            truth = math.pi**2 / 8 * 2.5 * left / MTF[k]
+            assert found[k] == pytest.approx(truth, rel=1e-3)
+
+    def test_white_is_a_spectrum_of_one_height(self):
+        for model in (ratches, flir92):
+            np.testing.assert_allclose(model(spectrum=np.full((3, 48), 7.0)), model(), rtol=1e-12)
+
+    @pytest.mark.parametrize("wrong", [[1.0, 2.0], [[0.0, 0.0]], [[-1.0, 2.0]], [[np.nan]]])
+    def test_refused(self, wrong):
+        for model in (ratches, flir92):
+            with pytest.raises(ParameterError, match="spectrum"):
+                model(spectrum=wrong)

@@ -6,15 +6,22 @@ import mpmath
 import numpy as np
 import pytest
 from mpmath import mpf
+from scipy import ndimage
 
-from core.errors import ParameterError
+from core.errors import DataError, ParameterError
 from core.physics.detector import focal_plane_array as collection
 from core.physics.detector import focal_plane_array as electron_noise
 from core.physics.detector.focal_plane_array import (
+    DEAD,
+    HOT,
+    bad_pixel_places,
     bent_response,
     bent_slope,
+    one_point_offset,
     rule_07_A_per_cm2,
     rule_07_e_per_s,
+    two_point_gain,
+    two_point_offset,
 )
 from core.physics.detector.photon_conversion import PhotonWeights, conversion_between
 from core.physics.detector.spectral_photons import QuantumEfficiency
@@ -288,3 +295,103 @@ def test_a_bent_response_is_put_where_it_is_wanted(percent):
     fewer = 1.0 - percent / 100.0 * np.array([0.0, 0.4, 1.0])
     assert place == pytest.approx(np.array([0.0, 4e4, 1e5]) * fewer, rel=1e-6)
     assert electrons.tolist() == [0.0, 4e4, 1e5]
+
+
+# Maps of bad pixels: their number, kinds and clusters.
+
+
+def made(rows, columns, percent, seed=1):
+    """A map: 0 where a pixel is good."""
+    generator = np.random.default_rng(seed)
+    places, kinds = bad_pixel_places(
+        rows=rows, columns=columns, percent=percent, generator=generator
+    )
+    assert len(np.unique(places)) == len(places) == len(kinds)
+    drawn = np.zeros(rows * columns, np.uint8)
+    drawn[places] = kinds
+    return drawn.reshape(rows, columns)
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "percent"),
+    [
+        (100, 120, 0.5), (64, 64, 10), (1, 7, 50), (1, 1, 100), (30, 20, 24.9), (8, 8, 0.0),
+        (9, 9, 100),
+    ],
+)  # fmt: skip
+def test_their_number_is_exact(rows, columns, percent):
+    kinds = made(rows, columns, percent)
+    assert kinds.shape == (rows, columns)
+    assert np.count_nonzero(kinds) == round(percent / 100 * rows * columns)
+
+
+def test_dead_and_hot_come_alike_and_some_in_clusters():
+    kinds = made(512, 512, 0.4)
+    dead, hot = np.count_nonzero(kinds == DEAD), np.count_nonzero(kinds == HOT)
+    assert 0.35 < dead / (dead + hot) < 0.65
+    labels, count = ndimage.label(kinds > 0)
+    sizes = np.bincount(labels.ravel())[1:]
+    assert 0.5 < np.count_nonzero(sizes == 1) / count < 0.85
+    assert (sizes > 2).any()
+
+
+def test_the_same_generator_gives_the_same_map():
+    np.testing.assert_array_equal(made(50, 60, 2.0), made(50, 60, 2.0))
+    assert (made(50, 60, 2.0) != made(50, 60, 2.0, seed=2)).any()
+
+
+# Corrections of known gains and offsets: the algebra by hand.
+
+
+@pytest.fixture
+def maps():
+    rng = np.random.default_rng(2)
+    return 1.0 + 0.05 * rng.standard_normal((40, 50)), 3.0 * rng.standard_normal((40, 50))
+
+
+def test_one_point_leaves_the_gains_times_the_distance_from_the_reference(maps):
+    gain, offset = maps
+    low = 100.0 * gain + offset
+    found = 130.0 * gain + offset + one_point_offset(low=low)
+    # y − y₁ + mean(y₁) = (S − S₁)·g + S₁·mean(g) + mean(o).
+    expected = 30.0 * gain + 100.0 * gain.mean() + offset.mean()
+    np.testing.assert_allclose(found, expected, rtol=1e-13)
+
+
+def test_two_points_leave_nothing_of_a_straight_response(maps):
+    gain, offset = maps
+    low, high = 100.0 * gain + offset, 150.0 * gain + offset
+    factor = two_point_gain(low=low, high=high)
+    np.testing.assert_allclose(factor, gain.mean() / gain, rtol=1e-12)
+    for signal in (80.0, 100.0, 137.0, 400.0):
+        seen = (signal * gain + offset) * factor + two_point_offset(low=low, gain=factor)
+        np.testing.assert_allclose(seen, signal * gain.mean() + offset.mean(), rtol=1e-12)
+
+
+def test_of_a_bent_response_the_bow_is_left(maps):
+    """y = g·S·(1 − c·g·S): the line through two points misses by g²c(S − S₁)(S₂ − S)."""
+    gain, _ = maps
+    bend, low_s, high_s, signal = 1e-4, 100.0, 200.0, 150.0
+
+    def response(level):
+        return gain * level * (1 - bend * gain * level)
+
+    low, high = response(low_s), response(high_s)
+    factor = two_point_gain(low=low, high=high)
+    found = response(signal) * factor + two_point_offset(low=low, gain=factor)
+    bow = bend * gain**2 * (signal - low_s) * (high_s - signal)
+    line = low.mean() + (high - low).mean() * (signal - low_s) / (high_s - low_s)
+    np.testing.assert_allclose(found, line + bow * factor, rtol=1e-12)
+
+
+def test_a_dead_pixel_keeps_its_gain():
+    low, high = np.full((4, 5), 10.0), np.full((4, 5), 20.0)
+    low[1, 2] = high[1, 2] = 0.0
+    factor = two_point_gain(low=low, high=high)
+    assert factor[1, 2] == 1.0
+    assert factor[0, 0] == pytest.approx(0.95)
+
+
+def test_references_that_are_alike_are_refused():
+    with pytest.raises(DataError, match="on average"):
+        two_point_gain(low=np.ones((3, 3)), high=np.ones((3, 3)))

@@ -14,7 +14,6 @@ from core.errors import ParameterError
 from core.physics.detector.detector_mtf import MODELS, charge_transfer_mtf, charge_transfer_ptf
 from core.physics.detector.filters import (
     KINDS,
-    corner_frequency_hz,
     corner_in_cyc_per_mrad,
     dwell_time_s,
     lowpass_mtf,
@@ -128,7 +127,7 @@ def test_published_bandwidths(fov: float, samples: int, rate: float, bandwidth: 
 
 
 def test_half_the_power_passes_at_the_corner() -> None:
-    corner = corner_frequency_hz(time_constant_s=2e-5)
+    corner = 1 / (2 * np.pi * 2e-5)
     xi = corner_in_cyc_per_mrad(corner_Hz=corner, scan_velocity_mrad_per_s=500.0)
     mtf = lowpass_mtf(frequency=xi, scan_velocity_mrad_per_s=500.0, time_constant_s=2e-5)
     assert mtf**2 == pytest.approx(0.5, rel=1e-14)

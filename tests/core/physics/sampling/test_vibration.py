@@ -70,7 +70,7 @@ def test_the_mtf_is_the_time_average_of_a_moving_point(corner):
 def test_shifts_have_the_covariance_of_the_spectrum():
     """Over many draws: the variance at any time, and what two frames have in common."""
     spectrum, exposure, rms, corner = MotionSpectrum(0.4, 3.0), 0.01, 0.4, 3.0
-    rng, draws = np.random.default_rng(8), 3000
+    rng, draws = np.random.default_rng(8), 1500
     shifts = np.empty((draws, 3))
     for draw in range(draws):
         waves = motion_waves(spectrum=spectrum, exposure_s=exposure, uniform=rng.random((3, WAVES)))

@@ -1,0 +1,185 @@
+"""Poisson counts of normal deviates: quantiles, distribution and moments against scipy's."""
+
+import numpy as np
+import pytest
+from scipy import special, stats
+
+from core.errors import DataError, ParameterError
+from core.physics.detector.quantization import apply_gain_bias
+from core.physics.noise.poisson import (
+    LARGE_MEAN,
+    SMALL_MEAN,
+    photon_means,
+    poisson_of_normal,
+    published_means,
+    radiance_of_photons,
+)
+
+
+def chances(mean):
+    """Probability of counts 0, 1, 2 … by the deviates at which the count steps, bisected."""
+    count = np.arange(0, int(mean + 8 * np.sqrt(mean) + 12))
+    low, high = np.full(count.size, -9.0), np.full(count.size, 9.0)
+    means = np.full(count.size, float(mean))
+    for _ in range(70):
+        middle = (low + high) / 2
+        below = poisson_of_normal(means, middle) < count
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return count, np.diff(np.append(special.ndtr(low), 1.0))
+
+
+@pytest.mark.parametrize(
+    ("mean", "distance"),
+    [
+        (0.01, 1e-12), (0.7, 1e-12), (3.0, 1e-12), (15.9, 1e-12), (16.0, 6e-5), (40.0, 2e-5),
+        (63.9, 1e-5), (64.0, 4e-5), (200.0, 1e-5), (1e3, 1e-6), (1e4, 1e-7),
+    ],
+)  # fmt: skip
+def test_total_variation_distance_from_the_poisson_distribution(mean, distance):
+    count, found = chances(mean)
+    assert 0.5 * np.abs(found - stats.poisson.pmf(count, mean)).sum() < distance
+
+
+@pytest.mark.parametrize("mean", [0.3, 5.0, 16.0, 30.0, 64.0, 300.0, 1e4])
+def test_mean_variance_and_skewness(mean):
+    count, found = chances(mean)
+    first = (found * count).sum()
+    second = (found * (count - first) ** 2).sum()
+    third = (found * (count - first) ** 3).sum()
+    assert first == pytest.approx(mean, rel=1e-6)
+    assert second == pytest.approx(mean, rel=2e-4)
+    assert third == pytest.approx(mean, rel=2e-2)  # skewness 1/√m is √m to the 3/2 less
+
+
+@pytest.mark.parametrize("mean", [2.0, 10.0, 500.0, 1e5])
+def test_quantiles_in_the_tails(mean):
+    z = np.array([-4.5, -3.0, -1.0, 0.0, 1.0, 3.0, 4.5])
+    truth = stats.poisson.ppf(special.ndtr(z), mean)
+    found = poisson_of_normal(np.full(7, mean), z)
+    assert np.abs(found - truth).max() <= (0.0 if mean < SMALL_MEAN else 1.0)
+
+
+@pytest.mark.parametrize("mean", [8.0, 25.0, 100.0, 1e6])
+def test_samples_look_as_those_of_numpy(mean):
+    random = np.random.default_rng(5)
+    size = 200_000
+    drawn = poisson_of_normal(
+        np.full(size, mean, np.float32), random.standard_normal(size, dtype=np.float32)
+    )
+    exact = random.poisson(mean, size)
+    assert stats.ks_2samp(drawn.astype(int), exact).pvalue > 1e-3
+    assert drawn.mean() == pytest.approx(mean, abs=5 * np.sqrt(mean / size))
+    assert drawn.astype(float).var() == pytest.approx(mean, rel=5 * np.sqrt(2 / size))
+
+
+def test_counts_are_whole_and_grow_with_the_mean():
+    mean = np.concatenate([np.linspace(0, 80, 4001), np.linspace(80, 5000, 4001)])
+    for z in (-2.5, 0.1, 3.0):
+        counts = poisson_of_normal(mean, np.full(mean.size, z))
+        assert (counts == np.rint(counts)).all()
+        assert (counts >= 0).all()
+        # The two ends of an expansion do not fit to the last count.
+        assert np.diff(counts).min() >= -1.0
+
+
+def test_without_light_there_is_no_count_and_huge_means_do_no_harm():
+    mean = np.array([-3.0, 0.0, 1e-300, 1e30])
+    counts = poisson_of_normal(mean, np.array([3.0, 3.0, 3.0, -5.0]))
+    assert counts[:3].tolist() == [0.0, 0.0, 0.0]
+    assert counts[3] == pytest.approx(1e30, rel=1e-14)
+
+
+def test_a_count_depends_on_its_own_sample_alone():
+    random = np.random.default_rng(6)
+    mean = random.uniform(0, 2 * LARGE_MEAN, (40, 50)).astype(np.float32)
+    z = random.standard_normal((40, 50), dtype=np.float32)
+    whole = poisson_of_normal(mean, z)
+    part = poisson_of_normal(mean[7:19, 11:31].copy(), z[7:19, 11:31].copy())
+    np.testing.assert_array_equal(part, whole[7:19, 11:31])
+
+
+# Gain and bias models, and the means of photon noise, against their formulas written out.
+
+
+GIVEN = {"gain_percent": 1.0, "bias_percent": 2.0, "mean_radiance": 1.4}
+
+
+@pytest.fixture
+def picture():
+    return np.linspace(0.5, 2.5, 20).reshape(4, 5)
+
+
+@pytest.mark.parametrize("shape", [(), (1, 5), (4, 1), (4, 5)])
+def test_models_with_any_pattern(picture, shape):
+    rng = np.random.default_rng(1)
+    n1, n2 = rng.standard_normal(shape), rng.standard_normal(shape)
+    expected = {
+        "per_pixel": picture * (1 + 0.01 * n1) + 0.02 * n2 * 1.4,
+        "published": picture + (0.01 * n1 + 0.02 * n2) * 1.4,
+        "literal": picture * (0.01 * 1.4) + 0.02 * 1.4,
+    }
+    for model, truth in expected.items():
+        got = apply_gain_bias(picture, gain_pattern=n1, bias_pattern=n2, model=model, **GIVEN)
+        np.testing.assert_allclose(got, truth, rtol=1e-14)
+        single = apply_gain_bias(
+            picture.astype(np.float32), gain_pattern=n1, bias_pattern=n2, model=model, **GIVEN
+        )
+        assert single.dtype == np.float32
+        np.testing.assert_allclose(single, truth, rtol=1e-6)
+
+
+@pytest.mark.parametrize("model", ["per_pixel", "published"])
+def test_no_error_changes_nothing(picture, model):
+    got = apply_gain_bias(
+        picture,
+        gain_pattern=3.0,
+        bias_pattern=-2.0,
+        gain_percent=0.0,
+        bias_percent=0.0,
+        mean_radiance=1.4,
+        model=model,
+    )
+    assert np.array_equal(got, picture)
+
+
+def test_wrong_gain_parameters_are_refused(picture):
+    patterns = {"gain_pattern": 1.0, "bias_pattern": 1.0}
+    with pytest.raises(ParameterError, match="bias_percent"):
+        apply_gain_bias(picture, **patterns, **(GIVEN | {"bias_percent": -1.0}))
+    with pytest.raises(ParameterError, match="gain_percent"):
+        apply_gain_bias(picture, **patterns, **(GIVEN | {"gain_percent": np.nan}))
+    with pytest.raises(ParameterError, match="per_pixel, published, literal"):
+        apply_gain_bias(picture, **patterns, **GIVEN, model="none")
+
+
+def test_published_mean_is_a_percentage(picture):
+    np.testing.assert_allclose(published_means(picture, percent=1.0), picture / 100, rtol=1e-15)
+    assert not published_means(picture, percent=0.0).any()
+
+
+def test_photons_and_back(picture):
+    means = photon_means(picture, photons_per_unit=5e4)
+    np.testing.assert_allclose(means, picture * 5e4, rtol=1e-15)
+    back = radiance_of_photons(means, photons_per_unit=5e4)
+    np.testing.assert_allclose(back, picture, rtol=1e-15)
+
+
+def test_rounding_below_zero_is_zero_and_more_is_refused(picture):
+    picture[1, 1] = -1e-7
+    assert published_means(picture, percent=1.0)[1, 1] == 0.0
+    picture[1, 1] = -0.1
+    with pytest.raises(DataError, match="1 of 20 means"):
+        photon_means(picture, photons_per_unit=10.0)
+    picture[1, 1] = np.nan
+    with pytest.raises(DataError, match="not finite"):
+        published_means(picture, percent=1.0)
+
+
+@pytest.mark.parametrize("bad", [-1.0, np.nan, np.inf])
+def test_wrong_photon_parameters_are_refused(picture, bad):
+    with pytest.raises(ParameterError, match="percent"):
+        published_means(picture, percent=bad)
+    with pytest.raises(ParameterError, match="photons_per_unit"):
+        photon_means(picture, photons_per_unit=bad)
+    with pytest.raises(ParameterError, match="photons_per_unit"):
+        radiance_of_photons(picture, photons_per_unit=0.0)
