@@ -57,14 +57,13 @@ def is_npy(path: Path) -> bool:
     return first_bytes(path, len(_NPY_MAGIC)) == _NPY_MAGIC
 
 
-def read_npy_info(path: str | os.PathLike[str]) -> PictureInfo:
-    """Read shape and type of a ``.npy`` file; errors as `read_npy`."""
-    file = readable_file(path)
-    header = npy_header(file)
-    return _info(file, header.shape, header.dtype, "npy")
+def read_npy_info(path: Path) -> PictureInfo:
+    """Read shape and type of a ``.npy`` file."""
+    header = npy_header(path)
+    return _info(path, header.shape, header.dtype, "npy")
 
 
-def read_npy(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
+def read_npy(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
     """Read one band of a real array (rows, columns) or (rows, columns, bands), block by block.
 
     Raises
@@ -73,14 +72,13 @@ def read_npy(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.e
         The file is missing or damaged, holds Python objects, records, complex numbers or text,
         is not 2-D or 3-D, is empty of samples, or has no such band.
     """
-    file = readable_file(path)
-    header = npy_header(file)
-    info = _info(file, header.shape, header.dtype, "npy")
+    header = npy_header(path)
+    info = _info(path, header.shape, header.dtype, "npy")
     if empty is np.empty:
         refuse_oversized(info)
-    band = checked_band(band, info.bands, file)
+    band = checked_band(band, info.bands, path)
     read = empty(header.shape[:2], delivered_dtype(header.dtype))
-    fill_plane(read, file, header, axis=2, index=band)
+    fill_plane(read, path, header, axis=2, index=band)
     return read
 
 
@@ -91,8 +89,6 @@ def write_npy(path: str | os.PathLike[str], array: ArrayLike) -> None:
     ------
     DataError
         The array is not real.
-    FileError
-        The file cannot be written.
     """
     samples = _real(array)
     # ascontiguousarray would make a single number 1-D.
@@ -115,15 +111,15 @@ def write_npy_picture(
 ) -> None:
     """Write samples (rows, columns, channels) as ``.npy``, which has no room for metadata.
 
-    One channel becomes (rows, columns). Errors as `write_npy`.
+    One channel becomes (rows, columns).
     """
     write_npy(path, stored[:, :, 0] if stored.shape[2] == 1 else stored)
 
 
-def read_matrix_info(path: str | os.PathLike[str]) -> PictureInfo:
-    """Read the size of a text matrix, for which all of it must be read; errors as `read_matrix`."""
+def read_matrix_info(path: Path) -> PictureInfo:
+    """Read the size of a text matrix, for which all of it must be read."""
     matrix = read_matrix(path)
-    return _info(Path(os.fspath(path)), matrix.shape, matrix.dtype, "text")
+    return _info(path, matrix.shape, matrix.dtype, "text")
 
 
 def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
@@ -179,15 +175,10 @@ def _faulty_line(lines: list[str], separator: str | None, path: Path) -> FileErr
     return FileError(f"{path}: is no matrix of numbers")
 
 
-def read_matrix_band(
-    path: str | os.PathLike[str],
-    band: int = 0,
-    *,
-    empty: Empty = np.empty,
-) -> Samples:
-    """Read a text matrix, which is one band, whole; errors as `read_matrix`, or no such band."""
+def read_matrix_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
+    """Read a text matrix, which is one band, whole."""
     matrix = read_matrix(path)
-    checked_band(band, 1, Path(os.fspath(path)))
+    checked_band(band, 1, path)
     return matrix
 
 
@@ -208,8 +199,6 @@ def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
     ------
     DataError
         The array is not real, not 2-D, empty or not finite.
-    FileError
-        The file cannot be written.
     """
     samples = np.atleast_2d(_real(array))
     if samples.ndim != 2 or samples.size == 0:
@@ -243,11 +232,6 @@ def write_curves(
         What is written.
     columns
         Its columns (n,) by name, such as ``xi (cyc/mrad)``; the first is the axis.
-
-    Raises
-    ------
-    FileError
-        The file cannot be written.
     """
     names, values = list(columns), [_numbers(_real(column)) for column in columns.values()]
     if curves.bars and names:
@@ -266,13 +250,7 @@ class NpyHeader:
 
 
 def npy_header(path: Path) -> NpyHeader:
-    """Read the header of a ``.npy`` file and check it against the file's length.
-
-    Raises
-    ------
-    FileError
-        As `read_npy`.
-    """
+    """Read the header of a ``.npy`` file and check it against the file's length."""
     with stored_bytes(path) as content:
         if content[: len(_NPY_MAGIC)] != _NPY_MAGIC:
             raise FileError(f"{path}: is not a .npy file; it must begin with \\x93NUMPY")
@@ -300,7 +278,7 @@ def fill_plane(
 ) -> None:
     """Fill (rows, columns) with those of an array at one index of its first or last axis.
 
-    An array of two axes is the plane itself. Errors as `read_npy`.
+    An array of two axes is the plane itself.
     """
     shape = header.shape
     if header.fortran_order:  # in C order the axes are the other way round
@@ -327,7 +305,7 @@ def fill_plane(
 
 
 def whole_npy(path: Path) -> NDArray[Any]:
-    """The array of a ``.npy`` file, of any number of axes; errors as `read_npy`."""
+    """The array of a ``.npy`` file, of any number of axes."""
     header = npy_header(path)
     shape = header.shape[::-1] if header.fortran_order else header.shape
     array = np.empty(shape, header.dtype)

@@ -29,7 +29,7 @@ class PictureFormat(Format):
     Attributes
     ----------
     read_info
-        Describes a file without reading its samples.
+        Describes a file, known to be there and readable, without reading its samples.
     read_band
         Reads one band, counted from 0, as the numbers that the file stores, into an array (rows,
         columns) of the precision of `delivered_dtype` that `empty` makes, perhaps on disk.

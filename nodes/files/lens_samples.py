@@ -60,7 +60,7 @@ class LensSamples:
 
 
 def describe_lens_samples(path: Path, band: int = 0) -> LensSamples:
-    """Describe a file of samples; errors as `read_lens_samples`."""
+    """Describe a file of samples."""
     file = readable_file(path)
     if _is_listing(file):
         checked_band(band, 1, file)
@@ -88,11 +88,6 @@ def read_lens_samples(path: Path, band: int = 0) -> NDArray[Any]:
     -------
     numpy.ndarray
         (rows, columns), float64, or complex128 of a complex ``.npy``. Some may be not finite.
-
-    Raises
-    ------
-    FileError
-        As of `nodes.files.read.read_pixels`; or a side of more than 8192 samples.
     """
     described = describe_lens_samples(path, band)
     if _is_listing(path):

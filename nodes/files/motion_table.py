@@ -20,11 +20,6 @@ def read_motion(path: Path) -> tuple[Points, Points]:
     path
         A CSV file of two or three columns, parted by comma, semicolon, tab or blanks; lines that
         begin with ``#`` and a first line of names are passed over. Two columns hold for both axes.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, or a line of it is not such numbers above 0; names the line.
     """
     lines = table_lines(path, what="power density", wanted=f" of columns, {_COLUMNS}")
     rows: list[tuple[float, ...]] = []

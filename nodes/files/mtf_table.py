@@ -75,11 +75,6 @@ def read_mtf_table(path: Path, *, field: int = 0) -> MtfTable:
     field
         Of a listing of Zemax, which of its fields, counted from 0 without the diffraction limit.
         Its tangential column is the MTF along y, as for a field along y.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, or a line of it is not as it has to be; names the line.
     """
     refuse_long_table(path, _LONGEST_BYTES, "MTF against frequency")
     lines = list(enumerate(lens_lines(path, what="columns, frequency and MTF"), 1))

@@ -39,11 +39,6 @@ def write_by_oiio(path: Path, stored: NDArray[Any], metadata: Mapping[str, Metad
         (rows, columns, channels), of one of `SAMPLE_TYPES`.
     metadata
         Written into the picture's description as ``key = value`` lines.
-
-    Raises
-    ------
-    FileError
-        The file cannot be written.
     """
     with atomic_file(path) as temporary:
         _write(temporary, path, stored, metadata)

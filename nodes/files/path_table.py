@@ -70,11 +70,6 @@ def read_path_table(path: Path) -> tuple[Points, Points]:
         MODTRAN's tape7, or a CSV file whose first line names the columns
         ``wavelength_um``, ``transmission`` and ``path_radiance`` (W/m²/sr/µm), in any order and
         among others; without names, these three alone. Lines that begin with ``#`` are passed over.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, or a line of it is no row of such a table; names the line.
     """
     lines = table_lines(
         path,
@@ -133,13 +128,7 @@ def _is_tape7(lines: list[str]) -> bool:
 
 
 def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
-    """Transmission and path radiance (W/m²/sr/µm) against wavelength in µm, rising.
-
-    Raises
-    ------
-    FileError
-        For a line that is no row of such a table, columns that are not there, or several runs.
-    """
+    """Transmission and path radiance (W/m²/sr/µm) against wavelength in µm, rising."""
     start = next(number for number, line in enumerate(lines) if _is_heading(line))
     names = [(_plain(m.group()), m.end()) for m in _HEADING.finditer(lines[start])]
     known = [name for name, _ in names]

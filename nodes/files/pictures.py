@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from core.errors import FileError
 from core.scratch import Empty
-from nodes.files.common.paths import checked_band, first_bytes, readable_file
+from nodes.files.common.paths import checked_band, first_bytes
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.common.quiet import quiet_stderr
 from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
@@ -63,40 +63,26 @@ _IRREVERSIBLE = 0
 _READABLE = {"uint8", "int8", "uint16", "int16", "uint64", "int64", *_NUMPY_NAMES.values()}
 
 
-def read_info(path: str | os.PathLike[str]) -> PictureInfo:
-    """Read size, sample type and header of a picture, not its samples.
-
-    Raises
-    ------
-    FileError
-        The file is missing, damaged or of an unknown format, or holds no plain 2-D picture.
-    """
-    file = readable_file(path)
-    refuse_unsupported(file)
-    with _opened(file) as picture:
-        return _info(file, picture)
+def read_info(path: Path) -> PictureInfo:
+    """Read size, sample type and header of a picture, not its samples."""
+    refuse_unsupported(path)
+    with _opened(path) as picture:
+        return _info(path, picture)
 
 
-def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
-    """Read one channel, in the order red, green, blue, alpha, others.
-
-    Raises
-    ------
-    FileError
-        As `read_info`; damage among the samples; there is no such channel.
-    """
-    file = readable_file(path)
-    refuse_unsupported(file)
-    refuse_damaged(file)
-    with _opened(file) as picture:
-        info = _info(file, picture)
-        band = checked_band(band, info.bands, file)
+def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
+    """Read one channel, in the order red, green, blue, alpha, others."""
+    refuse_unsupported(path)
+    refuse_damaged(path)
+    with _opened(path) as picture:
+        info = _info(path, picture)
+        band = checked_band(band, info.bands, path)
         if empty is np.empty:
             refuse_oversized(info)
-        misread = info.kind == "tiff" and _is_misread(picture, file)
-        if misread or (info.kind == "tiff" and is_deflated(file)):
+        misread = info.kind == "tiff" and _is_misread(picture, path)
+        if misread or (info.kind == "tiff" and is_deflated(path)):
             size = info.rows, info.columns, info.bands
-            plain = read_plain_tiff(file, size, band, empty=empty)
+            plain = read_plain_tiff(path, size, band, empty=empty)
             if plain is not None:
                 return plain
             if misread:
@@ -104,10 +90,10 @@ def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.
                     f"{path}: 64-bit samples in tiles or a single row cannot be read from it; "
                     "allowed: photometric interpretation 1 (black is 0) or 2 (RGB), bits in order"
                 )
-            check_deflate(file)
-        values = _values(file, picture, info)
+            check_deflate(path)
+        values = _values(path, picture, info)
         samples = empty((info.rows, info.columns), delivered_dtype(np.dtype(info.dtype)))
-        for rows, stored in _strips(file, picture, band):
+        for rows, stored in _strips(path, picture, band):
             samples[rows] = values(stored)
     return samples
 
@@ -123,13 +109,7 @@ def _values(path: Path, picture: Any, info: PictureInfo) -> Callable[[Array], Ar
 
 
 def _strips(path: Path, picture: Any, band: int) -> Iterator[tuple[slice, Array]]:
-    """The rows of a channel in turn, so that the memory beside the picture stays small.
-
-    Raises
-    ------
-    FileError
-        The library failed, said that it had, or gave other rows than requested.
-    """
+    """The rows of a channel in turn, so that the memory beside the picture stays small."""
     spec = picture.spec()
     kind = _channel_type(spec, band)
     step = max(1, _STRIP_BYTES // (_STRIP_ROWS * spec.width * 8)) * _STRIP_ROWS
@@ -189,11 +169,6 @@ def _refuse_blank(path: Path) -> None:
 
     Every format begins with something else. The library looks through all of such a file, which
     takes it more than a minute per 500 MB, and cannot be stopped.
-
-    Raises
-    ------
-    FileError
-        Saying so.
     """
     if not any(first_bytes(path, _BLANK_BYTES)):
         raise FileError(

@@ -22,11 +22,6 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
 
     The kind is known by suffix, by content, and as ENVI by a header that lies beside the file or
     is the file: see `nodes.files.formats`.
-
-    Raises
-    ------
-    FileError
-        The file is missing, a folder, empty, not readable, damaged or of an unknown format.
     """
     file = readable_picture(path)
     return format_of(file).read_info(file)
@@ -50,11 +45,6 @@ def read_pixels(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = n
         (rows, columns), C order, as the numbers the file stores; float64 when it holds doubles,
         integers of 32 or more bits or text, else float32. Samples may be not finite, as those are
         that are missing by the header: see `check_finite`.
-
-    Raises
-    ------
-    FileError
-        As `read_info`, or there is no such band.
     """
     file = readable_picture(path)
     return format_of(file).read_band(file, band, empty=empty)

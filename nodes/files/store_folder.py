@@ -29,13 +29,7 @@ def is_store(path: Path) -> bool:
 
 
 def readable_picture(path: str | os.PathLike[str]) -> Path:
-    """A regular, readable file that is not empty, or a Zarr store.
-
-    Raises
-    ------
-    FileError
-        It is neither, or may not be read.
-    """
+    """A regular, readable file that is not empty, or a Zarr store."""
     folder = Path(path)
     if not is_store(folder):
         return readable_file(path)
@@ -57,7 +51,7 @@ def store_state(folder: Path) -> tuple[int, int]:
 
 
 def count_chunks(folder: Path) -> int:
-    """How many files of samples are in the folder of an array; errors as `store_state`."""
+    """How many files of samples are in the folder of an array."""
     return sum(
         stat.S_ISREG(status.st_mode) and path.rpartition(os.sep)[2] not in _METADATA
         for path, status in _states(folder)
@@ -70,12 +64,6 @@ def atomic_store(path: Path) -> Iterator[Path]:
 
     When the block raises, it is removed and what was at `path` is untouched, as `atomic_file` has
     it. What a killed process has left in the folder above is removed.
-
-    Raises
-    ------
-    FileError
-        `path` is something else than a store, or the folder above is missing or cannot be written.
-        An `OSError` from within the block is given as `FileError` too.
     """
     target = Path(os.path.realpath(path))
     if target.exists() and not is_store(target):

@@ -97,11 +97,6 @@ def read_plain_tiff(
     """One channel of the first picture, which is to have that many rows, columns and channels.
 
     None where samples are not the numbers they stand for: colour maps, white as 0, packed bits.
-
-    Raises
-    ------
-    FileError
-        The file is damaged or compressed in another way than deflate.
     """
     with stored_bytes(path) as content:
         layout = read_tiff_layout(content, path)
@@ -125,7 +120,7 @@ def channel_of(
     *,
     empty: Empty = np.empty,
 ) -> Samples:
-    """One channel of a plain picture, in the precision of `delivered_dtype`; errors as above."""
+    """One channel of a plain picture, in the precision of `delivered_dtype`."""
     kind = np.dtype(layout.numpy_kind)
     stored_kind = np.dtype(f"{layout.order}{layout.numpy_kind}")
     channel = empty((layout.rows, layout.columns), delivered_dtype(kind))
@@ -153,11 +148,6 @@ def check_deflate(path: Path) -> None:
     """Unpack every strip or tile of the first picture and compare length and checksum.
 
     The decoders do not wait for it: a flipped bit gave other samples, or memory never written to.
-
-    Raises
-    ------
-    FileError
-        A block is damaged, has another length than its rows, or lies beyond the end of the file.
     """
     with stored_bytes(path) as content:
 
@@ -174,11 +164,6 @@ def refuse_predictor(path: Path) -> None:
     TIFF 6.0 defines the predictor for LZW, and the library undoes it for that, deflate, LZMA and
     Zstandard; where the tag stands with PackBits or without compression it is passed over. Other
     programs write and read differences there, and nothing in the file shows which it is.
-
-    Raises
-    ------
-    FileError
-        Naming predictor and packing; or that the directory is damaged.
     """
     with stored_bytes(path) as content:
         compression, predictor = _packing(content, path)
@@ -191,19 +176,13 @@ def refuse_predictor(path: Path) -> None:
 
 
 def tiff_layouts(content: StoredBytes, path: Path) -> Iterator[TiffLayout]:
-    """How each page is cut into strips or tiles; errors as `read_tiff_layout`, in `directories`."""
+    """How each page is cut into strips or tiles."""
     for place in directories(content, path):
         yield read_tiff_layout(content, path, place)
 
 
 def read_tiff_layout(content: StoredBytes, path: Path, directory: int | None = None) -> TiffLayout:
-    """Read a directory, the first one if its place is not given.
-
-    Raises
-    ------
-    FileError
-        It is damaged, or incomplete.
-    """
+    """Read a directory, the first one if its place is not given."""
     try:
         return _layout(_byte_order(content), _read_tags(content, directory))
     except KeyError as error:
@@ -214,13 +193,7 @@ def read_tiff_layout(content: StoredBytes, path: Path, directory: int | None = N
 
 
 def directories(content: StoredBytes, path: Path) -> Iterator[int]:
-    """Where the directories lie, in the order of the pictures.
-
-    Raises
-    ------
-    FileError
-        One lies beyond the end of the file, or they go round in a circle.
-    """
+    """Where the directories lie, in the order of the pictures."""
     try:
         order = _byte_order(content)
         word, counter, width, entry_size = _widths(content, order)
@@ -271,7 +244,7 @@ def _read_tags(content: StoredBytes, directory: int | None = None) -> Tags:
 
 
 def _packing(content: StoredBytes, path: Path) -> tuple[int, int]:
-    """Numbers of the compression and of the predictor; errors as `read_tiff_layout`."""
+    """Numbers of the compression and of the predictor."""
     try:
         tags = _read_tags(content)
         return tags.get(_COMPRESSION, (_NONE,))[0], next(iter(tags.get(_PREDICTOR, ())), 1)

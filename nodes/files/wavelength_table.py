@@ -24,11 +24,6 @@ def read_wavelengths(path: Path, *, what: str, low: float, high: float) -> Point
         For people: what the values are.
     low, high
         Least and greatest value allowed.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, or a line of it is not two such numbers; names the line.
     """
     columns = f"two columns, µm and {what}"
     lines = table_lines(path, what=f"{what} against wavelength", wanted=f" of {columns}")

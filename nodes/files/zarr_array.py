@@ -32,7 +32,6 @@ from nodes.files.headers.header_fields import header_fields
 from nodes.files.store_folder import (
     atomic_store,
     count_chunks,
-    readable_picture,
     store_state,
 )
 
@@ -107,7 +106,7 @@ class _Opened:
         return samples.T if self.axes[0] > self.axes[1] else samples
 
 
-def read_info(path: str | os.PathLike[str]) -> PictureInfo:
+def read_info(path: Path) -> PictureInfo:
     """Describe an array without reading its samples.
 
     Raises
@@ -115,28 +114,20 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
     FileError
         The store is damaged, holds no picture or several, or the package zarr is not installed.
     """
-    folder = readable_picture(path)
-    return _info(folder, _opened(folder))
+    return _info(path, _opened(path))
 
 
-def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
-    """Read one band of a store, or of an array within one; missing samples are NaN.
-
-    Raises
-    ------
-    FileError
-        As `read_info`; a chunk is damaged; there is no such band.
-    """
-    folder = readable_picture(path)
-    opened = _opened(folder)
-    info = _info(folder, opened)
+def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
+    """Read one band of a store, or of an array within one; missing samples are NaN."""
+    opened = _opened(path)
+    info = _info(path, opened)
     if empty is np.empty:
         refuse_oversized(info)
     high, wide, *_ = opened.chunks
     dtype = delivered_dtype(np.dtype(info.dtype))
     if reason := oversized(min(high, info.rows), min(wide, info.columns), dtype):
         raise FileError(f"{path}: a chunk of {reason}")
-    band = checked_band(band, info.bands, folder)
+    band = checked_band(band, info.bands, path)
     samples = empty((info.rows, info.columns), dtype)
     missing = _missing_value(opened.attributes)
     for rows, columns in _parts(info.rows, info.columns, (high, wide), _READ_SAMPLES):
@@ -225,13 +216,7 @@ def write_store(
 
 
 def check_zarr(path: Path) -> None:
-    """Refuse a store where the package is not installed that reads and writes it.
-
-    Raises
-    ------
-    FileError
-        Naming the extra that brings it.
-    """
+    """Refuse a store where the package is not installed that reads and writes it."""
     if importlib.util.find_spec("zarr") is None:
         raise FileError(f"{path}: Zarr needs the package zarr: {how_to_install('zarr')}")
 

@@ -28,13 +28,7 @@ _MOST_BYTES: Mapping[str, float] = {
 
 
 def refuse_oversized(info: PictureInfo, *, available_bytes: int | None = None) -> None:
-    """Refuse a picture one band of which takes more than half of the memory the process may use.
-
-    Raises
-    ------
-    FileError
-        Names the size, what it needs and what is allowed.
-    """
+    """Refuse a picture one band of which takes more than half of the memory the process may use."""
     dtype = delivered_dtype(np.dtype(info.dtype))
     if reason := oversized(info.rows, info.columns, dtype, available_bytes=available_bytes):
         raise FileError(f"{info.path}: {reason}")
@@ -69,11 +63,6 @@ def refuse_oversized_text(path: Path) -> None:
     """Refuse a text of more than 512 MB, or of more than a quarter of the memory to be used.
 
     It is held twice, whole and in lines, before a number of it is read, which takes minutes.
-
-    Raises
-    ------
-    FileError
-        Says its length, what it needs and what is allowed.
     """
     length, memory = path.stat().st_size, usable_bytes()
     most = min(_LONGEST_TEXT, _SHARE * memory / 2) if memory else _LONGEST_TEXT
@@ -95,11 +84,6 @@ def refuse_impossible(info: PictureInfo, *, compression: str, bits: int) -> None
         How the samples are packed; one without a bound passes.
     bits
         Of a stored sample.
-
-    Raises
-    ------
-    FileError
-        Names the claimed size and the file's length.
     """
     most = _DEFLATE if info.kind == "png" else _MOST_BYTES.get(compression)
     if most is None:

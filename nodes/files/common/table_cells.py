@@ -119,13 +119,7 @@ def refuse_long_table(file: Path, most_bytes: int, what: str) -> None:
 
 
 def table_lines(file: Path, *, what: str, wanted: str, most_bytes: int = 10_000_000) -> list[str]:
-    """Lines of a table in UTF-8.
-
-    Raises
-    ------
-    FileError
-        It is too long for a table of `what`, or no text, where `wanted` was.
-    """
+    """Lines of a table in UTF-8."""
     refuse_long_table(file, most_bytes, what)
     try:
         return file.read_text(encoding="utf-8-sig").splitlines()
@@ -139,11 +133,6 @@ def point_rows(
     """Numbers of each line, all as many as the first, of `widths`, and the line's own number.
 
     Empty lines, those that begin with ``#`` and a line of names on top are passed over.
-
-    Raises
-    ------
-    FileError
-        A line is no such row; or there are fewer than two, which make no such thing as `makes`.
     """
     rows, is_named = 0, False
     for number, line in enumerate(lines, 1):
@@ -174,11 +163,6 @@ def lens_lines(path: Path, *, what: str) -> list[str]:
     """Lines of a text as optical design and measuring programs write it.
 
     UTF-8, UTF-16 with its mark or, of Latin letters, without, or Latin-1.
-
-    Raises
-    ------
-    FileError
-        The file is no text of `what`, too long for the memory, or cannot be read.
     """
     refuse_oversized_text(path)
     try:

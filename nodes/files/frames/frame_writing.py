@@ -131,13 +131,7 @@ def write_frames(
     frames: Iterable[Array],
     done: Callable[[int], None] | None = None,
 ) -> None:
-    """Write frames one after the other; `done` is called after each with how many there are.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be written.
-    """
+    """Write frames one after the other; `done` is called after each with how many there are."""
     try:
         # Not mapped into memory: a disk that is full then ends the process (SIGBUS).
         with path.open("wb") as file:
@@ -157,13 +151,7 @@ def write_frames(
 
 
 def refuse_without_room(files: Sequence[tuple[Path, FrameFormat, FrameSeries]]) -> None:
-    """Refuse files of frames for which a disk has no room, before anything is computed.
-
-    Raises
-    ------
-    FileError
-        Naming the first one that does not fit, what it takes, and what is free.
-    """
+    """Refuse files of frames for which a disk has no room, before anything is computed."""
     left: dict[int, int] = {}
     for path, kind, series in files:
         folder = next((above for above in path.absolute().parents if above.exists()), None)

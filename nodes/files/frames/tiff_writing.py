@@ -59,13 +59,7 @@ def tiff_page(series: FrameSeries, number: int, *, big: bool | None = None) -> b
 
 
 def write_tiled_tiff(path: Path, series: FrameSeries, samples: Array) -> None:
-    """Write a picture (rows, columns), perhaps on disk, as one page of tiles.
-
-    Raises
-    ------
-    FileError
-        If it cannot be written.
-    """
+    """Write a picture (rows, columns), perhaps on disk, as one page of tiles."""
     side = min(_LONGEST_PX, -(-max(samples.shape) // _STEP_PX) * _STEP_PX)
     try:
         # Not mapped into memory: a disk that is full then ends the process (SIGBUS).

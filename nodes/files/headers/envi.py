@@ -65,7 +65,7 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
 
 
 def info_of(layout: EnviLayout) -> PictureInfo:
-    """Describe the picture of a checked header; errors as `read_info`."""
+    """Describe the picture of a checked header."""
     description = layout.fields.get("description", "")
     common = header_fields(
         layout.fields,
@@ -93,13 +93,7 @@ def info_of(layout: EnviLayout) -> PictureInfo:
 
 
 def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
-    """Read one band of a data file or of its header; missing samples are NaN.
-
-    Raises
-    ------
-    FileError
-        As `read_info`, or there is no such band.
-    """
+    """Read one band of a data file or of its header; missing samples are NaN."""
     layout = read_layout(path)
     info = info_of(layout)  # a faulty header is refused even where its fault does not matter here
     if empty is np.empty:

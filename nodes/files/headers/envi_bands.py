@@ -161,10 +161,7 @@ def band_ends_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.flo
 
 
 def coverage(info: PictureInfo, interval_um: tuple[float, float] | None) -> float:
-    """Share of an interval that the bands cover, 0 to 1; of all from first to last without one.
-
-    Errors as `band_weights_um`.
-    """
+    """Share of an interval that the bands cover, 0 to 1; of all from first to last without one."""
     low, high = band_ends_um(info)
     first, last = interval_um or (max(0.0, float(low.min())), float(high.max()))
     covered = band_weights_um(replace(info, shares_um=None), cut_on_um=first, cut_off_um=last)

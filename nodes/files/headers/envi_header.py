@@ -282,13 +282,7 @@ def _scaling(fields: Fields, header: Path, bands: int) -> NDArray[np.float64] | 
 
 
 def number_list(fields: Fields, key: str, header: Path, bands: int) -> tuple[float, ...] | None:
-    """The finite numbers of a field, one for each band or one for all; None without the field.
-
-    Raises
-    ------
-    FileError
-        They are not.
-    """
+    """The finite numbers of a field, one for each band or one for all; None without the field."""
     texts = fields.get(key, ())
     texts = [text for text in ([texts] if isinstance(texts, str) else texts) if text]
     if not texts:

@@ -72,13 +72,7 @@ class FitsHeader:
 
 
 def read_fits_header(path: Path) -> FitsHeader:
-    """Read the first header of a FITS file.
-
-    Raises
-    ------
-    FileError
-        The header has no end, contradicts itself on its samples, or has a value that is no number.
-    """
+    """Read the first header of a FITS file."""
     cards: dict[str, str] = {}
     with stored_bytes(path) as file:
         for start in range(0, _MOST_BLOCKS * _BLOCK, _BLOCK):
@@ -199,13 +193,7 @@ def _add(cards: dict[str, str], card: str, path: Path) -> None:
 
 
 def check_sums(header: FitsHeader) -> None:
-    """Refuse samples that are not those that DATASUM, or a whole unit that CHECKSUM, was made of.
-
-    Raises
-    ------
-    FileError
-        The file is damaged.
-    """
+    """Refuse samples that are not those that DATASUM, or all that CHECKSUM, was made of."""
     stated = header.cards.get("DATASUM", "")
     whole = bool(header.cards.get("CHECKSUM"))
     if not stated and not whole:

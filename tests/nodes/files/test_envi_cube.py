@@ -16,9 +16,9 @@ from nodes.files.common.picture_info import PictureInfo
 from nodes.files.headers.envi_bands import band_weights_um
 from nodes.files.headers.envi_cube import weighted_sums
 from nodes.files.headers.envi_header import read_layout
+from picture_samples import envi
 
-ORDERS = {"bsq": (2, 0, 1), "bil": (0, 2, 1), "bip": (0, 1, 2)}
-INTERLEAVES = list(ORDERS)
+INTERLEAVES = ("bsq", "bil", "bip")
 CUT_SHORT = """
 import os, sys
 import numpy as np
@@ -34,23 +34,11 @@ weighted_sums(layout, np.ones((1, layout.bands)), dtype=np.dtype("f4"), for_each
 """
 
 
-def write(folder, cube, interleave):
-    """Write (rows, columns, bands) in single precision."""
-    rows, columns, bands = cube.shape
-    stored = cube.astype("<f4").transpose(ORDERS[interleave])
-    (folder / "x.img").write_bytes(np.ascontiguousarray(stored).tobytes())
-    (folder / "x.img.hdr").write_text(
-        f"ENVI\nsamples = {columns}\nlines = {rows}\nbands = {bands}\ndata type = 4\n"
-        f"interleave = {interleave}\nbyte order = 0\n"
-    )
-    return folder / "x.img"
-
-
 @pytest.mark.parametrize("interleave", INTERLEAVES)
 def test_a_file_cut_short_while_it_is_read_is_an_error_and_no_end_of_the_process(
     tmp_path, interleave
 ):
-    data = write(tmp_path, np.ones((64, 64, 5)), interleave)
+    data = envi(tmp_path / "x.img", np.ones((64, 64, 5), "f4"), interleave)
     ended = subprocess.run(
         [sys.executable, "-c", CUT_SHORT, str(data)],
         capture_output=True,
@@ -73,7 +61,7 @@ def test_a_band_without_weight_may_hold_what_is_no_number(tmp_path, interleave, 
     want = np.einsum("wb,rcb->wrc", weights, cube.astype("f4").astype("f8"))
     others = [band for band in range(5) if band not in used]
     cube[:, :, others[0]], cube[2, 3, others[1]] = np.nan, np.inf
-    layout = read_layout(write(tmp_path, cube, interleave))
+    layout = read_layout(envi(tmp_path / "x.img", cube.astype("f4"), interleave))
     sums = weighted_sums(layout, weights, dtype=np.dtype(dtype))
     np.testing.assert_allclose(sums, want, rtol=1e-6 if dtype == "f4" else 1e-14)
 
@@ -113,7 +101,7 @@ def test_overlapping_bands_in_any_order_share_what_they_cover():
 
 
 def test_a_file_that_is_shorter_than_its_header_says_is_refused(tmp_path):
-    data = write(tmp_path, np.ones((4, 4, 3)), "bip")
+    data = envi(tmp_path / "x.img", np.ones((4, 4, 3), "f4"))
     os.truncate(data, 100)
     with pytest.raises(FileError, match="92 missing"):
         read_layout(data)

@@ -18,57 +18,17 @@ from core.machine import usable_bytes
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
 from nodes.files.read import read_info, read_pixels
+from picture_samples import png, tiff, tiff_tag
 
 ROOT = Path(__file__).parents[3]
 TRUTH = np.add.outer(np.arange(48.0), np.sin(np.arange(40.0))).astype(np.float32)
 
 
-def deflate_tiff(samples, *, strip_rows=0, tile=0, order="<", big=False):
-    """A TIFF from scratch: blocks packed by zlib, and where each of them lies."""
-    rows, columns = samples.shape
-    if tile:
-        down, across = -(-rows // tile), -(-columns // tile)
-        padded = np.zeros((down * tile, across * tile), samples.dtype)
-        padded[:rows, :columns] = samples
-        raw = padded.reshape(down, tile, across, tile).swapaxes(1, 2).reshape(-1, tile, tile)
-    else:
-        raw = [samples[start : start + strip_rows] for start in range(0, rows, strip_rows)]
-    swapped = samples.dtype.newbyteorder(order)
-    blocks = [zlib.compress(np.ascontiguousarray(block, swapped).tobytes()) for block in raw]
-    start = 16 if big else 8
-    sizes = [len(block) for block in blocks]
-    places = [start + sum(sizes[:index]) for index in range(len(blocks))]
-    directory = start + sum(sizes)
-    fields = [(256, [columns]), (257, [rows]), (258, [32]), (259, [8]), (262, [1]), (277, [1])]
-    fields += [(339, [3])]
-    if tile:
-        fields += [(322, [tile]), (323, [tile]), (324, places), (325, sizes)]
-    else:
-        fields += [(273, places), (278, [strip_rows]), (279, sizes)]
-    word, count, entry = ("Q", "Q", "HHQ8s") if big else ("I", "H", "HHI4s")
-    width = struct.calcsize(word)
-    beyond = directory + struct.calcsize(count) + len(fields) * (12 + 8 * big) + width
-    entries, tail = b"", b""
-    for tag, values in sorted(fields):
-        packed = struct.pack(f"{order}{len(values)}I", *values)
-        if len(packed) > width:
-            packed, tail = struct.pack(order + word, beyond + len(tail)), tail + packed
-        entries += struct.pack(order + entry, tag, 4, len(values), packed.ljust(width, b"\0"))
-    mark = {"<": b"II", ">": b"MM"}[order]
-    if big:
-        head = mark + struct.pack(order + "HHHQ", 43, 8, 0, directory)
-    else:
-        head = mark + struct.pack(order + "HI", 42, directory)
-    content = head + b"".join(blocks) + struct.pack(order + count, len(fields)) + entries
-    return content + bytes(width) + tail, list(zip(places, sizes, strict=True))
-
-
 @pytest.mark.parametrize("layout", [{"strip_rows": 5}, {"tile": 16}])
 def test_a_packing_that_cannot_be_read_is_no_damage(tmp_path, layout):
     """Zstandard, which not every build of the library unpacks."""
-    content, _ = deflate_tiff(TRUTH, **layout)
-    tag = struct.Struct("<HHII")
-    zstd = content.replace(tag.pack(259, 4, 1, 8), tag.pack(259, 4, 1, 50000))
+    content, _ = tiff(TRUTH, packed=True, **layout)
+    zstd = content.replace(tiff_tag(259, 8), tiff_tag(259, 50000))
     assert zstd != content
     (tmp_path / "a.tif").write_bytes(zstd)
     with pytest.raises(FileError) as refusal:
@@ -90,7 +50,7 @@ LAYOUTS = [
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_no_flipped_bit_of_a_deflate_tiff_gives_other_samples(tmp_path, layout):
-    whole, blocks = deflate_tiff(TRUTH, **layout)
+    whole, blocks = tiff(TRUTH, packed=True, **layout)
     path = tmp_path / "a.tif"
     path.write_bytes(whole)
     assert np.array_equal(read_pixels(path), TRUTH)
@@ -110,12 +70,10 @@ def test_no_flipped_bit_of_a_deflate_tiff_gives_other_samples(tmp_path, layout):
 
 def test_a_block_of_fewer_rows_or_none_is_refused(tmp_path):
     path = tmp_path / "a.tif"
-    whole, blocks = deflate_tiff(TRUTH, strip_rows=12)
+    whole, blocks = tiff(TRUTH, packed=True, strip_rows=12)
     place, size = blocks[1]
-    claim = whole.replace(struct.pack("<HHII", 277, 4, 1, 1), struct.pack("<HHII", 285, 4, 1, 1))
-    path.write_bytes(
-        claim.replace(struct.pack("<HHII", 258, 4, 1, 32), struct.pack("<HHII", 258, 4, 1, 8))
-    )
+    claim = whole.replace(tiff_tag(277, 1), tiff_tag(285, 1))
+    path.write_bytes(claim.replace(tiff_tag(258, 32), tiff_tag(258, 8)))
     with pytest.raises(FileError, match="strip or tile 0 holds 1920 bytes instead of 480"):
         read_pixels(path)
     short = zlib.compress(TRUTH[12:20].tobytes())
@@ -156,15 +114,6 @@ def test_a_tiff_predictor_that_programs_differ_on(tmp_path, compression, name, d
     for read in (read_info, read_pixels):
         with pytest.raises(FileError, match=f"predictor 2 with {name} cannot be read: .*; allowed"):
             read(path)
-
-
-def png(rows, columns, depth, body):
-    def chunk(kind, content):
-        checksum = zlib.crc32(kind + content)
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", checksum)
-
-    head = chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, depth, 0, 0, 0, 0))
-    return b"\x89PNG\r\n\x1a\n" + head + chunk(b"IDAT", body) + chunk(b"IEND", b"")
 
 
 def refused_for_its_size(path, rows, columns, reads=(read_info, read_pixels)):
@@ -222,10 +171,8 @@ def test_a_header_that_claims_more_than_the_file_can_hold_is_damaged(tmp_path):
     (tmp_path / "a.png").write_bytes(png(20000, 20000, 8, zlib.compress(bytes(1000))))
     with pytest.raises(FileError, match=r"20000 × 20000 × 1 samples of 8 bits cannot come from"):
         read_info(tmp_path / "a.png")
-    whole, _ = deflate_tiff(TRUTH, strip_rows=48)
-    claim = whole.replace(
-        struct.pack("<HHII", 257, 4, 1, 48), struct.pack("<HHII", 257, 4, 1, 9**6)
-    )
+    whole, _ = tiff(TRUTH, packed=True, strip_rows=48)
+    claim = whole.replace(tiff_tag(257, 48), tiff_tag(257, 9**6))
     (tmp_path / "a.tif").write_bytes(claim)
     with pytest.raises(FileError, match="cannot come from a file of"):
         read_info(tmp_path / "a.tif")

@@ -4,28 +4,15 @@ import pytest
 from core.errors import FileError, ParameterError
 from nodes.files.headers import envi
 from nodes.files.headers.envi_bands import band_weights_um, integrate_bands
+from picture_samples import envi as write_envi
 
 
-def write(folder, cube, wavelengths, fwhm=None, units="Micrometers", extra=""):
-    """Write (rows, columns, bands) doubles as DIRSIG does: BIP."""
-    rows, columns, bands = cube.shape
-    lines = [
-        "ENVI",
-        f"samples = {columns}",
-        f"lines = {rows}",
-        f"bands = {bands}",
-        f"data type = {5 if cube.dtype == np.float64 else 4}",
-        "interleave = bip",
-        "byte order = 0",
-        f"wavelength units = {units}",
-    ]
-    if wavelengths is not None:
-        lines.append("wavelength = {" + ", ".join(map(repr, map(float, wavelengths))) + "}")
-    if fwhm is not None:
-        lines.append("fwhm = {" + ", ".join(map(repr, map(float, fwhm))) + "}")
-    (folder / "x.img").write_bytes(cube.astype(cube.dtype.newbyteorder("<")).tobytes())
-    (folder / "x.img.hdr").write_text("\n".join([*lines, extra, ""]))
-    return folder / "x.img"
+def write(folder, cube, wavelengths, fwhm=None, units="Micrometers", **fields):
+    """Write (rows, columns, bands) with the bands' wavelengths."""
+    for key, values in (("wavelength", wavelengths), ("fwhm", fwhm)):
+        if values is not None:
+            fields[key] = "{" + ", ".join(map(repr, map(float, values))) + "}"
+    return write_envi(folder / "x.img", cube, wavelength_units=units, **fields)
 
 
 def random_cube(bands, rows=4, columns=3):
@@ -77,8 +64,8 @@ def test_wavelengths_in_nanometers_and_radiance_per_nanometer(tmp_path):
     cube = random_cube(2)
     data = write(tmp_path, cube, [8500, 9500], [1000, 1000], "Nanometers")
     np.testing.assert_allclose(integrate_bands(data, 8, 10), cube.sum(axis=2), rtol=1e-13)
-    unit = "data units = W/(m^2 sr nm)"
-    data = write(tmp_path, cube, [8500, 9500], [1000, 1000], "nm", unit)
+    unit = "W/(m^2 sr nm)"
+    data = write(tmp_path, cube, [8500, 9500], [1000, 1000], "nm", data_units=unit)
     np.testing.assert_allclose(integrate_bands(data, 8, 10), 1000 * cube.sum(axis=2), rtol=1e-13)
 
 
@@ -125,7 +112,7 @@ def test_no_wavelengths(tmp_path):
 
 
 def test_samples_already_integrated_are_refused(tmp_path):
-    data = write(tmp_path, random_cube(2), [8.5, 9.5], [1, 1], extra="data units = W/m^2/sr")
+    data = write(tmp_path, random_cube(2), [8.5, 9.5], [1, 1], data_units="W/m^2/sr")
     with pytest.raises(FileError, match=r"W/m\^2/sr, which is not per wavelength"):
         integrate_bands(data, 8, 10)
 
@@ -139,8 +126,7 @@ def test_weights_sum_to_the_covered_width(tmp_path):
 def test_a_sample_missing_in_a_used_band_is_missing_in_the_sum(tmp_path):
     cube = random_cube(3)
     cube[1, 2, 0] = cube[2, 1, 2] = -1.0
-    extra = "data ignore value = -1"
-    data = write(tmp_path, cube, [8.5, 9.5, 10.5], [1, 1, 1], extra=extra)
+    data = write(tmp_path, cube, [8.5, 9.5, 10.5], [1, 1, 1], data_ignore_value=-1)
     read = integrate_bands(data, 8, 10)
     truth = cube[:, :, :2].sum(axis=2)
     truth[1, 2] = np.nan
@@ -148,7 +134,6 @@ def test_a_sample_missing_in_a_used_band_is_missing_in_the_sum(tmp_path):
 
 
 def test_a_unit_that_is_not_understood_is_refused(tmp_path):
-    unit = "data units = W/m^2/sr/furlong"
-    data = write(tmp_path, random_cube(2), [8.5, 9.5], [1, 1], extra=unit)
+    data = write(tmp_path, random_cube(2), [8.5, 9.5], [1, 1], data_units="W/m^2/sr/furlong")
     with pytest.raises(FileError, match=r"'W/m\^2/sr/furlong' is not understood"):
         integrate_bands(data, 8, 10)

@@ -10,15 +10,7 @@ import pytest
 from core.errors import FileError
 from nodes.files.headers.fits_header import read_fits_header
 from nodes.files.read import read_info, read_pixels
-
-
-def fits(cards, data):
-    """A file of these cards, as key and value or as they stand."""
-    lines = [f"{c[0]:<8}= {c[1]!s:>20}" if isinstance(c, tuple) else c for c in cards]
-    text = "".join(line.ljust(80) for line in lines)
-    head = (text + "END".ljust(80)).encode()
-    return head + b" " * (-len(head) % 2880) + data + bytes(-len(data) % 2880)
-
+from picture_samples import fits
 
 STORED = np.array([[-32768, -1, 0], [1, 5, 32767]], dtype=">i2")
 CARDS = [("SIMPLE", "T"), ("BITPIX", 16), ("NAXIS", 2), ("NAXIS1", 3), ("NAXIS2", 2)]

@@ -8,82 +8,28 @@ from core.errors import FileError
 from nodes.files.pictures import read_band, read_info
 from nodes.files.read import read_pixels
 from nodes.files.write import write_picture
-from picture_samples import SPECIAL, samples_of
+from picture_samples import SPECIAL, fits, png, samples_of, tiff, tiff_tag
 
-KINDS = {"u1": 1, "u2": 1, "u4": 1, "i1": 2, "i2": 2, "i4": 2, "f2": 3, "f4": 3, "f8": 3}
-
-
-def tiff_bytes(samples, kind, order="<", big=False, tile=0):
-    """A TIFF from scratch: one strip, or tiles of `tile` samples square; classic or big."""
-    rows, columns = samples.shape
-    if tile:
-        down, across = -(-rows // tile), -(-columns // tile)
-        padded = np.zeros((down * tile, across * tile), samples.dtype)
-        padded[:rows, :columns] = samples
-        tiles = padded.reshape(down, tile, across, tile).swapaxes(1, 2).reshape(-1, tile, tile)
-    else:
-        tiles = samples[None]
-    blocks = [block.astype(samples.dtype.newbyteorder(order)).tobytes() for block in tiles]
-    start = 16 if big else 8
-    places = [start + index * len(blocks[0]) for index in range(len(blocks))]
-    position = places[-1] + len(blocks[-1])
-    word, entry, count = ("Q", "HHQ8s", "Q") if big else ("I", "HHI4s", "H")
-    width = struct.calcsize(word)
-    tail = b""
-    fields = [(256, columns), (257, rows), (258, 8 * samples.itemsize), (259, 1), (262, 1)]
-    fields += [(277, 1), (339, KINDS[kind])]
-    sizes = [len(block) for block in blocks]
-    if tile:
-        fields += [(322, tile), (323, tile), (324, places), (325, sizes)]
-    else:
-        fields += [(273, places), (278, rows), (279, sizes)]
-    entries = b""
-    directory = position
-    beyond = directory + struct.calcsize(order + count) + len(fields) * (20 if big else 12) + width
-    for tag, value in sorted(fields):
-        values = value if isinstance(value, list) else [value]
-        packed = struct.pack(f"{order}{len(values)}I", *values)
-        if len(packed) > width:
-            packed, tail = struct.pack(order + word, beyond + len(tail)), tail + packed
-        entries += struct.pack(order + entry, tag, 4, len(values), packed.ljust(width, b"\0"))
-    directory_bytes = struct.pack(order + count, len(fields)) + entries + bytes(width) + tail
-    mark = b"II" if order == "<" else b"MM"
-    head = (
-        struct.pack(order + "HHHQ", 43, 8, 0, position)
-        if big
-        else struct.pack(order + "HI", 42, position)
-    )
-    return mark + head + b"".join(blocks) + directory_bytes
+KINDS = ("u1", "u2", "u4", "i1", "i2", "i4", "f2", "f4", "f8")
 
 
 def fits_bytes(stored, bits, **cards):
     header = {"SIMPLE": "T", "BITPIX": bits, "NAXIS": stored.ndim}
     header |= {f"NAXIS{axis + 1}": size for axis, size in enumerate(stored.shape[::-1])}
-    text = "".join(f"{k:<8}= {v!s:>20}".ljust(80) for k, v in (header | cards).items())
-    text += "END".ljust(80)
     data = stored.astype(stored.dtype.newbyteorder(">")).tobytes()
-    pad = -len(data) % 2880
-    return text.ljust(-(-len(text) // 2880) * 2880).encode() + data + bytes(pad)
+    return fits([*(header | cards).items()], data)
 
 
 def png_bytes(lines, columns, depth, colour):
-    """A PNG from scratch; `lines` are the packed bytes of each row."""
-
-    def chunk(kind, content):
-        checksum = zlib.crc32(kind + content)
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", checksum)
-
-    head = struct.pack(">IIBBBBB", columns, len(lines), depth, colour, 0, 0, 0)
-    body = zlib.compress(b"".join(b"\0" + line for line in lines))
-    chunks = chunk(b"IHDR", head) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
-    return b"\x89PNG\r\n\x1a\n" + chunks
+    packed = zlib.compress(b"".join(b"\0" + line for line in lines))
+    return png(len(lines), columns, depth, packed, colour)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("layout", [{}, {"order": ">"}, {"big": True}, {"tile": 16}])
 def test_tiff_of_every_type_delivers_the_stored_numbers(tmp_path, kind, layout):
     truth = samples_of(kind, 20, 35)
-    (tmp_path / "a.tif").write_bytes(tiff_bytes(truth, kind, **layout))
+    (tmp_path / "a.tif").write_bytes(tiff(truth, **layout)[0])
     wanted = np.float64 if kind in ("f8", "u4", "i4") else np.float32
     read = read_band(tmp_path / "a.tif")
     assert read.dtype == wanted
@@ -158,8 +104,8 @@ def test_a_single_row_of_doubles_packed_otherwise_is_refused(tmp_path):
 
 def test_tiles_of_doubles_that_are_no_grey_or_colour_are_refused(tmp_path):
     """One bit of the directory makes 17 of 1: the library would give memory nobody wrote to."""
-    content = tiff_bytes(samples_of("f8", 20, 35), "f8", tile=16)
-    grey, damaged = struct.pack("<HHII", 262, 4, 1, 1), struct.pack("<HHII", 262, 4, 1, 17)
+    content = tiff(samples_of("f8", 20, 35), tile=16)[0]
+    grey, damaged = tiff_tag(262, 1), tiff_tag(262, 17)
     assert content.count(grey) == 1
     path = tmp_path / "a.tif"
     path.write_bytes(content.replace(grey, damaged))
@@ -170,8 +116,8 @@ def test_tiles_of_doubles_that_are_no_grey_or_colour_are_refused(tmp_path):
 @pytest.mark.parametrize("damage", [(262, 4, 129, 1), (266, 3, 1, 2)])
 def test_doubles_that_neither_reader_can_read_are_refused(tmp_path, damage):
     """A directory of which the library makes a grey picture, and gives memory nobody wrote to."""
-    content = tiff_bytes(samples_of("f8", 20, 35), "f8", tile=16)
-    grey = struct.pack("<HHII", 262, 4, 1, 1)
+    content = tiff(samples_of("f8", 20, 35), tile=16)[0]
+    grey = tiff_tag(262, 1)
     path = tmp_path / "a.tif"
     path.write_bytes(content.replace(grey, struct.pack("<HHII", *damage)))
     with pytest.raises(FileError, match=r"a\.tif: 64-bit samples in tiles or a single row cannot"):
@@ -180,12 +126,12 @@ def test_doubles_that_neither_reader_can_read_are_refused(tmp_path, damage):
 
 def test_damaged_tiles_of_doubles(tmp_path):
     path = tmp_path / "a.tif"
-    whole = tiff_bytes(samples_of("f8", 20, 35), "f8", tile=16)
+    whole = tiff(samples_of("f8", 20, 35), tile=16)[0]
     path.write_bytes(whole.replace(struct.pack("<HHII", 325, 4, 6, 0)[:8], bytes(8)))
     with pytest.raises(FileError, match=r"damaged|cannot be opened"):
         read_band(path)
-    lzw = struct.pack("<HHII", 259, 4, 1, 5)
-    path.write_bytes(whole.replace(struct.pack("<HHII", 259, 4, 1, 1), lzw))
+    lzw = tiff_tag(259, 5)
+    path.write_bytes(whole.replace(tiff_tag(259, 1), lzw))
     with pytest.raises(FileError, match="cannot be read from TIFF compression 5; allowed: none or"):
         read_band(path)
     places = np.frombuffer(whole, np.uint8).copy()
@@ -216,14 +162,10 @@ def test_packed_png_keeps_its_own_numbers(tmp_path, depth, line, truth):
 
 
 def test_packed_12_bit_tiff_keeps_its_own_numbers(tmp_path):
-    content = bytearray(tiff_bytes(np.array([[0x12, 0x3A, 0xBC]], dtype="u1"), "u1"))
+    content = tiff(np.array([[0x12, 0x3A, 0xBC]], dtype="u1"))[0]
     # Two 12-bit samples, 0x123 and 0xABC, in the three bytes of the strip.
-    content = bytes(content).replace(
-        struct.pack("<HHII", 258, 4, 1, 8), struct.pack("<HHII", 258, 4, 1, 12)
-    )
-    content = content.replace(
-        struct.pack("<HHII", 256, 4, 1, 3), struct.pack("<HHII", 256, 4, 1, 2)
-    )
+    content = content.replace(tiff_tag(258, 8), tiff_tag(258, 12))
+    content = content.replace(tiff_tag(256, 3), tiff_tag(256, 2))
     (tmp_path / "a.tif").write_bytes(content)
     assert read_band(tmp_path / "a.tif").tolist() == [[0x123, 0xABC]]
 

@@ -12,6 +12,7 @@ from PIL import Image as Pillow
 from child_process import PEAK, ROOT
 from core.errors import DataError, FileError
 from nodes.files.frames.frame_reading import open_frames
+from picture_samples import envi
 
 FRAMES = np.random.default_rng(3).integers(0, 60000, (6, 9, 13)).astype(np.uint16)
 
@@ -22,15 +23,8 @@ def pages(path, frames, **how):
     return path
 
 
-def bands(path, frames, interleave="bsq", code=12):
-    axes = {"bsq": (0, 1, 2), "bil": (1, 0, 2), "bip": (1, 2, 0)}[interleave]
-    path.write_bytes(np.ascontiguousarray(frames.transpose(axes)).tobytes())
-    count, rows, columns = frames.shape
-    path.with_name(path.name + ".hdr").write_text(
-        f"ENVI\nsamples = {columns}\nlines = {rows}\nbands = {count}\ndata type = {code}\n"
-        f"interleave = {interleave}\nbyte order = 0\ndata units = DN\n"
-    )
-    return path
+def bands(path, frames, interleave="bsq"):
+    return envi(path, frames.transpose(1, 2, 0), interleave, data_units="DN")
 
 
 def npy(path, frames):

@@ -14,6 +14,7 @@ from core.physics.optics.pupil_shapes import PupilShape, sample_pupil, support_c
 from linked_network import linked_network
 from nodes.files.lens_samples import read_listing
 from nodes.library import standard_library
+from picture_samples import fits as fits_of
 
 SIZE, RADIUS = 128, 40.0
 WAVELENGTH_UM, SIZE_CM = 10.0, 2.56
@@ -89,11 +90,8 @@ def on_support(samples):
 
 def fits(values):
     """A FITS picture of doubles, the last row first, with NaN where nothing is known."""
-    cards = {"SIMPLE": "T", "BITPIX": -64, "NAXIS": 2, "NAXIS1": SIZE, "NAXIS2": SIZE}
-    head = "".join(f"{key:<8}= {value!s:>20}".ljust(80) for key, value in cards.items())
-    head = (head + "END".ljust(80)).encode()
-    data = values[::-1].astype(">f8").tobytes()
-    return head + b" " * (-len(head) % 2880) + data + bytes(-len(data) % 2880)
+    cards = [("SIMPLE", "T"), ("BITPIX", -64), ("NAXIS", 2), ("NAXIS1", SIZE), ("NAXIS2", SIZE)]
+    return fits_of(cards, values[::-1].astype(">f8").tobytes())
 
 
 def zemax(values, wavelength="10.0000 µm", newline="\r\n"):
