@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from types import MappingProxyType
 from typing import Any
 
 from core.editing.operations import (
     ABSENT,
     Edit,
-    Move,
     Operation,
-    Remove,
     Rename,
-    Rewire,
     SetField,
     SetOutput,
     Together,
@@ -72,7 +68,7 @@ class Inside(Operation):
         if after is node.macro:
             return network
         checked_depth(1 + depth(after), self.macro)
-        return with_body(network, node, after, self.operation.moved(node.macro))
+        return _with_body(network, node, after, self.operation.moved(node.macro))
 
     def moved(self, network: Network) -> dict[str, str]:
         """The names of nodes inside."""
@@ -82,9 +78,7 @@ class Inside(Operation):
         return {head + old: head + new for old, new in names.items()}
 
 
-def with_body(
-    network: Network, node: Node, body: Network, moved: Mapping[str, str] = MappingProxyType({})
-) -> Network:
+def _with_body(network: Network, node: Node, body: Network, moved: Mapping[str, str]) -> Network:
     """The network with another inside of a macro, and without what this does not show any more.
 
     `moved` has what nodes inside are called now that had another name.
@@ -101,15 +95,13 @@ def with_body(
     gone = set(unfolded(node.macro).nodes) - set(unfolded(body).nodes) - moved.keys()
     if gone:
         extra = dropped(extra, {head + name for name in gone})
-    changed = replace(changed, extra=extra)
     links = tuple(
         link
         for link in network.links
         if (link.source != node.id or link.output in face.outputs)
         and (link.target != node.id or link.input in face.inputs)
     )
-    if len(links) < len(network.links):
-        changed = replace(changed, links=links)
+    changed = replace(changed, links=links, extra=extra)
     shown_still = {
         name: end
         for name, end in outer.parameters.items()
@@ -133,12 +125,10 @@ def at_level(path: tuple[str, ...], operation: Operation) -> Operation:
 
 
 def addressed(network: Network, operation: Operation) -> Operation:
-    """An operation that names nodes as `core.network.macro.unfolded` does, made to fit.
+    """An operation on a field or name of a node inside, called ``camera/blur``, made to fit.
 
     A parameter that a macro shows is set inside, and no longer by the macro: what was set last
     holds.
-
-    Raises `NetworkError` if nodes of several macros take part in one operation.
     """
     match operation:
         case Together():
@@ -152,43 +142,12 @@ def addressed(network: Network, operation: Operation) -> Operation:
         case Rename(old, new) if _lies_inside(network, old):
             *macros, name = path_of(network, old)
             return at_level(tuple(macros), Rename(name, new))
-        case Remove(names):
-            path, local = _common(network, names)
-            return at_level(path, replace(operation, names=local)) if path else operation
-        case Move(positions):
-            path, local = _common(network, tuple(positions))
-            places = dict(zip(local, positions.values(), strict=True))
-            return at_level(path, replace(operation, positions=places)) if path else operation
-        case Rewire():
-            return _rewired(network, operation)
     return operation
 
 
 def _lies_inside(network: Network, name: str) -> bool:
     """Whether it names a node inside of a macro; not so of nodes that are yet to come."""
     return name not in network.nodes and network.has(name)
-
-
-def _common(network: Network, names: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The macros that all these nodes lie in, and their own ids."""
-    paths = [path_of(network, name) if network.has(name) else (name,) for name in names]
-    levels = {path[:-1] for path in paths}
-    if len(levels) > 1:
-        raise NetworkError("these nodes lie in different macros")
-    return next(iter(levels), ()), tuple(path[-1] for path in paths)
-
-
-def _rewired(network: Network, operation: Rewire) -> Operation:
-    links = (*operation.add, *operation.remove)
-    ends = dict.fromkeys(end for link in links for end in (link.source, link.target))
-    path, local = _common(network, tuple(ends))
-    if not path:
-        return operation
-    names = dict(zip(ends, local, strict=True))
-    add, remove = (
-        tuple(link.renamed(names) for link in group) for group in (operation.add, operation.remove)
-    )
-    return at_level(path, replace(operation, add=add, remove=remove, label=operation.text))
 
 
 def _set_inside(

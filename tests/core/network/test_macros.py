@@ -203,66 +203,36 @@ MACRO = ("nodes", "camera", "macro")
 
 
 @pytest.mark.parametrize(
-    ("changed", "message"),
+    ("path", "value", "begins"),
     [
-        (
-            change((*MACRO, "outputs", "image"), "back.picture"),
-            "camera: its output image names back.picture, but Back Transform has no output "
-            "picture: it has image",
-        ),
-        (
-            change((*MACRO, "inputs", "image"), "innit.image"),
-            "camera: its input image names innit.image, but there is no node innit inside; did "
-            "you mean init?",
-        ),
-        (
-            change((*MACRO, "parameters", "other"), "jitter.sigma"),
-            "camera: its parameter other names jitter.sigma, but Jitter MTF has no parameter "
-            "sigma; did you mean sigma_mrad?",
-        ),
-        (
-            change((*MACRO, "parameters", "again"), "jitter.sigma_mrad"),
-            "camera: the inner parameter jitter.sigma_mrad is set by 2 parameters of the macro: "
-            "it takes one",
-        ),
-        (
-            change((*MACRO, "inputs", "again"), "init.image"),
-            "camera: the inner input init.image is fed by 2 inputs of the macro: it takes one",
-        ),
-        (
-            change((*MACRO, "inputs", "phase"), "back.phase"),
-            "camera: its input phase feeds back.phase, which has a link inside already "
-            "(init.phase → back.phase)",
-        ),
-        (
-            change(("nodes", "camera", "params"), {"blurr": 1}),
-            "camera: blurr = 1 is not allowed: Small camera shows no such parameter; did you mean "
-            "blur?",
-        ),
-        (
-            change(("links", 1, 0), "camera.picture"),
-            "camera: the macro has no output picture (the link camera.picture → save.image): it "
-            "has image",
-        ),
-        (
-            change(("nodes", "camera/back"), {"module": "back_transform"}),
-            "camera/back is the name of 2 nodes, one of them inside of a macro: give one of them "
-            "another id",
-        ),
-        (
-            change((*MACRO, "nodes", "jitter", "params"), {"sigma_mrd": 1}),
-            "camera/jitter: sigma_mrd = 1 is not allowed: Jitter MTF has no such parameter; did "
-            "you mean sigma_mrad?",
-        ),
-        (
-            change((*MACRO, "links", 0), ["init.contxt", "jitter.context"]),
-            "camera/init: Init & Trans has no output contxt (the link camera/init.contxt → "
-            "camera/jitter.context); did you mean context?",
-        ),
+        ((*MACRO, "outputs", "image"), "back.picture",
+         "camera: its output image names back.picture, but Back Transform has no output"),
+        ((*MACRO, "inputs", "image"), "innit.image",
+         "camera: its input image names innit.image, but there is no node innit inside; did you"),
+        ((*MACRO, "parameters", "other"), "jitter.sigma",
+         "camera: its parameter other names jitter.sigma, but Jitter MTF has no parameter sigma"),
+        ((*MACRO, "parameters", "again"), "jitter.sigma_mrad",
+         "camera: the inner parameter jitter.sigma_mrad is set by 2 parameters of the macro"),
+        ((*MACRO, "inputs", "again"), "init.image",
+         "camera: the inner input init.image is fed by 2 inputs of the macro: it takes one"),
+        ((*MACRO, "inputs", "phase"), "back.phase",
+         "camera: its input phase feeds back.phase, which has a link inside already"),
+        (("nodes", "camera", "params"), {"blurr": 1},
+         "camera: blurr = 1 is not allowed: Small camera shows no such parameter; did you mean"),
+        (("links", 1, 0), "camera.picture",
+         "camera: the macro has no output picture (the link camera.picture → save.image): it has"),
+        (("nodes", "camera/back"), {"module": "back_transform"},
+         "camera/back is the name of 2 nodes, one of them inside of a macro: give one of them"),
+        ((*MACRO, "nodes", "jitter", "params"), {"sigma_mrd": 1},
+         "camera/jitter: sigma_mrd = 1 is not allowed: Jitter MTF has no such parameter; did you"),
+        ((*MACRO, "links", 0), ["init.contxt", "jitter.context"],
+         "camera/init: Init & Trans has no output contxt (the link camera/init.contxt → camera/"),
     ],
-)
-def test_bad_macros_give_one_clear_line(changed, message, document):
-    assert message in faults(changed(document))
+)  # fmt: skip
+def test_bad_macros_give_one_clear_line(path, value, begins, document):
+    found = faults(change(path, value)(document))
+    assert any(line.startswith(begins) for line in found)
+    assert not any("\n" in line for line in found)
 
 
 def test_a_cycle_through_a_macro(document):
@@ -277,37 +247,23 @@ def test_a_cycle_through_a_macro(document):
 
 
 @pytest.mark.parametrize(
-    ("changed", "message"),
+    ("path", "value", "message"),
     [
         (
-            change(("nodes", "camera"), {"module": "macro"}),
-            "nodes.camera has the module macro and no field macro",
+            ("nodes", "camera"),
+            {"module": "macro"},
+            "has the module macro and no field macro",
         ),
-        (
-            change(("nodes", "scene", "macro"), {}),
-            "nodes.scene is no macro but has a field macro",
-        ),
-        (change(MACRO, []), "nodes.camera.macro must be an object, not a list"),
-        (change((*MACRO, "nodes"), 1), "nodes.camera.macro.nodes must be an object, not a whole"),
-        (
-            change((*MACRO, "outputs", "image"), 3),
-            "nodes.camera.macro.outputs.image must be a text, NODE.NAME, not 3",
-        ),
-        (
-            change((*MACRO, "parameters", "a.b"), "jitter.sigma_mrad"),
-            "nodes.camera.macro.parameters has the name 'a.b': it must not be blank, nor hold",
-        ),
-        (
-            change((*MACRO, "links", 0), ["init.context"]),
-            'nodes.camera.macro, link 1 must be two texts, ["NODE.PORT", "NODE.PORT"]',
-        ),
-        (
-            change((*MACRO, "nodes", "init"), {"params": {}}),
-            "nodes.camera.macro.nodes.init.module is missing: it must be a text",
-        ),
+        (("nodes", "scene", "macro"), {}, "nodes.scene is no macro but has a field macro"),
+        (MACRO, [], "nodes.camera.macro must be an object, not a list"),
+        ((*MACRO, "nodes"), 1, "nodes.camera.macro.nodes must be an object, not a whole"),
+        ((*MACRO, "outputs", "image"), 3, "macro.outputs.image must be a text, NODE.NAME, not 3"),
+        ((*MACRO, "parameters", "a.b"), "jitter.sigma_mrad", "parameters has the name 'a.b': it"),
+        ((*MACRO, "links", 0), ["init.context"], "nodes.camera.macro, link 1 must be two texts"),
+        ((*MACRO, "nodes", "init"), {"params": {}}, "macro.nodes.init.module is missing: it must"),
     ],
 )
-def test_what_is_no_macro_is_refused_when_read(changed, message, document):
+def test_what_is_no_macro_is_refused_when_read(path, value, message, document):
     with pytest.raises(NetworkError) as refused:
-        read(changed(document))
+        read(change(path, value)(document))
     assert message in refused.value.message
