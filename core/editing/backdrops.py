@@ -1,4 +1,4 @@
-"""Backdrops: titled grounds behind nodes that belong together, kept in the network's file.
+"""Backdrops: titled grounds behind nodes that belong together, moved in the network's file.
 
 Laying a network out keeps each round the nodes that stand on it.
 """
@@ -28,7 +28,7 @@ from core.network.network import Network, cycles
 
 FIELD = "backdrops"
 NOTE = "note"  # of the field `kind`; a program that does not know it shows a backdrop
-MARGIN, HEAD = 24.0, 30.0  # kept free round the nodes, and for the title
+MARGIN, HEAD = 24.0, 30.0  # moved free round the nodes, and for the title
 
 
 @dataclass(frozen=True)
@@ -87,10 +87,7 @@ def remove(network: Network, index: int) -> Operation:
 def around(
     network: Network, names: Iterable[str], sizes: Sizes, title: str = "Backdrop"
 ) -> Operation:
-    """Put a backdrop behind nodes.
-
-    Raises `NetworkError` if none of them has a point.
-    """
+    """Put a backdrop behind nodes; a `NetworkError` if none of them has a point."""
     boxes = _boxes(network, names, sizes).values()
     if not boxes:
         raise NetworkError("there are no nodes to put a backdrop behind")
@@ -132,7 +129,7 @@ def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Op
         if not any(ways.values()):
             continue
         if len(set(ways.values())) == 1:
-            kept = replace(ground, x=ground.x + ways[names[0]])
+            moved = replace(ground, x=ground.x + ways[names[0]])
         else:
             boxes = _boxes(network, names, sizes)
             rights = {name: box[2] for name, box in boxes.items()}
@@ -142,9 +139,9 @@ def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Op
             margin = min(MARGIN, ground.x + ground.width - max(rights.values()))
             right = max(rights[name] + way for name, way in ways.items()) + margin
             right = max(right, ground.x + ground.width)
-            kept = replace(ground, x=x, width=right - x)
-        if kept != ground:
-            entries[place] = _entry(entries[place], kept)
+            moved = replace(ground, x=x, width=right - x)
+        if moved != ground:
+            entries[place] = _entry(entries[place], moved)
             changed = True
     return set_network_field(FIELD, entries, "Move backdrops") if changed else None
 

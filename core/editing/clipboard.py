@@ -276,10 +276,7 @@ def copied_values(node: Node, declared: Declaration | None) -> str:
 
 
 def read_values(text: str) -> CopiedValues:
-    """What `copied_values` gave.
-
-    Raises `NetworkError` if the text holds no values, in one line.
-    """
+    """What `copied_values` gave; a `NetworkError` if the text holds no values, in one line."""
     strange = "holds no values of a node"
     document = _read_format(text, (VALUES_FORMAT,), strange)
     values, units = document.get("values"), document.get("units", {})

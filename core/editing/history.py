@@ -117,10 +117,7 @@ class History:
         self._gesture = None
 
     def go_to(self, position: int) -> None:
-        """Stand where so many steps are done.
-
-        Raises `NetworkError` if there are not so many.
-        """
+        """Stand where so many steps are done; a `NetworkError` if there are not so many."""
         if not 0 <= position <= self.last:
             raise NetworkError(
                 f"the history has no position {position}: it goes from 0 to {self.last}"

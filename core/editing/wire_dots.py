@@ -43,10 +43,7 @@ def add_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
 
 
 def move_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
-    """Put a dot elsewhere.
-
-    Raises `NetworkError` if there is no such dot, or the point is none.
-    """
+    """Put a dot elsewhere; a `NetworkError` if there is no such dot, or the point is none."""
     points = list(_points(network, link))
     points[_checked(points, link, index)] = at
     return _with_points(network, link, points, f"Move the dot of {link}")

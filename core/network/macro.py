@@ -280,10 +280,7 @@ def text(end: End) -> str:
 
 
 def end_of(entry: str) -> End:
-    """``NODE.NAME`` split at its last dot.
-
-    Raises `NetworkError` if it is not of that form.
-    """
+    """``NODE.NAME`` split at its last dot; a `NetworkError` if it is not of that form."""
     node, _, name = entry.rpartition(".")
     if not node or not name:
         raise NetworkError(f"{entry!r:.80} is not of the form NODE.NAME")

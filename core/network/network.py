@@ -216,10 +216,7 @@ class Network(_Frozen):
         return (inner, parameter) if inner else (node, name)
 
     def node(self, name: str) -> Node:
-        """The node of that id.
-
-        Raises `NetworkError` if there is none.
-        """
+        """The node of that id; a `NetworkError` if there is none."""
         if name not in self.nodes:
             hint = close(name, self.nodes)
             raise NetworkError(f"{shown(name)} is no node of this network{hint}")
