@@ -48,16 +48,8 @@ class Content:
 
     def clear(self) -> None:
         """Take everything out."""
-        for wire in list(self.wires.values()):
-            self._remove_wire(wire)
-        for name in list(self.nodes):
-            self._remove_node(name)
-        self._follow_backdrops(())
-        self._extra = None
-        self._links = ()
-        self._dots = {}
-        self._points = {}
         self._badges = {}
+        self.follow(Network())
 
     def follow(self, network: Network) -> None:
         """Show this network."""
