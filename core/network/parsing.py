@@ -6,6 +6,7 @@ import difflib
 import json
 import math
 import re
+from collections.abc import Callable
 from typing import Any
 
 from core.errors import ImagechainError, NetworkError
@@ -60,11 +61,12 @@ def _version(document: dict[str, Any]) -> int:
 
 
 def _network(document: dict[str, Any]) -> Network:
+    graph = _graph(document, "", 0)
     return Network(
         name=_field(document, "name", str, "", ""),
         description=_field(document, "description", str, "", ""),
         seed=_field(document, "seed", int, "", 0),
-        **_graph(document, "", 0),
+        **graph(),
         extra=_others(document, NETWORK_FIELDS),
     )
 
@@ -80,15 +82,16 @@ def _macro(value: Any, where: str, level: int) -> Network:
     interface_of(extra, where)
     name = _field(value, "title", str, where, "")
     description = _field(value, "description", str, where, "")
-    return Network(name, description, **graph, extra=extra)
+    return Network(name, description, **graph(), extra=extra)
 
 
-def _graph(value: dict[str, Any], where: str, level: int) -> dict[str, Any]:
+def _graph(value: dict[str, Any], where: str, level: int) -> Callable[[], dict[str, Any]]:
+    """What reads nodes, links and layout, once all fields around them are as they must be."""
     nodes = _field(value, "nodes", dict, where)
     links = _field(value, "links", list, where, [])
     layout = _field(value, "layout", dict, where, {})
     head, link_head = (f"{where}.", f"{where}, ") if where else ("", "")
-    return {
+    return lambda: {
         "nodes": {
             name: _node(name, node, f"{head}nodes.{name}", level) for name, node in nodes.items()
         },

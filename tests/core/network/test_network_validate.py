@@ -123,7 +123,11 @@ FAULTS = [
         ),
         "jitter: the input magnitude needs a link that brings magnitude",
     ),
-    (DISABLED_SOURCE, "scene: the link scene.image → init.image brings nothing: Scene is disabled"),
+    (
+        DISABLED_SOURCE,
+        "scene: the link scene.image → init.image brings nothing: Scene is disabled and passes "
+        "nothing on, it makes no image",
+    ),
     (SECOND_OUTPUT, "add noise: the link add noise.noise → look.picture brings nothing: Noise is"),
     (TO_NOWHERE, "scene: the link scene.image → gone.image names gone, which is no node of this"),
     (_set("links", 0, 0, "scen.image"), "init: the link scen.image → init.image names scen, which"),
