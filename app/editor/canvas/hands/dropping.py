@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from PySide6.QtCore import QMimeData, QPointF
 from PySide6.QtGui import QDropEvent
 
@@ -13,7 +15,7 @@ from app.editor.library_view import dragged_module
 from app.run.preset_files import KEY
 from core.editing.operations import Operation, Together
 from core.editing.wiring import inserted, new_node
-from core.network.network import Link
+from core.network.network import Link, Network
 
 
 class Dropping:
@@ -75,19 +77,16 @@ def _files(data: QMimeData) -> list[str]:
 _REACH_PX = 12.0
 
 
-def insertion_at(surface: Surface, name: str, point: QPointF) -> tuple[WireItem, Operation] | None:
+Insertion = tuple[WireItem, Operation]
+
+
+def insertion_at(surface: Surface, name: str, point: QPointF) -> Insertion | None:
     """The wire under the pointer, or else under the node's middle, and what leads it through.
 
     None where there is no wire that the node fits into.
     """
-    session = surface.session
-    item = surface.content.nodes[name]
-    for place in (point, item.frame().center()):
-        for wire in wires_near(surface.content, place, _reach(surface)):
-            operation = inserted(session.network, session.library, wire.link, name)
-            if operation is not None:
-                return wire, operation
-    return None
+    middle = surface.content.nodes[name].frame().center()
+    return _insertion(surface, surface.session.network, name, (point, middle))
 
 
 def added_at(surface: Surface, module: str, point: QPointF) -> tuple[str, Operation]:
@@ -95,10 +94,9 @@ def added_at(surface: Surface, module: str, point: QPointF) -> tuple[str, Operat
 
     Its neighbours there make way for it; elsewhere it stands on free ground.
     """
-    session = surface.session
-    at = whole(point)
+    session, at = surface.session, whole(point)
     name, adding = new_node(session.network, session.library, module, at)
-    insertion = _new_insertion(surface, name, adding, point)
+    insertion = _insertion(surface, adding.apply(session.network), name, (point,))
     if insertion is None:
         free = free_place(surface, module, at)
         return new_node(session.network, session.library, module, free)
@@ -110,23 +108,16 @@ def wire_for_new(surface: Surface, module: str, point: QPointF) -> WireItem | No
     """The wire at the point that a new node of a module would be put into."""
     session = surface.session
     name, adding = new_node(session.network, session.library, module, None)
-    insertion = _new_insertion(surface, name, adding, point)
+    insertion = _insertion(surface, adding.apply(session.network), name, (point,))
     return insertion[0] if insertion else None
 
 
-def _new_insertion(
-    surface: Surface, name: str, adding: Operation, point: QPointF
-) -> tuple[WireItem, Operation] | None:
-    wires = wires_near(surface.content, point, _reach(surface))
-    if not wires:
-        return None
-    grown = adding.apply(surface.session.network)
-    for wire in wires:
-        operation = inserted(grown, surface.session.library, wire.link, name)
-        if operation is not None:
-            return wire, operation
+def _insertion(
+    surface: Surface, network: Network, name: str, places: Iterable[QPointF]
+) -> Insertion | None:
+    for place in places:
+        for wire in wires_near(surface.content, place, _REACH_PX / surface.view.zoom):
+            operation = inserted(network, surface.session.library, wire.link, name)
+            if operation is not None:
+                return wire, operation
     return None
-
-
-def _reach(surface: Surface) -> float:
-    return _REACH_PX / surface.view.zoom
