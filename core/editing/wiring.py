@@ -459,7 +459,7 @@ def dissolved(
     A wire that leaves them begins, afterwards, where the input came from that its output passes
     on, as it would with the nodes disabled. A wire whose output passes nothing on goes with them.
     """
-    return _led_past(names, _ways(network, library, names, only_one=False), verb)
+    return _taken_out(network, library, names, verb, only_one=False)
 
 
 def deleted(network: Network, library: Library, names: Collection[str]) -> Operation:
@@ -468,19 +468,12 @@ def deleted(network: Network, library: Library, names: Collection[str]) -> Opera
     There is none through a node that is fed several wires of the type, as one that adds two
     pictures: which of them was to go on is the user's to say.
     """
-    return _led_past(names, _ways(network, library, names, only_one=True))
+    return _taken_out(network, library, names, "Delete", only_one=True)
 
 
-def _led_past(names: Collection[str], new: tuple[Link, ...], verb: str = "Delete") -> Operation:
-    text = f"{verb} {named([shown(name) for name in names])}"
-    removal = Remove(tuple(names), text)
-    return Together((removal, Rewire(add=new)), text) if new else removal
-
-
-def _ways(
-    network: Network, library: Library, names: Collection[str], *, only_one: bool
-) -> tuple[Link, ...]:
-    """The links that take the place of those leaving the nodes."""
+def _taken_out(
+    network: Network, library: Library, names: Collection[str], verb: str, *, only_one: bool
+) -> Operation:
     gone = set(names)
     new = []
     for link in network.links:
@@ -489,7 +482,9 @@ def _ways(
             past = Link(*start, link.target, link.input) if start is not None else None
             if past and past.source != past.target and misfit(network, library, past) is None:
                 new.append(past)
-    return tuple(new)
+    text = f"{verb} {named([shown(name) for name in names])}"
+    removal = Remove(tuple(names), text)
+    return Together((removal, Rewire(add=tuple(new))), text) if new else removal
 
 
 def _origin(
