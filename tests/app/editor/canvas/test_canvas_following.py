@@ -2,6 +2,8 @@
 
 import pytest
 
+from app.editor.canvas.items.node_item import NodeItem
+from app.editor.canvas.items.wire_item import WireItem
 from app.editor.evaluation.queries import Badge
 from app.editor.theme import LIGHT
 from core.editing.document import Document
@@ -30,14 +32,8 @@ def shown(canvas):
 
 def drawn_items(canvas):
     """Nodes and wires in the scene, whatever the canvas's lists say."""
-    from app.editor.canvas.items.node_item import NodeItem
-    from app.editor.canvas.items.wire_item import WireItem
-
     items = canvas.view.scene().items()
-    return (
-        sum(isinstance(item, NodeItem) for item in items),
-        sum(isinstance(item, WireItem) for item in items),
-    )
+    return tuple(sum(isinstance(item, kind) for item in items) for kind in (NodeItem, WireItem))
 
 
 def test_a_network_is_shown_as_its_file_says(opened, canvas):

@@ -11,15 +11,9 @@ PLAIN, CTRL = Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ControlModifie
 
 @pytest.fixture
 def touchpad():
-    return QPointingDevice(
-        "touchpad",
-        7,
-        QInputDevice.DeviceType.TouchPad,
-        QPointingDevice.PointerType.Finger,
-        QInputDevice.Capability.Scroll | QInputDevice.Capability.Position,
-        5,
-        3,
-    )
+    can = QInputDevice.Capability.Scroll | QInputDevice.Capability.Position
+    fingers = QPointingDevice.PointerType.Finger
+    return QPointingDevice("touchpad", 7, QInputDevice.DeviceType.TouchPad, fingers, can, 5, 3)
 
 
 def scroll(canvas, pixels, angle, *, keys=PLAIN, phase=Qt.ScrollPhase.ScrollUpdate, device=None):
@@ -62,16 +56,8 @@ def test_pinching_zooms_about_the_fingers(opened, canvas, touchpad, value, large
     view = canvas.view
     at = QPointF(250, 180)
     fixed, zoom = view.scene_point(at), view.zoom
-    event = QNativeGestureEvent(
-        Qt.NativeGestureType.ZoomNativeGesture,
-        touchpad,
-        2,
-        at,
-        at,
-        QPointF(view.viewport().mapToGlobal(at.toPoint())),
-        value,
-        QPointF(),
-    )
+    pinch, on_screen = Qt.NativeGestureType.ZoomNativeGesture, view.viewport().mapToGlobal(at)
+    event = QNativeGestureEvent(pinch, touchpad, 2, at, at, on_screen, value, QPointF())
     QApplication.sendEvent(view.viewport(), event)
     assert view.zoom == pytest.approx(zoom * (1 + value))
     assert (view.zoom > zoom) == larger

@@ -125,19 +125,14 @@ def test_menus_pop_up_for_what_is_under_the_pointer(opened, canvas, hand):
     assert canvas.menus.node_menu.actions()[-1].text() == "Co&lour"
     assert session.selection == ("blur",)
     canvas.menus.node_menu.close()
+    session.select(["scene", "blur"])  # which the menu of one of them keeps
+    hand.ask_for_menu(hand.head("blur"))
+    assert session.selection == ("scene", "blur")
+    canvas.menus.node_menu.close()
     hand.ask_for_menu(hand.at(100, 250))
     assert canvas.menus.canvas_menu.isVisible()
     assert canvas.menus.canvas_menu.actions() == [paste]
     canvas.menus.canvas_menu.close()
-
-
-def test_the_menu_of_a_selected_node_keeps_the_selection(opened, canvas, hand):
-    session = opened("first_steps")
-    canvas.set_menus([QAction("Rename", canvas)], [])
-    session.select(["scene", "blur"])
-    hand.ask_for_menu(hand.head("blur"))
-    assert session.selection == ("scene", "blur")
-    canvas.menus.node_menu.close()
 
 
 def test_a_wire_is_disconnected_from_its_menu(opened, canvas, hand):
