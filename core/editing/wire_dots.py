@@ -61,9 +61,7 @@ def remove_dot(network: Network, link: Link, index: int) -> Operation:
 
 def straighten(network: Network, links: Iterable[Link], label: str = "") -> Operation:
     """Take all dots of these wires away."""
-    gone = set(links)
-    entries = [entry for entry in _entries(network) if dots_entry_link(entry) not in gone]
-    return set_network_field(WIRE_DOTS, entries or ABSENT, label or "Straighten the wire")
+    return with_dots(network, dict.fromkeys(links, ()), label or "Straighten the wire")
 
 
 def with_dots(network: Network, dots: Dots, label: str) -> Operation:

@@ -80,10 +80,10 @@ class GraphView(NodeViewer):
     """
 
     looked_elsewhere = Signal()
+    handler: Handler
 
     def __init__(self, style: CanvasStyle, parent: QWidget | None = None) -> None:
         self.style_of_canvas = style
-        self.handler: Handler | None = None
         self._centre = QPointF()
         self._zoom = style.natural_zoom
         self._framed: QRectF | None = None  # what a resize is to frame again
@@ -272,12 +272,11 @@ class GraphView(NodeViewer):
 
     def event(self, event: QEvent) -> bool:
         """Claim the keys that a gesture needs before they become shortcuts; end it by a dialog."""
-        if event.type() == QEvent.Type.WindowBlocked and self.handler is not None:
+        if event.type() == QEvent.Type.WindowBlocked:
             self.handler.interrupted()
         if (
             event.type() == QEvent.Type.ShortcutOverride
             and isinstance(event, QKeyEvent)
-            and self.handler is not None
             and self.handler.wants_key(event)
         ):
             event.accept()
@@ -295,29 +294,24 @@ class GraphView(NodeViewer):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Pass it to the handler."""
-        if self.handler is not None:
-            self.handler.press(event)
+        self.handler.press(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Pass it to the handler."""
-        if self.handler is not None:
-            self.handler.move(event)
+        self.handler.move(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Pass it to the handler."""
-        if self.handler is not None:
-            self.handler.release(event)
+        self.handler.release(event)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Pass it to the handler."""
-        if self.handler is not None:
-            self.handler.double_click(event)
+        self.handler.double_click(event)
 
     def leaveEvent(self, event: QEvent) -> None:
         """Pass it to the handler."""
         QGraphicsView.leaveEvent(self, event)
-        if self.handler is not None:
-            self.handler.leave()
+        self.handler.leave()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom at the pointer; two fingers on a touchpad pan, and zoom with Ctrl."""
@@ -331,18 +325,16 @@ class GraphView(NodeViewer):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Pass it to the handler; what that does not use goes on to the parents."""
-        if self.handler is None or not self.handler.key(event):
+        if not self.handler.key(event):
             event.ignore()
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
         """Pass it to the handler."""
-        if self.handler is not None:
-            self.handler.key_released(event)
+        self.handler.key_released(event)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """Pass it to the handler."""
-        if self.handler is not None:
-            self.handler.menu(event)
+        self.handler.menu(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         """Take what the handler takes."""
@@ -350,20 +342,19 @@ class GraphView(NodeViewer):
 
     def dragMoveEvent(self, event: QDragMoveEvent) -> None:
         """Take what the handler takes."""
-        if self.handler is not None and self.handler.drag_over(event):
+        if self.handler.drag_over(event):
             accept_copy(event)
         else:
             event.ignore()
 
     def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
         """Pass it to the handler."""
-        if self.handler is not None:
-            self.handler.drag_left()
+        self.handler.drag_left()
         event.accept()
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Give it to the handler."""
-        if self.handler is not None and self.handler.drop(event):
+        if self.handler.drop(event):
             accept_copy(event)
         else:
             event.ignore()
