@@ -368,6 +368,33 @@ class ElidedLabel(QLabel):
             self.updateGeometry()
 
 
+def plain_label(
+    name: str,
+    parent: QWidget,
+    text: str = "",
+    *,
+    role: QPalette.ColorRole = QPalette.ColorRole.WindowText,
+    bold: bool = False,
+) -> QLabel:
+    """A text that is no markup and is broken into lines, in a colour of the palette."""
+    label = QLabel(text, parent)
+    label.setObjectName(name)
+    label.setTextFormat(Qt.TextFormat.PlainText)
+    label.setWordWrap(True)
+    label.setForegroundRole(role)
+    if bold:
+        font = label.font()
+        font.setBold(True)
+        label.setFont(font)
+    return label
+
+
+def show_or_hide(label: QLabel, text: str) -> None:
+    """Show a text; nothing where there is none."""
+    label.setText(text)
+    label.setVisible(bool(text))
+
+
 def centred_hint(text: str, parent: QWidget) -> QLabel:
     """What to do, in the middle of where nothing is shown yet."""
     label = QLabel(text, parent)

@@ -22,7 +22,7 @@ from app.editor.evaluation.queries import Badge
 from app.editor.gestures import without_argument
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.theme import ERROR, FAINT, set_ground, set_ink, theme_of
-from app.editor.widgets import FlowLayout, toggle_button, tool_button
+from app.editor.widgets import FlowLayout, plain_label, show_or_hide, toggle_button, tool_button
 from core.network.network import Node
 
 
@@ -39,14 +39,8 @@ class TitleBar(QWidget):
         self.fold.setArrowType(Qt.ArrowType.DownArrow)
         self.fold.setToolTip(tip("Hide or show what is below"))
         self.fold.toggled.connect(self._fold)
-        self.title = QLabel(title, self)
-        self.title.setObjectName("title")
-        self.title.setTextFormat(Qt.TextFormat.PlainText)
-        self.title.setWordWrap(True)
+        self.title = plain_label("title", self, title, bold=True)
         self.title.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
-        font = self.title.font()
-        font.setBold(True)
-        self.title.setFont(font)
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(4, 3, 4, 3)
         self._row.setSpacing(2)
@@ -105,12 +99,8 @@ class PanelHead(QWidget):
         self.close_button = self.bar.add_button("close", "×", "Close this panel")
         self.help.setVisible(bool(text))
         self.help.toggled.connect(self._show_help)
-        self.text = QLabel(flowing(text), self)
-        self.text.setObjectName("module_text")
-        self.text.setTextFormat(Qt.TextFormat.PlainText)
-        self.text.setWordWrap(True)
+        self.text = plain_label("module_text", self, flowing(text), role=FAINT)
         self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.text.setForegroundRole(FAINT)
         self.text.hide()
         self.more = QLabel('<a href="handbook">More in the handbook</a>', self)
         self.more.setObjectName("module_more")
@@ -120,10 +110,7 @@ class PanelHead(QWidget):
             | Qt.TextInteractionFlag.LinksAccessibleByKeyboard
         )
         self.more.hide()
-        self.problem = QLabel(self)
-        self.problem.setObjectName("problem")
-        self.problem.setTextFormat(Qt.TextFormat.PlainText)
-        self.problem.setWordWrap(True)
+        self.problem = plain_label("problem", self)
         self.problem.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.problem.hide()
         self.below = QWidget(self)
@@ -136,11 +123,7 @@ class PanelHead(QWidget):
         self.name.setObjectName("node_name")
         self.name.setAccessibleName("name of the node")
         self.name.setToolTip(tip("Name of the node in this network"))
-        self.name_problem = QLabel(self.below)
-        self.name_problem.setObjectName("name_problem")
-        self.name_problem.setTextFormat(Qt.TextFormat.PlainText)
-        self.name_problem.setWordWrap(True)
-        self.name_problem.setForegroundRole(ERROR)
+        self.name_problem = plain_label("name_problem", self.below, role=ERROR)
         self.name_problem.hide()
         label = QLabel("Name", self.below)
         label.setBuddy(self.name)
@@ -187,8 +170,7 @@ class PanelHead(QWidget):
 
     def show_name_error(self, text: str) -> None:
         """Show why a name was refused; nothing if it was not."""
-        self.name_problem.setText(text)
-        self.name_problem.setVisible(bool(text))
+        show_or_hide(self.name_problem, text)
         if text:
             self.name.mark()
 
@@ -197,8 +179,7 @@ class PanelHead(QWidget):
         if badge is not None and badge.kind == "running":
             return
         self._badge = badge
-        self.problem.setText(breakable(badge.text) if badge is not None else "")
-        self.problem.setVisible(badge is not None)
+        show_or_hide(self.problem, breakable(badge.text) if badge is not None else "")
         self._colour()
 
     def changeEvent(self, event: QEvent) -> None:

@@ -30,6 +30,7 @@ from app.editor.panels.sections_view import SectionsView
 from app.editor.session import Session
 from app.editor.theme import CHANGED, FAINT, theme_of
 from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
+from app.editor.widgets import plain_label, tool_button
 from core.editing.macros import expose, exposed_as, hide, rename_exposed
 from core.editing.operations import ABSENT, Operation, set_parameter
 from core.errors import ImagechainError
@@ -104,10 +105,6 @@ class ModuleBody(QWidget):
         self._valued = valued
         if before is None or before.links != after.links:
             self.ports.follow(after)
-
-    def set_held_back(self, on: bool) -> None:
-        """Whether the node stays as it was until all is generated."""
-        self.readouts.set_held_back(on)
 
     def _titled(self, title: QLabel, widget: QWidget) -> None:
         line = QFrame(self)
@@ -306,17 +303,12 @@ class _PortRow(QObject):
         self._side = side
         self._source = (node, port.name) if side == "output" else None
         self.mark = _Dot(port.types[0], parent)
-        self.label = QLabel(parent)
-        self.label.setWordWrap(True)
-        self.label.setTextFormat(Qt.TextFormat.PlainText)
+        self.label = plain_label("", parent)
         kinds = " or ".join(port.types)
         need = "" if port.required else ", may be left unconnected"
         self.label.setToolTip(tip(f"{side} {port.name}: {kinds}{need}"))
-        self.button = QToolButton(parent)
-        self.button.setObjectName(f"view.{side}.{port.name}")
-        self.button.setText("View")
-        self.button.setAccessibleName(f"view {side} {port.name}")
-        self.button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        about = f"view {side} {port.name}"
+        self.button = tool_button(f"view.{side}.{port.name}", "View", about, parent)
         if set(port.types) <= set(PLOT_TYPES):
             self.button.setToolTip(tip("Show it in Curves"))
         else:
@@ -383,14 +375,13 @@ class UnknownBody(QWidget):
         super().__init__(parent)
         self.setObjectName("body")
         self._node = node
-        self.note = QLabel(
+        self.note = plain_label(
+            "unknown_module",
+            self,
             f"There is no module {shown(module)} in this library{why and f': {why}'}. The node is "
             "kept as it is, with these parameters, and is saved again; it computes nothing.",
-            self,
+            role=CHANGED,
         )
-        self.note.setObjectName("unknown_module")
-        self.note.setTextFormat(Qt.TextFormat.PlainText)
-        self.note.setWordWrap(True)
         self._grid = QGridLayout()
         self._grid.setColumnStretch(1, 1)
         self._labels: list[QLabel] = []
@@ -398,7 +389,6 @@ class UnknownBody(QWidget):
         column.setContentsMargins(8, 4, 8, 8)
         column.addWidget(self.note)
         column.addLayout(self._grid)
-        self.note.setForegroundRole(CHANGED)
 
     def follow(self, before: Network | None, after: Network) -> None:
         """Show the parameters, where they were changed."""
@@ -412,9 +402,7 @@ class UnknownBody(QWidget):
         for row, (name, value) in enumerate(sorted(node.params.items())):
             text = value if isinstance(value, str) else json.dumps(thaw(value), ensure_ascii=False)
             for column, words in enumerate((name, text)):
-                label = QLabel(words, self)
-                label.setTextFormat(Qt.TextFormat.PlainText)
-                label.setWordWrap(True)
+                label = plain_label("", self, words)
                 self._grid.addWidget(label, row, column)
                 self._labels.append(label)
             label.setObjectName(f"raw.{name}")

@@ -11,6 +11,7 @@ from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.head import TitleBar
 from app.editor.session import Session
 from app.editor.theme import ERROR, FAINT, RAISED
+from app.editor.widgets import plain_label, show_or_hide
 from core.editing.operations import set_network_field
 from core.errors import ParameterError
 from core.network.network import SEEDS, Network, check_seed
@@ -53,18 +54,11 @@ class NetworkPanel(QFrame):
         self.seed.setAccessibleDescription(about)
         self.seed.committed.connect(self._set_seed)
         self.seed.given_up.connect(self._restore)
-        self.seed_problem = QLabel(self.below)
-        self.seed_problem.setObjectName("seed_problem")
-        self.seed_problem.setTextFormat(Qt.TextFormat.PlainText)
-        self.seed_problem.setWordWrap(True)
-        self.seed_problem.setForegroundRole(ERROR)
+        self.seed_problem = plain_label("seed_problem", self.below, role=ERROR)
         self.seed_problem.hide()
-        self.count = QLabel(self.below)
-        self.count.setObjectName("network_count")
-        self.count.setWordWrap(True)
-        hint = QLabel("Select a node to see its control panel here.", self.below)
-        hint.setWordWrap(True)
-        hint.setForegroundRole(FAINT)
+        self.count = plain_label("network_count", self.below)
+        text = "Select a node to see its control panel here."
+        hint = plain_label("network_hint", self.below, text, role=FAINT)
         form = QFormLayout()
         form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
         form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
@@ -110,8 +104,7 @@ class NetworkPanel(QFrame):
         self._show_problem("")
 
     def _show_problem(self, text: str) -> None:
-        self.seed_problem.setText(text)
-        self.seed_problem.setVisible(bool(text))
+        show_or_hide(self.seed_problem, text)
 
     def _set_name(self, text: str) -> None:
         self._session.do(set_network_field("name", text))

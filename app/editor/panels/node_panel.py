@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
-from app.editor.panels.fields.type_in import TypeIn
+from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.panels.head import PanelHead
 from app.editor.panels.module_body import ModuleBody, UnknownBody, line_in_menu
 from app.editor.panels.values_clipboard import copy_values, paste_values
@@ -142,7 +142,7 @@ class NodePanel(QFrame):
         """Show what is wrong with the node, or special about it."""
         self.head.set_badge(badge)
         if isinstance(self.body, ModuleBody) and (badge is None or badge.kind != "running"):
-            self.body.set_held_back(badge is not None and badge.kind == "stale")
+            self.body.readouts.set_held_back(badge is not None and badge.kind == "stale")
 
     def edit_name(self) -> None:
         """Open the node's name for editing."""
@@ -157,9 +157,7 @@ class NodePanel(QFrame):
 
     def discard_typing(self) -> None:
         """Forget what was typed and not taken yet."""
-        for edit in self.findChildren(TypeIn):
-            if edit.unsettled:
-                edit.give_up()
+        discard_typing(self)
 
     def _held(self, _parameter: str, on: bool) -> None:
         self.held.emit(self.node, on)

@@ -18,7 +18,7 @@ from app.editor.number_text import shown_figure
 from app.editor.session import Session
 from app.editor.theme import FAINT, TEXT, set_ink
 from app.editor.viewers.viewer import Viewer
-from app.editor.widgets import steady_width
+from app.editor.widgets import plain_label, steady_width
 from core.chain.engine import Plan
 from core.modules.declaration import Declaration
 
@@ -144,13 +144,11 @@ class ReadoutsView(Viewer):
         grid.setVerticalSpacing(3)
         grid.setColumnStretch(0, 1)
         for row, readout in enumerate(declaration.readouts):
-            name = QLabel(label_of(readout.name), self)
-            name.setWordWrap(True)
+            name = plain_label("", self, label_of(readout.name), role=FAINT)
             value = ReadoutValue(self)
             value.setObjectName(f"readout.{readout.name}")
-            unit = QLabel(readout.unit, self)
-            for label in (name, unit):
-                label.setTextFormat(Qt.TextFormat.PlainText)
+            unit = plain_label("", self, readout.unit, role=FAINT)
+            unit.setWordWrap(False)
             self._meanings[readout.name] = readout.meaning
             for column, widget in enumerate((name, value, unit)):
                 widget.setToolTip(tip(readout.meaning))
@@ -158,8 +156,6 @@ class ReadoutsView(Viewer):
             self.values[readout.name] = value
             self.units[readout.name] = unit
             value.setAccessibleName(_spoken(readout.name, readout.unit))
-            name.setForegroundRole(FAINT)
-            unit.setForegroundRole(FAINT)
         self.title = QLabel(TITLE, self)
         self.title.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         if evaluator is not None:

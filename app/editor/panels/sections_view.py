@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.editor.panels.fields.choice import (
     MOST_BUTTONS,
@@ -21,7 +21,7 @@ from app.editor.panels.fields.number import NumberField
 from app.editor.panels.fields.path import PathField
 from app.editor.session import Session
 from app.editor.theme import FAINT
-from app.editor.widgets import PageTabs
+from app.editor.widgets import PageTabs, plain_label
 from core.editing.operations import ABSENT
 from core.modules.declaration import Declaration
 from core.modules.panel_sections import Section
@@ -103,13 +103,8 @@ class SectionsView(QWidget):
         inside.setContentsMargins(0, 0, 0, 0)
         inside.setSpacing(2)
         if section.title:
-            title = QLabel(section.title, box)
-            font = title.font()
-            font.setBold(True)
-            title.setFont(font)
-            title.setWordWrap(True)
+            title = plain_label("", box, section.title, role=FAINT, bold=True)
             title.setContentsMargins(0, 6, 0, 0)
-            title.setForegroundRole(FAINT)
             inside.addWidget(title)
         for name in section.parameters:
             parameter = self._declaration.parameter(name)

@@ -14,8 +14,9 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSizePolicy, QVBoxLayo
 from app.editor.declared_text import about, choice_text, label_of, shown_value, tip
 from app.editor.gestures import AfterRelease, without_argument
 from app.editor.number_text import shown_number
-from app.editor.panels.fields.type_in import TypeIn
+from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
+from app.editor.widgets import plain_label, show_or_hide
 from core.editing.clipboard import VALUES_FORMAT, read_values
 from core.editing.operations import ABSENT
 from core.errors import ImagechainError, ParameterError
@@ -68,15 +69,9 @@ class Field(QWidget):
         self.label.setObjectName(f"label.{parameter.name}")
         self.label.setTextFormat(Qt.TextFormat.PlainText)
         self.label.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
-        self.unit = QLabel(parameter.param.unit, self)
-        self.unit.setObjectName(f"unit.{parameter.name}")
-        self.unit.setTextFormat(Qt.TextFormat.PlainText)
-        self.unit.setForegroundRole(FAINT)
-        self.message = QLabel(self)
-        self.message.setForegroundRole(ERROR)
-        self.message.setObjectName(f"message.{parameter.name}")
-        self.message.setWordWrap(True)
-        self.message.setTextFormat(Qt.TextFormat.PlainText)
+        self.unit = plain_label(f"unit.{parameter.name}", self, parameter.param.unit, role=FAINT)
+        self.unit.setWordWrap(False)
+        self.message = plain_label(f"message.{parameter.name}", self, role=ERROR)
         self.message.hide()
         self.row = QHBoxLayout()
         self.row.setSpacing(6)
@@ -199,9 +194,7 @@ class Field(QWidget):
 
     def discard_typing(self) -> None:
         """Forget what was typed and not taken yet."""
-        for edit in self.findChildren(TypeIn):
-            if edit.unsettled:
-                edit.give_up()
+        discard_typing(self)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """By the right button, or the menu key."""
@@ -274,8 +267,7 @@ class Field(QWidget):
             self._put_problem(text)
 
     def _put_problem(self, text: str) -> None:
-        self.message.setText(text)
-        self.message.setVisible(bool(text))
+        show_or_hide(self.message, text)
 
 
 class TypedField(Field):
@@ -284,9 +276,9 @@ class TypedField(Field):
     edit: TypeIn
     line: type[TypeIn] = TypeIn
 
-    def build_edit(self, *, characters: int = 8, steps: bool = False) -> TypeIn:
+    def build_edit(self, *, steps: bool = False) -> TypeIn:
         """Make the line."""
-        self.edit = self.line(self, characters=characters, steps=steps)
+        self.edit = self.line(self, steps=steps)
         self.named(self.edit)
         self.edit.committed.connect(self.take)
         self.edit.given_up.connect(self.restore)

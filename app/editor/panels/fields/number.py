@@ -10,7 +10,7 @@ from typing import Any
 
 from PySide6.QtCore import QEvent, QSignalBlocker, Qt, QTimer, Signal
 from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSlider, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QMenu, QSlider, QWidget
 
 from app.editor.declared_text import about, placeholder_of, shown_value, tip
 from app.editor.number_text import shown_number
@@ -18,7 +18,7 @@ from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.type_in import WHEEL_REST_MS
 from app.editor.theme import CHANGED
 from app.editor.typed_number import typed_number
-from app.editor.widgets import takes_wheel
+from app.editor.widgets import plain_label, takes_wheel
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
 from core.network.linked_values import expression
@@ -52,10 +52,8 @@ class NumberField(TypedField):
         self.slider.stepped.connect(self._step)
         self.slider.finished.connect(self._end)
         self.slider.sliderPressed.connect(self._hold)
-        self.linked_value = QLabel(self)
-        self.linked_value.setObjectName(f"linked_value.{self.parameter.name}")
-        self.linked_value.setTextFormat(Qt.TextFormat.PlainText)
-        self.linked_value.setForegroundRole(CHANGED)
+        self.linked_value = plain_label(f"linked_value.{self.parameter.name}", self, role=CHANGED)
+        self.linked_value.setWordWrap(False)
         self.linked_value.hide()
         self.row.addWidget(self.label, _SHARES[False][0])
         self.row.addWidget(edit, _SHARES[False][1])

@@ -170,3 +170,10 @@ class TypeIn(QLineEdit):
         if self.marked:
             self.marked = False
             self.update()
+
+
+def discard_typing(widget: QWidget) -> None:
+    """Forget what was typed in a widget's lines and not taken yet."""
+    for edit in widget.findChildren(TypeIn):
+        if edit.unsettled:
+            edit.give_up()

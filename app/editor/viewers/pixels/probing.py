@@ -211,16 +211,6 @@ class Region:
     width: int
     height: int
 
-    @property
-    def right(self) -> int:
-        """The column behind it."""
-        return self.left + self.width
-
-    @property
-    def bottom(self) -> int:
-        """The row behind it."""
-        return self.top + self.height
-
     def description(self) -> str:
         """For people."""
         return f"{self.width} × {self.height} at column {self.left}, row {self.top}"

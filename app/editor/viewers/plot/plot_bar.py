@@ -32,7 +32,7 @@ class PlotBar(QWidget):
         self.ports = PortChoice(session, PLOT_TYPES, "Chain's transfer functions", self)
         self.ports.setObjectName(f"{owner}.port")
         self.ports.setAccessibleName("What is plotted")
-        self.outputs = OutputButtons(session, PLOT_TYPES, owner, self)
+        self.outputs = OutputButtons(session, owner, self)
         self._x = tool_button(f"{owner}.x", "x", "Along ξ, across the picture", self)
         self._y = tool_button(f"{owner}.y", "y", "Along η, down the picture", self)
         self.angle = QDoubleSpinBox(self)
@@ -98,13 +98,10 @@ class OutputButtons(QWidget):
 
     chosen = Signal(str)  # port: the person has chosen one, ``NODE.PORT``
 
-    def __init__(
-        self, session: Session, types: tuple[str, ...], owner: str, parent: QWidget
-    ) -> None:
+    def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
         self.setAccessibleName("Outputs of the node that is plotted")
         self._session = session
-        self._types = types
         self._owner = owner
         self.buttons: dict[str, Toggle] = {}
         self._group = QButtonGroup(self)
@@ -125,7 +122,7 @@ class OutputButtons(QWidget):
     def _beside(self, port: str | None) -> tuple[str, ...]:
         if port is None:
             return ()
-        for group in ports_by_node(self._session.network, self._session.library, self._types):
+        for group in ports_by_node(self._session.network, self._session.library, PLOT_TYPES):
             if port in group.ports:
                 return group.ports if len(group.ports) > 1 else ()
         return ()
