@@ -37,24 +37,11 @@ def saved(
 ) -> Network:
     """Write a network and its arrays; gives the network as it was written.
 
-    Parameters
-    ----------
-    network, library
-        What is written.
-    folder : Path
-        What its file names are relative to so far.
-    target : Path
-        The network file.
-    samples : mapping
-        Samples by node.
-    given : collection of (str, str)
-        Nodes and parameters whose file names were given in Python.
+    Its file names are relative to `folder` so far; `target` is the network file. `samples` are by
+    node, `given` the nodes and parameters whose file names were given in Python.
 
-    Raises
-    ------
-    FileError
-        If a file cannot be written, or a file of an array's name holds something else and is not
-        this network's.
+    Raises `FileError` if a file cannot be written, or a file of an array's name holds something
+    else and is not this network's.
     """
     own = _arrays_of(target, library)
     names = {

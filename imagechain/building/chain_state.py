@@ -49,22 +49,10 @@ from nodes.input_output.source_file import HeldSamples
 class ChainState:
     """A chain at one moment.
 
-    Parameters
-    ----------
-    network : Network
-        The document.
-    folder : Path
-        What its file names are relative to.
-    file : Path, optional
-        The network file it was read from or last saved to.
-    samples : mapping
-        Scenes from arrays, by node.
-    order : tuple of str
-        The nodes as they were added, the last one last.
-    given : frozenset of (str, str)
-        Nodes and parameters whose file names were given in Python, not by a network file.
-    scene : tuple of str
-        How the picture that has replaced the network's scene was taken.
+    File names are relative to `folder`; `file` is the network file it was read from or last saved
+    to. `samples` are the scenes from arrays, by node; `order` the nodes as they were added, the
+    last one last; `given` nodes and parameters whose file names were given in Python; `scene` says
+    how the picture that has replaced the network's scene was taken.
     """
 
     network: Network
@@ -95,10 +83,7 @@ class ChainState:
     def declared(self, name: str, library: Library) -> Declaration:
         """What a node's module declares.
 
-        Raises
-        ------
-        NetworkError
-            If there is no such node, or its module is not in the library.
+        Raises `NetworkError` if there is no such node, or its module is not in the library.
         """
         node = self.node(name)
         declared = declared_node(node, library)
@@ -121,10 +106,7 @@ class ChainState:
     def with_values(self, values: Mapping[str, Any], library: Library) -> ChainState:
         """With parameters set, by ``NODE.PARAMETER``; ABSENT leaves one at its default.
 
-        Raises
-        ------
-        ImagechainError
-            If there is no such parameter, or it does not take the value.
+        Raises `ImagechainError` if there is no such parameter, or it does not take the value.
         """
         state = self
         for place, value in values.items():
@@ -317,10 +299,7 @@ def added(
     It goes on from the node `after`; if none is given, from the one added last that has what the
     module takes. `order` has the nodes as they were added, the last one last.
 
-    Raises
-    ------
-    NetworkError
-        If it does not fit there.
+    Raises `NetworkError` if it does not fit there.
     """
     taken = declared_node(node, library)
     assert taken is not None
