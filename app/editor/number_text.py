@@ -86,11 +86,6 @@ def numbers_of(text: str, parameter: Parameter) -> list[float | int | str | None
     """The numbers of a list as a person typed it: between commas, or semicolons, or spaces.
 
     With semicolons, commas are decimal points.
-
-    Raises
-    ------
-    ParameterError
-        As for one number.
     """
     text = text.strip().strip("[]()").strip()
     if not text:

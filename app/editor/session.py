@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
@@ -55,7 +54,7 @@ class Session(QObject):
         super().__init__(parent)
         self.library = library
         self.free = FreeNumbers(self)
-        self._outputs = ChosenOutputs()
+        self._chosen: set[Path] = set()
         self._document = Document(Network(), library=library)
         self._document.listen(self._changed)
         self._network = self._document.network
@@ -165,7 +164,7 @@ class Session(QObject):
         """Put another document in the place of this one."""
         self._document = document
         self._network = unfolded(document.network)
-        self._outputs.forget()
+        self._chosen.clear()
         self.free.clear()
         document.listen(self._changed)
         self._selection = ()
@@ -225,21 +224,26 @@ class Session(QObject):
             return False
         self.state_changed.emit()
         if self._document.path is not None:
-            self._keep(partial(self._outputs.saved, before, self._document.path))
+            self._remember(self._document.path, before)
         return True
 
     @property
     def chosen_outputs(self) -> tuple[Path, ...]:
         """Files to be written that were chosen while the document was open."""
-        return self._outputs.files
+        return tuple(sorted(self._chosen))
 
     def choose_output(self, file: Path) -> None:
         """The person has chosen a file to be written: a run of this network may write it."""
-        self._keep(partial(self._outputs.add, file.absolute(), self._document.path))
+        self._chosen.add(file.absolute())
+        if self._document.path is not None:
+            self._remember(self._document.path)
 
-    def _keep(self, remember: Callable[[], None]) -> None:
+    def _remember(self, network: Path, before: Path | None = None) -> None:
+        """Note what was chosen in the user's record of the network's file, and of one before."""
         try:
-            remember()
+            known = read_record(before).chosen if before is not None else frozenset()
+            if known or self._chosen:
+                remember_chosen(network, [*known, *self._chosen])
         except ImagechainError as error:
             self.message.emit("note", f"not remembered as a file to be written: {error}")
 
@@ -287,46 +291,3 @@ def _outermost(names: Iterable[str]) -> list[str]:
         if not (outermost and name.startswith(outermost[-1] + SEPARATOR)):
             outermost.append(name)
     return outermost
-
-
-# Files to be written that the person has chosen in a dialog: a later run may write them.
-
-
-class ChosenOutputs:
-    """Choices made for one document, kept in the user's record of its file."""
-
-    def __init__(self) -> None:
-        self._files: set[Path] = set()
-
-    @property
-    def files(self) -> tuple[Path, ...]:
-        """What was chosen while this document was open."""
-        return tuple(sorted(self._files))
-
-    def forget(self) -> None:
-        """Another document has been opened."""
-        self._files.clear()
-
-    def add(self, file: Path, network: Path | None) -> None:
-        """A file was chosen; `network` is the document's file, None where it has none yet.
-
-        Raises
-        ------
-        FileError
-            If that cannot be remembered.
-        """
-        self._files.add(file)
-        if network is not None:
-            remember_chosen(network, [file])
-
-    def saved(self, before: Path | None, now: Path) -> None:
-        """The document is saved, perhaps in another file than before.
-
-        Raises
-        ------
-        FileError
-            If the choices cannot be remembered for it.
-        """
-        known = read_record(before).chosen if before is not None else frozenset()
-        if known or self._files:
-            remember_chosen(now, [*known, *self._files])

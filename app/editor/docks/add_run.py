@@ -22,11 +22,12 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import label_of
+from app.editor.dialogs import show_beside
 from app.editor.docks.run_queue import job_of, proposed_folder
 from app.editor.docks.tradeoff_ranges import ParameterChoice, Varied, usual_span
 from app.editor.number_text import shown_number
 from app.editor.session import Session
-from app.editor.theme import Theme
+from app.editor.theme import ERROR
 from app.editor.typed_number import typed_number
 from app.editor.widgets import Check, tool_button
 from app.run.job import Kind
@@ -65,14 +66,11 @@ class AddRun(QDialog):
     about_to_add = Signal()
     added = Signal(str, object)
 
-    def __init__(
-        self, session: Session, theme: Theme, taken: Callable[[], set[Path]], parent: QWidget
-    ) -> None:
+    def __init__(self, session: Session, taken: Callable[[], set[Path]], parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("add_run")
         self.setWindowTitle("Add a run")
         self._session = session
-        self._theme = theme
         self._taken = taken
         self._varied = Varied(session, lambda _why: None)
         self._proposed = ""
@@ -169,7 +167,7 @@ class AddRun(QDialog):
         error = QLabel(self)
         error.setObjectName(f"add_run.{name}.error")
         error.setWordWrap(True)
-        error.setStyleSheet(f"color: {self._theme.error};")
+        error.setForegroundRole(ERROR)
         error.hide()
         self.errors[name] = error
         box = QWidget(self)
@@ -232,23 +230,17 @@ class AddRun(QDialog):
         pictures = dialog_filter("Pictures", *WRITTEN)
         dialog.setNameFilters([*pictures.split(";;"), "All files (*)"])
         dialog.filesSelected.connect(self._take_files)
-        dialog.show()
-        dialog.activateWindow()
+        show_beside(self, dialog)
 
     def _choose_folder(self) -> None:
         dialog = self._dialog("Choose the output folder", QFileDialog.FileMode.Directory)
         dialog.setOption(QFileDialog.Option.ShowDirsOnly)
         dialog.fileSelected.connect(self.folder.setText)
-        dialog.show()
-        dialog.activateWindow()
+        show_beside(self, dialog)
 
     def _dialog(self, title: str, mode: QFileDialog.FileMode) -> QFileDialog:
-        """One that does not stop the window; the one that is open goes."""
-        for other in self.findChildren(QFileDialog, "add_run.dialog"):
-            other.reject()
         dialog = QFileDialog(self, title, str(self._session.folder.absolute()))
         dialog.setObjectName("add_run.dialog")
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
         dialog.setFileMode(mode)
         return dialog
@@ -372,11 +364,6 @@ def typed_values(text: str, parameter: Parameter) -> tuple[tuple[Any, ...], bool
 
     Each number is typed as in the parameter's field, in any unit. Between the numbers of a list
     are commas; with semicolons, commas are decimal points.
-
-    Raises
-    ------
-    UsageError, ParameterError
-        If it is neither range nor list, or a value is not allowed.
     """
     if not text.strip():
         raise UsageError(f"no values: {FORM}")

@@ -16,6 +16,7 @@ from PySide6.QtGui import (
     QPainter,
     QPaintEvent,
     QPen,
+    QTransform,
     QWheelEvent,
 )
 from PySide6.QtWidgets import QToolTip, QWidget
@@ -100,7 +101,7 @@ class EdgeCanvas(QWidget):
         if self._preview is None:
             return
         about = QPointF(self.rect().center()) if about is None else about
-        there = self._sample_at(about)
+        there = self._placed().inverted()[0].map(about)
         self._zoom = min(max(self._zoom * factor, 1.0), _MOST_ZOOM)
         if self._zoom == 1.0:
             self._middle = None
@@ -233,21 +234,14 @@ class EdgeCanvas(QWidget):
         whole = min(self.width() / columns, self.height() / rows)
         return float(max(whole, 1e-6) * self._zoom)
 
-    def _point(self, x: float, y: float) -> QPointF:
-        middle = self._middle or self._whole_middle()
-        scale = self._scale()
-        return QPointF(
-            self.width() / 2.0 + (x - middle.x()) * scale,
-            self.height() / 2.0 + (y - middle.y()) * scale,
-        )
+    def _placed(self) -> QTransform:
+        """From samples to dots of the widget."""
+        scale, middle = self._scale(), self._middle or self._whole_middle()
+        there = QTransform.fromTranslate(self.width() / 2.0, self.height() / 2.0)
+        return there.scale(scale, scale).translate(-middle.x(), -middle.y())
 
-    def _sample_at(self, point: QPointF) -> QPointF:
-        middle = self._middle or self._whole_middle()
-        scale = self._scale()
-        return QPointF(
-            middle.x() + (point.x() - self.width() / 2.0) / scale,
-            middle.y() + (point.y() - self.height() / 2.0) / scale,
-        )
+    def _point(self, x: float, y: float) -> QPointF:
+        return self._placed().map(QPointF(x, y))
 
     def _keep_in_sight(self) -> None:
         """Move an enlarged picture so that the chosen edge is seen."""

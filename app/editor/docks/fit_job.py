@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -32,34 +32,17 @@ _PAUSE_S = 0.05  # between edges that are shown while values change
 
 @dataclass(frozen=True)
 class FitTask:
-    """What is fitted to what.
+    """What is fitted to what."""
 
-    Parameters
-    ----------
-    network : Network
-        With its macros written out.
-    library : Library
-        Its modules.
-    folder : Path
-        What file names in it are relative to.
-    numbers : tuple of FreeNumber
-        The free parameters.
-    pictures : tuple of Path, or ViewerPicture
-        Files, or what a viewer shows.
-    known_scene : bool
-        Whether the network's source is the scene of the picture.
-    """
-
-    network: Network
+    network: Network  # its macros written out
     library: Library
     folder: Path
-    numbers: tuple[FreeNumber, ...]
+    numbers: tuple[FreeNumber, ...]  # those that are free
     pictures: Pictures
-    known_scene: bool = False
+    known_scene: bool = False  # whether the network's source is the scene of the picture
 
 
-@dataclass(frozen=True, eq=False)
-class DrawnEdge:
+class DrawnEdge(NamedTuple):
     """An edge's samples by their distance from it, and the chain's spread there, from 0 to 1."""
 
     name: str
@@ -68,8 +51,7 @@ class DrawnEdge:
     spread: Any
 
 
-@dataclass(frozen=True)
-class FittedNumber:
+class FittedNumber(NamedTuple):
     """A parameter as fitted; both numbers are None where the picture does not determine it."""
 
     number: FreeNumber
@@ -77,23 +59,8 @@ class FittedNumber:
     sigma: float | None
 
 
-@dataclass(frozen=True, eq=False)
-class FitOutcome:
-    """Values with errors, what is to be known of them, and the edges.
-
-    Parameters
-    ----------
-    numbers : tuple of FittedNumber
-        In the order in which they were freed.
-    chi2_per_degree : float
-        Of all samples.
-    degrees : int
-        Degrees of freedom.
-    warnings, notes : tuple of str
-        One line each.
-    edges : tuple of DrawnEdge
-        Those that were fitted.
-    """
+class FitOutcome(NamedTuple):
+    """Values with errors, what is to be known of them in lines, and the edges that were fitted."""
 
     numbers: tuple[FittedNumber, ...]
     chi2_per_degree: float
@@ -121,13 +88,7 @@ class CheckedWork(Work):
 def fit_to_picture(
     task: FitTask, check: Callable[[], None], report: Callable[[str], None], watch: Watch
 ) -> FitOutcome:
-    """Carry a fit out.
-
-    Raises
-    ------
-    ImagechainError
-        If the network is not complete, nothing is free, or the picture has no edge to fit to.
-    """
+    """Carry a fit out."""
     # Imported where it is used: the window opens without it.
     from app.fit.picture_fit import fit_known_scene, fit_pictures
     from core.chain.engine import Engine
@@ -158,13 +119,7 @@ def fit_to_picture(
 
 
 def limited_parameters(task: FitTask) -> tuple[FreeParameter, ...]:
-    """The free parameters with the limits that were set.
-
-    Raises
-    ------
-    UsageError
-        If one cannot be fitted, or its limits are none.
-    """
+    """The free parameters with the limits that were set."""
     from app.fit.free_parameter import FREE, free_parameters
 
     if not task.numbers:
@@ -233,10 +188,13 @@ def _outcome(task: FitTask, result: FitResult) -> FitOutcome:
         FittedNumber(number, one.value, one.sigma)
         for number, one in zip(task.numbers, result.parameters, strict=True)
     )
-    notes = result.notes if not isinstance(result.noise, str) or not result.noise else (
-        *result.notes, result.noise
-    )  # fmt: skip
+    noise = (result.noise,) if isinstance(result.noise, str) and result.noise else ()
     edges = () if fit.edges is None else drawn_edges(fit.patches, fit.edges)
     return FitOutcome(
-        numbers, result.chi2_per_degree, fit.misfit.degrees, result.warnings, notes, edges
+        numbers,
+        result.chi2_per_degree,
+        fit.misfit.degrees,
+        result.warnings,
+        (*result.notes, *noise),
+        edges,
     )

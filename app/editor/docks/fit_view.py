@@ -7,7 +7,7 @@ from math import floor, log10
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QComboBox, QLabel, QPlainTextEdit, QSplitter, QVBoxLayout, QWidget
 
 from app.editor.dialogs import choose_pictures
@@ -15,9 +15,9 @@ from app.editor.docks.fit_job import DrawnEdge, FitOutcome, FitTask, FittedNumbe
 from app.editor.docks.free_table import FreeTable
 from app.editor.docks.measure_worker import (
     Check,
-    MeasureWorker,
     PictureDrops,
     Pictures,
+    WorkerView,
     pictures_name,
     pictures_text,
 )
@@ -38,7 +38,7 @@ _NO_EDGES = "The picture was fitted as a whole, no edges by themselves"
 _TAKE = "Write all fitted values into the network, as one step that undo takes back"
 
 
-class FitView(QWidget):
+class FitView(WorkerView):
     """Fits the network to a picture in the background, and shows what that gives.
 
     `default_pictures` gives those that are fitted to where no others are chosen, `finish_typing`
@@ -54,9 +54,7 @@ class FitView(QWidget):
         default_pictures: Callable[[], Pictures | None],
         finish_typing: Callable[[], None],
     ) -> None:
-        super().__init__()
-        self.setObjectName("fit")
-        self.setAccessibleName("Fit to a picture")
+        super().__init__("fit", "Fit to a picture")
         self.theme = theme
         self.outcome: FitOutcome | None = None
         self._session = session
@@ -67,7 +65,6 @@ class FitView(QWidget):
         self._run: object | None = None
         self._fits: list[Network] = []  # as fitted, and as the values were taken
         self._edges: dict[str, DrawnEdge] = {}
-        self.worker = MeasureWorker(self)
         self.drops = PictureDrops(self, self.choose_pictures)
         self._build()
         self._connect()
@@ -121,10 +118,6 @@ class FitView(QWidget):
         self.worker.start(job)
         self._show_buttons()
 
-    def cancel(self) -> None:
-        """Stop the fit."""
-        self.worker.cancel()
-
     def close_worker(self) -> None:
         """Stop the fit, and wait for its end."""
         self._run = None
@@ -176,14 +169,6 @@ class FitView(QWidget):
         """Room for a table with a chart beside it."""
         line = self.fontMetrics().height()
         return QSize(48 * line, 20 * line)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc stops the fit."""
-        if event.key() == Qt.Key.Key_Escape and self.worker.busy:
-            self.cancel()
-            event.accept()
-        else:
-            super().keyPressEvent(event)
 
     def _build(self) -> None:
         self.file = tool_button(
@@ -374,9 +359,6 @@ class FitView(QWidget):
         warned = len(outcome.warnings)
         more = f", {warned} warning{'s' * (warned > 1)}" if warned else ""
         self._say(f"{of}, χ² per degree of freedom {outcome.chi2_per_degree:.3g}{more}")
-
-    def _say(self, text: str, *, failed: bool = False) -> None:
-        self.status.show_text(text, failed=failed)
 
 
 def _lines(outcome: FitOutcome, pictures: Pictures | None) -> list[str]:

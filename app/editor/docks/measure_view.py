@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
@@ -25,9 +24,9 @@ from app.editor.docks.edge_canvas import EdgeCanvas
 from app.editor.docks.edge_table import EdgeTable, FigureTable, MtfChart, edge_words
 from app.editor.docks.measure_worker import (
     Check,
-    MeasureWorker,
     PictureDrops,
     Pictures,
+    WorkerView,
     picture_of,
     pictures_name,
     shown_in,
@@ -61,7 +60,7 @@ class _Measuring:
     network: Network | None = None
 
 
-class MeasureView(QWidget):
+class MeasureView(WorkerView):
     """Measures what viewers show, or files, in the background, and shows what that gives.
 
     Signals
@@ -73,9 +72,7 @@ class MeasureView(QWidget):
     source_changed = Signal()
 
     def __init__(self, session: Session, theme: Theme, viewers: Mapping[int, ImageViewer]) -> None:
-        super().__init__()
-        self.setObjectName("measure")
-        self.setAccessibleName("Measure a picture")
+        super().__init__("measure", "Measure a picture")
         self._session = session
         self._viewers = viewers
         self.measured: PictureMeasurement | None = None
@@ -83,7 +80,6 @@ class MeasureView(QWidget):
         self._shown: _Measuring | None = None
         self._coming: _Measuring | None = None
         self._files: tuple[Path, ...] = ()
-        self.worker = MeasureWorker(self)
         self.drops = PictureDrops(self, self.measure_files)
         self._build(theme)
         self._connect()
@@ -198,14 +194,6 @@ class MeasureView(QWidget):
         self._say(f"Writing {path.name} …")
         self._start(job)
 
-    def cancel(self) -> None:
-        """Stop what goes on."""
-        self.worker.cancel()
-
-    def close_worker(self) -> None:
-        """Stop what goes on, and wait for its end."""
-        self.worker.close()
-
     # --- edges -------------------------------------------------------------------------------
 
     @property
@@ -272,14 +260,6 @@ class MeasureView(QWidget):
         """Room for a picture with its curves beside it."""
         line = self.fontMetrics().height()
         return QSize(48 * line, 22 * line)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc stops what goes on."""
-        if event.key() == Qt.Key.Key_Escape and self.worker.busy:
-            self.cancel()
-            event.accept()
-        else:
-            super().keyPressEvent(event)
 
     def _build(self, theme: Theme) -> None:
         self.viewer = menu_button(
@@ -477,9 +457,6 @@ class MeasureView(QWidget):
         )
         self.remove.setToolTip(about)
         self.remove.setAccessibleName(about)
-
-    def _say(self, text: str, *, failed: bool = False) -> None:
-        self.status.show_text(text, failed=failed)
 
 
 # Which band of files that have several is measured.

@@ -9,14 +9,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QEvent, QMimeData, QObject, Signal
-from PySide6.QtGui import QDropEvent
+from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, Signal
+from PySide6.QtGui import QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QWidget
 
 from app.editor.declared_text import error_text
 from app.editor.evaluation.badges import as_error
 from app.editor.gestures import accept_copy
 from app.editor.viewers.picture.image_viewer import ImageViewer
+from app.editor.viewers.viewer import StatusLine
 from core.chain.wires import Image
 from core.errors import Cancelled, UsageError
 from nodes.files.common.file_format import JSON
@@ -37,13 +38,7 @@ class ViewerPicture:
 
 
 def picture_of(number: int, viewer: ImageViewer) -> ViewerPicture:
-    """What a viewer shows.
-
-    Raises
-    ------
-    UsageError
-        It shows no picture in space, or a preview of one.
-    """
+    """What a viewer shows."""
     picture, port = viewer.picture, viewer.choices.port
     if picture is None or port is None:
         raise UsageError(f"viewer {number} shows no picture")
@@ -157,6 +152,33 @@ class MeasureWorker(QObject):
             self.failed.emit(error)
         else:
             self.done.emit(result)
+
+
+class WorkerView(QWidget):
+    """A view whose work goes on beside the window, and can be stopped."""
+
+    status: StatusLine
+
+    def __init__(self, name: str, words: str) -> None:
+        super().__init__()
+        self.setObjectName(name)
+        self.setAccessibleName(words)
+        self.worker = MeasureWorker(self)
+
+    def cancel(self) -> None:
+        """Stop what goes on."""
+        self.worker.cancel()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc stops what goes on."""
+        if event.key() == Qt.Key.Key_Escape and self.worker.busy:
+            self.cancel()
+            event.accept()
+        else:
+            super().keyPressEvent(event)
+
+    def _say(self, text: str, *, failed: bool = False) -> None:
+        self.status.show_text(text, failed=failed)
 
 
 # The pictures that are measured, or fitted to: files, or what a viewer shows.

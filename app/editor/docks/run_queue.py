@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -255,7 +255,7 @@ class RunProcess(QObject):
         self._errors = b""
         self._stopping = self._over = False
         self._process = QProcess(self)
-        self._process.setProcessEnvironment(_variables(environment()))
+        self._process.setProcessEnvironment(python_environment())
         self._process.readyReadStandardOutput.connect(self._read)
         self._process.readyReadStandardError.connect(self._read_errors)
         self._process.finished.connect(self._finished)
@@ -336,9 +336,10 @@ class RunProcess(QObject):
             self.ended.emit(ending)
 
 
-def _variables(names: Iterable[tuple[str, str]] | dict[str, str]) -> QProcessEnvironment:
+def python_environment() -> QProcessEnvironment:
+    """That of a Python process of ours."""
     made = QProcessEnvironment()
-    for name, value in dict(names).items():
+    for name, value in environment().items():
         made.insert(name, value)
     return made
 
@@ -352,13 +353,7 @@ def _last_line(said: str) -> str:
 
 
 def job_of(session: Session, kind: Kind, output: Path, **choices: Any) -> Job:
-    """A job of the document as it stands, unsaved changes too; `choices` as for `Job`.
-
-    Raises
-    ------
-    NetworkError, FileError
-        If there is nothing to run, or it holds what no file can.
-    """
+    """A job of the document as it stands, unsaved changes too; `choices` as for `Job`."""
     document = session.document
     if not document.network.nodes:
         raise NetworkError("the network has no nodes")

@@ -6,6 +6,7 @@ import math
 import time
 
 from PySide6.QtCore import (
+    QEvent,
     QModelIndex,
     QPersistentModelIndex,
     QRect,
@@ -21,6 +22,7 @@ from PySide6.QtGui import (
     QIcon,
     QKeyEvent,
     QPainter,
+    QPalette,
     QPixmap,
     QResizeEvent,
 )
@@ -43,7 +45,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.declared_text import tip
 from app.editor.docks.run_queue import Entry, RunQueue
-from app.editor.theme import Theme
+from app.editor.theme import ERROR, FAINT
 from app.editor.widgets import ElidedLabel, FlowLayout, centred_hint, tool_button
 
 _NUMBER, _SHARE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
@@ -68,12 +70,11 @@ class RunsView(QWidget):
 
     add_wanted = Signal()
 
-    def __init__(self, queue: RunQueue, theme: Theme, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, queue: RunQueue) -> None:
+        super().__init__()
         self.setObjectName("runs")
         self.setAccessibleName("Runs")
         self._queue = queue
-        self._theme = theme
         self._items: dict[int, QTreeWidgetItem] = {}
         self._build()
         queue.listed.connect(self._fill)
@@ -81,7 +82,6 @@ class RunsView(QWidget):
         self._tick = QTimer(self)
         self._tick.setInterval(_TICK_MS)
         self._tick.timeout.connect(self._show_times)
-        self.set_theme(theme)
         self._fill()
 
     def _build(self) -> None:
@@ -152,11 +152,12 @@ class RunsView(QWidget):
             else:
                 self._open_folder()
 
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self._theme = theme
-        for number in self._items:
-            self._show(number)
+    def changeEvent(self, event: QEvent) -> None:
+        """Write in the colours there are now."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange:
+            for number in self._items:
+                self._show(number)
 
     def _fill(self) -> None:
         entries = self._queue.entries
@@ -203,10 +204,11 @@ class RunsView(QWidget):
         item.setData(1, _SHARE, entry.share if running else None)
         bad = entry.state == "failed" or bool(entry.result and entry.result.failures)
         faint = entry.state in ("waiting", "cancelled")
-        theme = self._theme
-        colour = theme.error if bad else theme.faint_text if faint else theme.text
+        text = QPalette.ColorRole.Text
+        role = ERROR if bad else FAINT if faint else text
         for column in (0, 1):
-            item.setForeground(column, QColor(theme.text if bad and column == 0 else colour))
+            shown_in = text if bad and column == 0 else role
+            item.setForeground(column, self.palette().color(shown_in))
             item.setToolTip(column, tip(whole_text(entry, now)))
 
     def _show_current(self, *_: object) -> None:

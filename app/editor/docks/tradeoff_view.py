@@ -116,13 +116,7 @@ class TradeOffView(Viewer):
         self.ask()
 
     def export(self, path: Path) -> None:
-        """Write the charts (``.png``, ``.svg``), or their numbers (``.csv``).
-
-        Raises
-        ------
-        ImagechainError
-            If nothing is shown, or it cannot be written.
-        """
+        """Write the charts (``.png``, ``.svg``), or their numbers (``.csv``)."""
         parameter, span = self.varied.parameter, self.span
         if parameter is None or span is None or not self.points:
             raise UsageError("the trade-off shows no curves")

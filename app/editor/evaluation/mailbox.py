@@ -124,7 +124,10 @@ class Inbox:
 
 @dataclass(frozen=True)
 class News:
-    """What the worker delivers on a document, all at once."""
+    """What the worker delivers on a document, all at once.
+
+    `finished`: nothing is left to do up to that generation; `unanswered`: the rest is given up.
+    """
 
     document: int
     plan: Plan | None = None
@@ -162,16 +165,10 @@ class Outbox:
                 self._answers.clear()
                 self._news = News(document)
 
-    def plan(self, plan: Plan) -> None:
-        """Deliver the latest plan."""
+    def deliver(self, **news: Any) -> None:
+        """Deliver the latest of these fields of `News`."""
         with self._lock:
-            self._set(plan=plan)
-        self._notify()
-
-    def badges(self, badges: Mapping[str, Badge]) -> None:
-        """Deliver what the nodes show."""
-        with self._lock:
-            self._set(badges=badges)
+            self._news = replace(self._news, **news)
         self._notify()
 
     def answer(self, answer: Answer) -> None:
@@ -184,13 +181,7 @@ class Outbox:
     def done(self, done: PassDone) -> None:
         """Deliver the end of a pass."""
         with self._lock:
-            self._set(done=(*self._news.done, done))
-        self._notify()
-
-    def finished(self, generation: int, *, unanswered: bool) -> None:
-        """Deliver that nothing is left to do up to that generation; the rest is given up."""
-        with self._lock:
-            self._set(finished=generation, unanswered=unanswered)
+            self._news = replace(self._news, done=(*self._news.done, done))
         self._notify()
 
     def take(self) -> News:
@@ -201,9 +192,6 @@ class Outbox:
             self._news = News(news.document)
             self._answers.clear()
         return replace(news, answers=answers)
-
-    def _set(self, **changes: Any) -> None:
-        self._news = replace(self._news, **changes)
 
     def _notify(self) -> None:
         with self._lock:

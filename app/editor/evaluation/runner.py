@@ -82,7 +82,7 @@ class Runner:
             generate=generate,
         )
         plan = self._planned.shown
-        self._outbox.plan(plan)
+        self._outbox.deliver(plan=plan)
         self._stale |= self._planned.stale
         self._send_badges()
         if snapshot.only_planned:
@@ -147,7 +147,8 @@ class Runner:
         self._finish(snapshot)
 
     def _finish(self, snapshot: Snapshot) -> None:
-        self._outbox.finished(snapshot.generation, unanswered=self._sent.has_given_up)
+        given_up = self._sent.has_given_up
+        self._outbox.deliver(finished=snapshot.generation, unanswered=given_up)
 
     def _preview(self, task: Task) -> bool:
         """Answer from pictures of reduced size first if the full ones take long.
@@ -326,7 +327,7 @@ class Runner:
         )
         if shown != self._badges:
             self._badges = shown
-            self._outbox.badges(shown)
+            self._outbox.deliver(badges=shown)
 
 
 # An evaluation that can be stopped, with the node it is at.
@@ -356,13 +357,7 @@ class Position:
         return next((node for node in reversed(nodes) if node), None)
 
     def check(self) -> None:
-        """Raise `Cancelled` if the pass is to stop.
-
-        Raises
-        ------
-        Cancelled
-            From then on each time.
-        """
+        """Raise `Cancelled` if the pass is to stop."""
         if self.stopped or self._must_stop(self):
             self.stopped = True
             raise Cancelled("stopped on request")

@@ -44,7 +44,6 @@ from app.editor.window.docks.viewer_docks import (
 )
 from app.editor.window.docks.window_layout import (
     DEFAULT,
-    Docks,
     LayoutName,
     WindowLayout,
     first_size,
@@ -127,7 +126,7 @@ class MainWindow(QMainWindow):
         if isinstance(app, QApplication):
             app.setPalette(theme.palette())
         parts = (self.canvas, self.crumbs, self.library_view)
-        for part in (*parts, self.viewers, self.runs, self.measuring, self.fitting, self.status):
+        for part in (*parts, self.viewers, self.measuring, self.fitting, self.status):
             part.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
 
@@ -254,7 +253,7 @@ class MainWindow(QMainWindow):
         layout.setSpacing(0)
         layout.addWidget(self.canvas, 1)
         layout.addWidget(self.figures)
-        self.layout_in_use = WindowLayout(self, self._docks)
+        self.layout_in_use = WindowLayout(self)
         self.pages = Pages(self.welcome, work_page, self.layout_in_use, self)
         self.setCentralWidget(self.pages)
         self.setDockNestingEnabled(True)
@@ -269,7 +268,7 @@ class MainWindow(QMainWindow):
         self.snapshots = Snapshots(self.session, self.evaluator, self.viewers, self)
         self.snapshots_view = SnapshotsView(self.session, self.evaluator, self.snapshots)
         self.snapshots_dock = self._hidden_dock("Snapshots", "snapshots", self.snapshots_view)
-        self.runs = BackgroundRuns(self.session, self.theme, self, self.finish_typing)
+        self.runs = BackgroundRuns(self.session, self, self.finish_typing)
         self.runs.dock.visibilityChanged.connect(self.viewers.name_tabs)
         self.measuring = measuring = MeasureView(self.session, self.theme, self.viewers.images)
         self.measure_dock = self._hidden_dock("Measure", "measure", measuring)
@@ -286,22 +285,6 @@ class MainWindow(QMainWindow):
         dock.hide()
         dock.visibilityChanged.connect(self.viewers.name_tabs)
         return dock
-
-    def _docks(self) -> Docks:
-        viewers = self.viewers
-        return Docks(
-            library=self.library_dock,
-            panels=self.panel_dock,
-            curves=viewers.plot_dock,
-            tradeoff=viewers.tradeoff_dock,
-            snapshots=self.snapshots_dock,
-            runs=self.runs.dock,
-            history=self.history_dock,
-            measuring=self.measure_dock,
-            fitting=self.fit_dock,
-            viewers=tuple(viewers.docks.values()),
-            picture=viewers.images[1],
-        )
 
     def _targets(self) -> dict[str, Callable[..., object]]:
         """What each action does, by its name."""

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.gestures import SecondClick
-from app.editor.theme import Theme
+from app.editor.theme import ERROR, Theme
 from app.editor.window.docks.window_layout import LayoutName, WindowLayout
 
 
@@ -103,11 +103,11 @@ class StatusBar(QStatusBar):
 
     def __init__(self, theme: Theme, parent: QWidget) -> None:
         super().__init__(parent)
-        self._theme = theme
         self._advises = False
         self._error = QLabel(self)
         self._error.setObjectName("status.error")
         self._error.setAccessibleName("Last error")
+        self._error.setForegroundRole(ERROR)
         self._error.hide()
         self._where = QLabel(self)
         self._progress = QProgressBar(self)
@@ -187,6 +187,4 @@ class StatusBar(QStatusBar):
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
-        self._theme = theme
-        self._error.setStyleSheet(f"color: {theme.error};")
         self._behind.setStyleSheet(f"color: {theme.badges['stale']};")

@@ -154,11 +154,6 @@ def take(app: QApplication, network: str, shot: Shot) -> None:
     """Open a network in a window off screen, wait until all is computed, and draw it.
 
     Without a network the welcome page is drawn.
-
-    Raises
-    ------
-    ImagechainError
-        If the network cannot be opened, or the file not written.
     """
     library = standard_library()
     opened = open_named(network, library=library) if network else None
@@ -194,13 +189,7 @@ def _select_node_with_figures(window: MainWindow) -> None:
 
 
 def settle(window: MainWindow) -> None:
-    """Run the event loop until nothing is computed any more and all has been drawn.
-
-    Raises
-    ------
-    UsageError
-        If that takes more than two minutes.
-    """
+    """Run the event loop until nothing is computed any more and all has been drawn."""
     start = quiet_since = time.monotonic()
     while time.monotonic() - quiet_since < _SETTLE_S:
         QCoreApplication.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, 20)
@@ -237,13 +226,7 @@ def _picture(window: MainWindow, size: tuple[int, int]) -> QImage:
 
 
 def encoded(image: QImage) -> bytes:
-    """As PNG.
-
-    Raises
-    ------
-    FileError
-        If nothing can be drawn.
-    """
+    """As PNG."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "window.png"
         if not image.save(str(file)):

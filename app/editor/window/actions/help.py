@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, Qt, QTimer, QUrl, Signal
+from PySide6.QtCore import QObject, QProcess, Qt, QTimer, QUrl, Signal
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import (
     QApplication,
@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.declared_text import flowing
 from app.editor.dialogs import SaveDialog, show_beside
+from app.editor.docks.run_queue import python_environment
 from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
@@ -28,7 +29,7 @@ from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.actions.shortcut_list import ShortcutList
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.options.command_options import version
-from app.run.shipped import command, environment
+from app.run.shipped import command
 from core.errors import ImagechainError
 from core.modules.declaration import Declaration
 from core.names import in_line
@@ -164,10 +165,7 @@ class HandbookOpening(QObject):
         if self._process.state() != QProcess.ProcessState.NotRunning:
             self._session.message.emit("note", "the handbook is being opened")
             return
-        variables = QProcessEnvironment()
-        for name, value in environment().items():
-            variables.insert(name, value)
-        self._process.setProcessEnvironment(variables)
+        self._process.setProcessEnvironment(python_environment())
         program, *words = command("app.command.cli", "handbook", "--path", *filter(None, [word]))
         self._process.start(program, words)
         self._long.start(_PATIENCE_MS)

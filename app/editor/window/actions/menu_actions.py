@@ -20,25 +20,22 @@ _SCOPES = {
 }
 
 
-class Actions:
+class Actions(dict[str, QAction]):
     """Every action by name. `targets` has what each does; its keys work in `window` or `canvas`."""
 
     def __init__(
         self, targets: Mapping[str, Callable[[], object]], *, window: QWidget, canvas: QWidget
     ) -> None:
-        self._actions: dict[str, QAction] = {}
+        super().__init__()
         for spec in ACTIONS:
             action = _action(spec, window)
             action.triggered.connect(partial(without_argument, targets[spec.name]))
             (canvas if spec.scope == "canvas" else window).addAction(action)
-            self._actions[spec.name] = action
-
-    def __getitem__(self, name: str) -> QAction:
-        return self._actions[name]
+            self[spec.name] = action
 
     def of_names(self, names: Iterable[str]) -> list[QAction]:
         """The actions of these names, in their order."""
-        return [self._actions[name] for name in names]
+        return [self[name] for name in names]
 
     def fill(self, bar: QMenuBar) -> dict[str, QMenu]:
         """Make the menus; returns them by title."""
@@ -50,14 +47,14 @@ class Actions:
                 menu.setToolTipsVisible(True)
             if spec.name in BELOW_A_LINE and menu.actions():
                 menu.addSeparator()
-            menu.addAction(self._actions[spec.name])
+            menu.addAction(self[spec.name])
         return menus
 
     def follow_selection(self, selected: bool) -> None:
         """Grey out what works on selected nodes where there are none."""
         for spec in ACTIONS:
             if spec.needs_selection:
-                self._actions[spec.name].setEnabled(selected)
+                self[spec.name].setEnabled(selected)
 
     def follow_history(self, history: History) -> None:
         """Have the entries of undo and redo name what each would do."""
@@ -65,7 +62,7 @@ class Actions:
             ("undo", "&Undo", history.undo_text),
             ("redo", "&Redo", history.redo_text),
         ):
-            action = self._actions[name]
+            action = self[name]
             action.setEnabled(bool(step))
             action.setText(f"{verb} {step.replace('&', '&&')}".strip())
 

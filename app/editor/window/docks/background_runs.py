@@ -14,7 +14,6 @@ from app.editor.docks.add_run import AddRun
 from app.editor.docks.run_queue import RunQueue, job_of
 from app.editor.docks.runs_view import ReportStatus, RunsView, failures_text
 from app.editor.session import Session
-from app.editor.theme import Theme
 from app.editor.window.docks.viewer_docks import add_dock, bring_forward
 from app.options.option_values import REPORTS
 from core.errors import ImagechainError
@@ -27,18 +26,15 @@ Next = Callable[[], object]
 class BackgroundRuns(QObject):
     """What goes on beside the window. `finish_typing` takes what is being typed."""
 
-    def __init__(
-        self, session: Session, theme: Theme, window: QMainWindow, finish_typing: Next
-    ) -> None:
+    def __init__(self, session: Session, window: QMainWindow, finish_typing: Next) -> None:
         super().__init__(window)
         self._session = session
-        self._theme = theme
         self._window = window
         self._finish_typing = finish_typing
         self._question: Question | None = None
         self._next: Next | None = None
         self.queue = RunQueue(self)
-        self.view = RunsView(self.queue, theme)
+        self.view = RunsView(self.queue)
         area = Qt.DockWidgetArea.BottomDockWidgetArea
         self.dock = add_dock(window, "Runs", "dock.runs", self.view, area)
         self.dock.hide()
@@ -49,11 +45,6 @@ class BackgroundRuns(QObject):
         self.view.add_wanted.connect(self.add)
         self.queue.changed.connect(self._say_end)
         session.opened.connect(self._drop_dialogs)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self._theme = theme
-        self.view.set_theme(theme)
 
     def report(self) -> None:
         """Ask the person where to write the report of the network as it stands."""
@@ -86,7 +77,7 @@ class BackgroundRuns(QObject):
 
     def add(self) -> None:
         """Open the dialog that adds a run."""
-        dialog = AddRun(self._session, self._theme, self._taken, self._window)
+        dialog = AddRun(self._session, self._taken, self._window)
         dialog.about_to_add.connect(self._finish_typing)
         dialog.added.connect(self._added)
         show_beside(self._window, dialog)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal, get_args
 
@@ -30,11 +29,10 @@ def first_size(available: QSize) -> QSize:
 class WindowLayout(QObject):
     """Places the docks by a named layout, and sizes them when the window is resized."""
 
-    def __init__(self, window: QMainWindow, docks: Callable[[], Docks]) -> None:
+    def __init__(self, window: QMainWindow) -> None:
         super().__init__(window)
         self.name: LayoutName = DEFAULT
         self._window = window
-        self._docks = docks
         self._shares: dict[str, Share] = {}  # by the docks' object names
         self._shown = self._placing = False
         self._pressed: Sizes | None = None
@@ -54,7 +52,7 @@ class WindowLayout(QObject):
     def place(self) -> None:
         """Place every dock by the layout in use."""
         with self.placing():
-            place(self._window, self._docks(), self.name)
+            place(self._window, self.name)
 
     @contextmanager
     def placing(self) -> Iterator[None]:
@@ -118,7 +116,7 @@ class WindowLayout(QObject):
         window = self._window
         return {
             dock.objectName(): (dock.width(), dock.height())
-            for dock in self._docks().all
+            for dock in Docks(self._window).all
             if dock.isVisible()
             and not dock.isFloating()
             and window.rect().intersects(dock.geometry())  # Qt has those behind another outside
@@ -126,7 +124,7 @@ class WindowLayout(QObject):
 
     def _follow_docks(self) -> None:
         """Hear of docks that are moved or floated, those made lately too."""
-        for dock in self._docks().all:
+        for dock in Docks(self._window).all:
             if dock.objectName() not in self._followed:
                 self._followed.add(dock.objectName())
                 dock.topLevelChanged.connect(self._moved)
@@ -139,12 +137,12 @@ class WindowLayout(QObject):
 
     def _size(self) -> None:
         if not self._shares:
-            size(self._window, self._docks(), self.name)
+            size(self._window, self.name)
             return
         width, height = self._window.width(), self._window.height()
         docks = [
             dock
-            for dock in self._docks().all
+            for dock in Docks(self._window).all
             if dock.objectName() in self._shares and not dock.isFloating()
         ]
         shares = [self._shares[dock.objectName()] for dock in docks]
@@ -166,40 +164,27 @@ PICTURE_SHARE = 0.42  # of the window's area, for the picture with its axes; 0.4
 _Area, _Across, _Along = Qt.DockWidgetArea, Qt.Orientation.Horizontal, Qt.Orientation.Vertical
 
 
-@dataclass(frozen=True)
 class Docks:
-    """The docks of the window, by what they hold."""
+    """The docks of a window as they are now, by what they hold."""
 
-    library: QDockWidget
-    history: QDockWidget
-    panels: QDockWidget
-    curves: QDockWidget
-    tradeoff: QDockWidget
-    snapshots: QDockWidget
-    runs: QDockWidget
-    measuring: QDockWidget
-    fitting: QDockWidget
-    viewers: Sequence[QDockWidget]
-    picture: ImageViewer  # of the first picture; over the whole screen it is not in its dock
-
-    @property
-    def all(self) -> tuple[QDockWidget, ...]:
-        """Every dock."""
-        beside = (self.measuring, self.fitting, *self.beside)
-        return (self.library, self.panels, *self.viewers, *beside)
-
-    @property
-    def beside(self) -> tuple[QDockWidget, ...]:
-        """Those of curves, figures, runs and history, one behind another."""
-        return (self.curves, self.tradeoff, self.snapshots, self.runs, self.history)
+    def __init__(self, window: QMainWindow) -> None:
+        docks = window.findChildren(QDockWidget)
+        named = {dock.objectName().removeprefix("dock."): dock for dock in docks}
+        self.library, self.panels, self.curves = (named[n] for n in ("library", "panels", "curves"))
+        self.viewers = [named[n] for n in sorted(named) if n.startswith("viewer_")]
+        self.tools = [named[n] for n in ("measure", "fit")]
+        names = ("curves", "tradeoff", "snapshots", "runs", "history")
+        self.beside = [named[n] for n in names if n in named]  # one behind another
+        self.all = (self.library, self.panels, *self.viewers, *self.tools, *self.beside)
 
 
-def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
+def place(window: QMainWindow, layout: LayoutName) -> None:
     """Put every dock where the layout has it, and open the library, panels, picture and curves.
 
     Which of the other docks are open stays.
     """
-    others = (*docks.viewers[1:], docks.measuring, docks.fitting, *docks.beside[1:])
+    docks = Docks(window)
+    others = (*docks.viewers[1:], *docks.tools, *docks.beside[1:])
     was_open = [dock for dock in others if not dock.isHidden()]
     for dock in docks.all:
         dock.setFloating(False)
@@ -222,7 +207,7 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
         window.splitDockWidget(*way)
     for before, dock in zip(docks.beside, docks.beside[1:], strict=False):
         window.tabifyDockWidget(before, dock)
-    pictures = (*docks.viewers, docks.measuring, docks.fitting)
+    pictures = (*docks.viewers, *docks.tools)
     for before, dock in pairwise(pictures):
         window.tabifyDockWidget(before, dock)
     for dock in (docks.library, docks.panels, first, docks.curves, *was_open):
@@ -231,13 +216,14 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
     docks.curves.raise_()
 
 
-def size(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
+def size(window: QMainWindow, layout: LayoutName) -> None:
     """Give each dock the layout's share of the window as large as it is now."""
+    docks = Docks(window)
     unit, line = window.fontMetrics().averageCharWidth(), window.fontMetrics().height()
     width, height = window.width(), window.height()
     viewer = docks.viewers[0]
     picture = PICTURE_SHARE * width * height
-    bars = _height_of_bars(viewer, docks.picture)
+    bars = _height_of_bars(viewer, window.findChild(ImageViewer, "image_viewer.1"))
     room = height - window.menuBar().height() - window.statusBar().height()
     if layout == "picture_beside":
         tall = max(1, room - bars)

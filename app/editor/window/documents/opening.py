@@ -62,11 +62,6 @@ def open_named(text: str, *, library: Library) -> Opened:
     """A network by its path, or by its name where it is a shipped one.
 
     A shipped one opens as a copy without a path: saving needs a new one.
-
-    Raises
-    ------
-    FileError, NetworkError
-        With one line on what is wrong.
     """
     place = find_network(text)
     opened = open_network_file(place.path.absolute(), library=library)

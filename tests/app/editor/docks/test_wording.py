@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtTest import QTest
 
 from app.editor.docks import tradeoff_view as wording
 from app.editor.docks.tradeoff_view import first_figures, listed_titles
@@ -43,16 +42,6 @@ def test_a_node_is_named_only_where_figures_are_called_alike(known):
     assert titles["total.mtf_nyquist_x"] == "MTF ξ, samples' Nyquist"
     assert titles["total.mtf_pixel_nyquist_x"] == "MTF ξ, pixels' Nyquist"
     assert len(set(titles.values())) == len(titles)
-
-
-def test_the_dock_says_how_the_value_is_moved(dock, opened_window, idle):
-    told = dock.status.title.text()
-    assert "drag it" in told
-    before = dock.varied.present
-    dock.plots.setFocus()
-    QTest.keyClick(dock.plots, Qt.Key.Key_Right)
-    idle(opened_window)
-    assert dock.varied.present > before
 
 
 def test_what_is_ticked_is_in_sight(dock):

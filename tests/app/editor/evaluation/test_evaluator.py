@@ -269,18 +269,6 @@ def test_what_was_stopped_is_said_to_be_behind_until_it_is_computed(
     assert changes == [True, False]
 
 
-def test_generating_takes_up_what_was_cancelled(evaluator, answers, small, settled, qtbot):
-    gate = Gate()
-    evaluator.ask("panel", [Asking(gate)])
-    qtbot.waitUntil(gate.entered.is_set)
-    evaluator.cancel()
-    settled()
-    gate.opened.set()
-    evaluator.generate()
-    settled()
-    assert [answer.value for answer in answers] == ["went on"]
-
-
 def test_closing_joins_the_thread_and_gives_python_its_old_pace_back(
     session, qtbot, small, monkeypatch
 ):

@@ -71,11 +71,6 @@ def settle(qtbot, evaluator):
     qtbot.waitUntil(lambda: evaluator.idle)
 
 
-def test_a_sound_chain_has_no_badges(evaluator, open_network):
-    open_network(chain(sigma_mrad=1.0), Samples("back.image"))
-    assert evaluator.badges == {}
-
-
 def test_an_error_stands_on_its_node_and_the_rest_goes_on(evaluator, open_network, qtbot):
     answers = []
     evaluator.answered.connect(answers.append)
@@ -158,13 +153,6 @@ def test_what_changes_too_little_is_skipped_with_its_bound(evaluator, open_netwo
     session.do(set_parameter("jitter", "sigma_mrad", 1.0))
     settle(qtbot, evaluator)
     assert "jitter" not in evaluator.badges
-
-
-def test_a_disabled_node_says_so(evaluator, open_network, qtbot):
-    session = open_network(chain(sigma_mrad=1.0), Samples("back.image"))
-    session.do(set_node_field("jitter", "disabled", True))
-    settle(qtbot, evaluator)
-    assert {name: badge.kind for name, badge in evaluator.badges.items()} == {"jitter": "disabled"}
 
 
 def test_badges_are_told_only_when_they_change(evaluator, open_network, qtbot):

@@ -1,15 +1,14 @@
 """What a person's hands expect of the canvas, in the window as it is: real keys and mouse."""
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint
 from PySide6.QtGui import QGuiApplication
-from PySide6.QtWidgets import QMenu
 
 from canvas_networks import chain_and_free_blur
 from core.editing.document import Document
 from core.network.network import Link
 from screen_places import place_of_module
-from window_hands import CTRL, KEY, SHIFT, add
+from window_hands import CTRL, KEY, SHIFT
 
 
 @pytest.fixture
@@ -36,13 +35,6 @@ def test_tab_searches_and_adds_under_the_mouse(window, hand):
     assert list(window.session.network.nodes) == ["jitter_mtf"]
     assert window.session.network.layout["jitter_mtf"] == (60.0, 30.0)
     assert steps(window) == 1
-
-
-def test_double_click_searches_and_adds_there(window, hand):
-    hand.double_click(hand.at(-50, 40))
-    hand.type("read image")
-    hand.key(KEY.Key_Return)
-    assert window.session.network.layout["read_image"] == (-50.0, 40.0)
 
 
 def test_letters_typed_into_the_search_are_no_shortcuts(window, hand):
@@ -74,61 +66,6 @@ def test_a_double_click_in_the_library_adds(window, hand):
 
 
 # --- wires -------------------------------------------------------------------------------------
-
-
-def test_a_wire_of_the_wrong_type_is_refused_with_the_reason(window, hand, chain):
-    before = chain.network
-    hand.drag(hand.port("scene", "image", "output"), hand.port("back", "magnitude", "input"))
-    assert chain.network is before
-    for word in ("image", "magnitude", "back"):
-        assert word in window.status.error
-
-
-def test_a_wire_that_would_make_a_circle_is_refused_with_the_reason(window, hand, chain):
-    hand.drag(hand.port("back", "image", "output"), hand.port("init", "image", "input"))
-    assert Link.between("back.image", "init.image") not in chain.network.links
-    assert "cycle" in window.status.error or "circle" in window.status.error
-
-
-def test_a_wire_dropped_on_empty_ground_offers_what_fits(window, hand, chain):
-    hand.drag(hand.port("back", "image", "output"), hand.at(900, 200))
-    assert window.canvas.search_is_open()
-    hand.type("init trans")
-    hand.key(KEY.Key_Return)
-    (added,) = set(chain.network.nodes) - set(chain_and_free_blur().nodes)
-    assert Link("back", "image", added, "image") in chain.network.links
-    assert steps(window) == 1
-
-
-def test_escape_leaves_a_dropped_wire_undone(window, hand, chain):
-    before = chain.network
-    hand.drag(hand.port("back", "image", "output"), hand.at(900, 200))
-    hand.key(KEY.Key_Escape)
-    assert not window.canvas.search_is_open()
-    assert chain.network is before
-    assert not window.isWindowModified()
-
-
-def test_a_node_dropped_on_a_wire_is_led_through_with_its_context(window, hand, chain):
-    wire = Link.between("init.magnitude", "back.magnitude")
-    hand.drag(hand.head("blur"), hand.wire(wire))
-    assert wire not in chain.network.links
-    assert {
-        Link.between("init.magnitude", "blur.magnitude"),
-        Link.between("init.context", "blur.context"),
-        Link.between("blur.magnitude", "back.magnitude"),
-    } <= set(chain.network.links)
-    hand.key(KEY.Key_Z, CTRL)
-    assert chain.network == chain_and_free_blur(), "one step"
-
-
-def test_a_pupil_module_dropped_on_a_wire_gets_the_one_pupil_there_is(window, hand, chain):
-    add(window, "exit_pupil", (240, 500))
-    name = add(window, "exit_pupil_mtf", (480, 500))
-    window.canvas.frame_all()
-    hand.drag(hand.head(name), hand.wire(Link.between("init.magnitude", "back.magnitude")))
-    assert Link("exit_pupil", "pupil", name, "pupil") in chain.network.links
-    assert Link("init", "context", name, "context") in chain.network.links
 
 
 # --- deleting, copying, undoing ----------------------------------------------------------------
@@ -244,34 +181,6 @@ def test_d_lets_nodes_pass_their_input_through_and_again_not(hand, chain):
     hand.key(KEY.Key_D)
     assert not chain.network.nodes["init"].disabled
     assert not chain.network.nodes["blur"].disabled
-
-
-def test_the_middle_button_pans(window, hand, chain):
-    before = visible(window).center()
-    start = hand.at(300, 330)
-    hand.drag(start, start + QPoint(80, -50), button=Qt.MouseButton.MiddleButton)
-    moved = (visible(window).center() - before) * window.canvas.view.zoom
-    assert (round(moved.x()), round(moved.y())) == (-80, 50)
-    assert not chain.selection
-
-
-def test_the_wheel_zooms_at_the_pointer(window, hand, chain):
-    spot = hand.middle("back")
-    held = window.canvas.view.scene_point(spot)
-    before = window.canvas.view.zoom
-    hand.wheel(spot, 120)
-    assert window.canvas.view.zoom > before
-    assert (window.canvas.view.pixel(held) - spot).manhattanLength() <= 2
-    hand.wheel(spot, -120)
-    assert window.canvas.view.zoom == pytest.approx(before)
-
-
-def test_the_right_button_opens_the_menu_of_what_is_there(window, hand, chain):
-    hand.ask_for_menu(hand.middle("blur"))
-    menu = window.findChild(QMenu, "canvas.menu.node")
-    assert menu.isVisible()
-    assert chain.selection == ("blur",)
-    menu.hide()
 
 
 def test_the_keyboard_alone_builds_a_chain(window, hand):

@@ -3,7 +3,6 @@
 import json
 import os
 import stat
-import sys
 
 import numpy as np
 import pytest
@@ -12,9 +11,8 @@ from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
 
-from app.editor.recovery_files import Autosave, recoverable
+from app.editor.recovery_files import Autosave
 from app.run.shipped import shipped_networks
-from child_process import finished
 from core.editing.document import Document
 from window_hands import CTRL, KEY, SHIFT, WindowHands, add, answer, drag_event, give_focus
 
@@ -105,12 +103,6 @@ def test_a_picture_dropped_on_the_canvas_becomes_read_image_there(window, hand, 
     (node,) = window.session.network.nodes.values()
     assert node.module == "read_image"
     assert window.session.network.layout[node.id] == (60.0, 40.0)
-
-
-def test_a_network_dropped_on_the_canvas_is_opened(window, hand, files):
-    viewport = window.canvas.view.viewport()
-    assert hand.drop_files(viewport, hand.at(0, 0), [files / "mine.json"])
-    assert window.session.document.path == files / "mine.json"
 
 
 def test_a_network_dropped_asks_for_unsaved_work(window, hand, files, qtbot):
@@ -204,44 +196,7 @@ def test_a_network_whose_folder_was_removed_is_kept_in_the_window(window, hand, 
     assert not window.isWindowModified()
 
 
-def test_a_recent_file_that_is_gone_is_said_when_it_is_clicked(window, hand, files):
-    path = files / "mine.json"
-    window.files.open_now(str(path))
-    window.show_welcome()
-    row = window.findChild(QPushButton, "welcome.recent.mine.json")
-    path.unlink()
-    QTest.mouseClick(row, Qt.MouseButton.LeftButton)
-    assert "is neither a file" in window.status.error
-
-
 # --- what a crash leaves -----------------------------------------------------------------------
-
-
-def test_two_windows_keep_their_work_apart(make_window, qtbot, tmp_path):
-    one, two = make_window(), make_window()
-    add(one, "test_scene")
-    add(two, "init_trans")
-    folder = tmp_path / "recovery"
-    qtbot.waitUntil(lambda: len(list(folder.glob("[!.]*.recovery"))) == 2)
-    assert recoverable(folder) == (), "both are alive"
-    one.close_for_good()
-    (left,) = folder.glob("[!.]*.recovery")
-    assert b"init_trans" in left.read_bytes()
-
-
-def test_another_process_sees_only_what_the_dead_have_left(window, hand, qtbot, tmp_path):
-    add(window, "test_scene")
-    folder = tmp_path / "recovery"
-    qtbot.waitUntil(lambda: any(folder.glob("[!.]*.recovery")))
-    program = (
-        "import sys; from pathlib import Path\n"
-        "from app.editor.recovery_files import recoverable\n"
-        "print(len(recoverable(Path(sys.argv[1]))))"
-    )
-    words = [sys.executable, "-c", program, str(folder)]
-    told = finished(words)
-    assert told.stdout.strip() == "0", told.stderr
-    assert list(folder.glob("[!.]*.recovery")), "it was left alone"
 
 
 @pytest.fixture

@@ -1,21 +1,17 @@
 """What a person expects of the viewers, in the window as it is: real keys and mouse."""
 
 import json
-import math
-import re
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QAction
+from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QToolButton, QWidget
+from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
 from app.editor.window.documents.opening import Opened, shipped_copy
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.editing.document import Document
-from core.editing.operations import set_parameter
 from core.evaluation.policy import Policy
 from editor_queries import Asking, Gate
 from small_networks import SHIPPED, small_network
@@ -40,21 +36,6 @@ def value(window, port):
     engine = Engine(session.library)
     plan = engine.plan(session.network, folder=session.folder)
     return engine.value(plan, port, engine.work(Policy()))
-
-
-def choose(menu_owner, *names):
-    """Trigger entries of a viewer's menus by their object names, as a click does."""
-    for name in names:
-        found = menu_owner.findChild(QAction, name)
-        assert found is not None, name
-        found.trigger()
-
-
-def opened_menu(viewer, which):
-    """The menu of a viewer's button, filled as if it had just opened."""
-    menu = viewer.findChild(QToolButton, f"{viewer.owner}.{which}").menu()
-    menu.aboutToShow.emit()
-    return menu
 
 
 # --- numbers show nodes ------------------------------------------------------------------------
@@ -107,102 +88,6 @@ def test_a_node_that_gives_curves_is_shown_among_the_curves(window, hand, idle):
     assert window.viewers.plot_dock.isVisible()
 
 
-def test_a_node_in_a_viewer_that_is_renamed_stays_there(window, hand, idle):
-    hand.select("scene")
-    hand.key(KEY.Key_1)
-    idle(window)
-    before = window.viewers.images[1].picture.samples
-    hand.key(KEY.Key_F2)
-    hand.key(KEY.Key_A, CTRL)
-    hand.type("somewhere")
-    hand.key(KEY.Key_Return)
-    idle(window)
-    viewer = window.viewers.images[1]
-    assert viewer.choices.port == "somewhere.image"
-    assert viewer.bar.ports.port == "somewhere.image"
-    np.testing.assert_array_equal(viewer.picture.samples, before)
-    hand.focus()
-    hand.key(KEY.Key_Z, CTRL)
-    idle(window)
-    assert viewer.choices.port == "scene.image"
-    assert viewer.picture is not None
-
-
-def test_a_disabled_node_passes_its_picture_on(window, hand, idle):
-    blur = next(n.id for n in window.session.network.nodes.values() if n.module == "gaussian_mtf")
-    viewer = window.viewers.images[1]
-    blurred = viewer.picture.samples
-    hand.select(blur)
-    hand.key(KEY.Key_D)
-    idle(window)
-    assert window.evaluator.badges[blur].kind == "disabled"
-    assert not np.array_equal(viewer.picture.samples, blurred)
-    np.testing.assert_array_equal(viewer.picture.samples, value(window, viewer.choices.port))
-
-
-# --- two pictures ------------------------------------------------------------------------------
-
-
-def test_wipe_and_difference_between_two_wires(window, hand, idle):
-    viewer = window.viewers.images[1]
-    final, scene = value(window, viewer.choices.port), value(window, "scene.image")
-    menu = opened_menu(viewer, "compare")
-    other = next(a for a in menu.findChildren(QAction) if a.data() == "scene.image")
-    other.trigger()
-    idle(window)
-    assert viewer.choices.mode == "wipe"
-    np.testing.assert_array_equal(viewer.picture.other.samples, scene)
-    choose(menu, "difference")
-    idle(window)
-    np.testing.assert_allclose(viewer.picture.samples, final - scene, rtol=0, atol=1e-5)
-    choose(menu, "alone")
-    idle(window)
-    np.testing.assert_array_equal(viewer.picture.samples, final)
-
-
-def test_viewers_that_are_linked_zoom_together(window, hand, idle):
-    one, two = window.viewers.images[1], window.viewers.images[2]
-    menu = opened_menu(one, "compare")
-    link = next(a for a in menu.findChild(QWidget, "links").actions() if a.data() == 2)
-    link.trigger()
-    one.canvas.set_zoom((0.25, 0.25, 0.5))
-    one.links.apply_zoom()
-    assert two.canvas.zoom == pytest.approx(one.canvas.zoom, abs=0.02)
-    assert link.isChecked()
-
-
-def test_the_line_profile_tells_the_samples_along_it(window, hand, idle):
-    viewer = window.viewers.images[1]
-    choose(opened_menu(viewer, "display"), "profile")
-    idle(window)
-    samples = viewer.picture.samples
-    row = (samples.shape[0] - 1) / 2
-    across = samples[math.floor(row) : math.ceil(row) + 1].mean(axis=0)
-    _, along = viewer.canvas.profile._curve.getData()
-    assert viewer.canvas.profile.shown
-    assert along.min() >= across.min() - 1e-6
-    assert along.max() <= across.max() + 1e-6
-
-
-def test_the_probe_tells_radiance_and_apparent_temperature(window, hand, idle, qtbot):
-    viewer = window.viewers.images[1]
-    viewer.look_at("scene.image")
-    idle(window)
-    spot = viewer.canvas.view.mapViewToScene(QPointF(10.5, 7.5)).toPoint()
-    place = viewer.canvas.view.mapSceneToView(QPointF(spot))
-    row, column = math.floor(place.y()), math.floor(place.x())
-    QTest.mouseMove(viewer.canvas.viewport(), spot)
-    qtbot.wait(30)
-    told = viewer.status.more.text()
-    found = re.search(r"row (\d+)  column (\d+):", told)
-    # A dot of the screen shows several samples.
-    assert abs(int(found[1]) - row) <= 1
-    assert abs(int(found[2]) - column) <= 1
-    sample = viewer.picture.samples[int(found[1]), int(found[2])]
-    assert f"{float(sample):.6g} W/m²/sr" in told
-    assert told.endswith(" K")
-
-
 # --- writing what is shown ---------------------------------------------------------------------
 
 
@@ -245,25 +130,6 @@ def test_an_export_that_cannot_be_written_is_said(window, hand, idle, tmp_path):
 # --- panels ------------------------------------------------------------------------------------
 
 
-def test_a_value_out_of_range_is_marked_refused_and_explained(window, hand, qtbot):
-    add(window, "jitter_mtf")
-    window.session.select(["jitter_mtf"])
-    before = window.session.network
-    field = window.panels.findChild(QWidget, "field.sigma_mrad")
-    edit = field.findChild(QLineEdit, "value.sigma_mrad")
-    edit.setFocus()
-    edit.selectAll()
-    hand.type("-3")
-    hand.key(KEY.Key_Return)
-    assert window.session.network is before
-    assert edit.marked
-    assert "-3" in field.message.text()
-    qtbot.waitUntil(field.message.isVisible)
-    hand.key(KEY.Key_Escape)
-    assert not edit.marked
-    assert edit.text() == "0.02"
-
-
 def test_what_escape_left_uncomputed_is_said_until_it_is_computed(window, hand, idle, qtbot):
     """What is shown then is of the network before the last change, and looks as if it were not."""
     said, gate = window.findChild(QWidget, "status.behind"), Gate()
@@ -295,24 +161,6 @@ def test_pinned_panels_are_kept_in_the_file_and_there_again(window, hand, idle, 
     idle(window)
     assert set(window.panels.panels) == {"scene"}
     assert window.panels.panels["scene"].isVisible()
-
-
-def test_a_held_node_is_stale_until_all_is_generated(window, hand, idle):
-    viewer = window.viewers.images[1]
-    hand.select("back")
-    QTest.mouseClick(window.panels.panels["back"].head.auto, Qt.MouseButton.LeftButton)
-    idle(window)
-    before = viewer.picture.samples
-    blur = next(n.id for n in window.session.network.nodes.values() if n.module == "gaussian_mtf")
-    window.session.do(set_parameter(blur, "sigma_x_mrad", 5.0))
-    idle(window)
-    assert window.evaluator.badges["back"].kind == "stale"
-    np.testing.assert_array_equal(viewer.picture.samples, before)
-    hand.key(KEY.Key_Return, CTRL)
-    idle(window)
-    assert "back" not in window.evaluator.badges
-    np.testing.assert_array_equal(viewer.picture.samples, value(window, viewer.choices.port))
-    assert not np.array_equal(viewer.picture.samples, before)
 
 
 def test_every_panel_says_what_its_controls_are(window, idle):

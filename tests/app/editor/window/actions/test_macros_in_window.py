@@ -77,16 +77,6 @@ def test_ctrl_g_makes_one_node_and_its_name_is_typed_in_place(hands, window, idl
     assert text(window) == start
 
 
-def test_ctrl_shift_g_puts_the_nodes_back(hands, window):
-    start = window.session.document.network
-    hands.select(*MEMBERS)
-    hands.key(KEY.Key_G, CTRL)
-    hands.focus()
-    hands.key(KEY.Key_G, CTRL | SHIFT)
-    assert window.session.document.network == start
-    assert set(window.session.selection) == set(MEMBERS)
-
-
 def test_a_double_click_shows_the_inside_and_the_bar_leads_back(grouped, window):
     assert not window.crumbs.isVisible()
     grouped.double_click(grouped.head("lens"))
@@ -234,21 +224,6 @@ def test_a_fault_inside_stands_on_the_macro(grouped, window, idle):
     badge = window.canvas.content.nodes["lens"].badge
     assert badge.kind == "incomplete"
     assert badge.text.startswith("lens/back: not connected")
-
-
-def test_a_copy_of_a_macro_has_its_own_inside(grouped, window, idle):
-    grouped.select("lens")
-    grouped.key(KEY.Key_C, CTRL)
-    grouped.key(KEY.Key_V, CTRL)
-    idle(window)
-    assert set(window.level.network.nodes) == {"scene", "picture", "lens", "lens_2"}
-    grouped.double_click(grouped.head("lens_2"))
-    assert window.level.path == ("lens_2",)
-    grouped.select("blur")
-    grouped.key(KEY.Key_D)
-    network = window.session.document.network
-    assert network.nodes["lens_2"].macro.nodes["blur"].disabled
-    assert not network.nodes["lens"].macro.nodes["blur"].disabled
 
 
 def library_item(window, text):

@@ -52,15 +52,6 @@ def test_the_key_marks_and_unmarks(window, hand):
     assert marked(session) == ["back"]
 
 
-def test_the_mark_moves_from_node_to_node(window, hand):
-    hand.select("back")
-    hand.key(KEY.Key_O)
-    hand.select("scene")
-    hand.key(KEY.Key_O)
-    nodes = window.canvas.content.nodes
-    assert [name for name, item in nodes.items() if item.face.output] == ["scene"]
-
-
 def test_what_has_no_picture_is_refused_in_words(window, hand):
     told = []
     window.session.message.connect(lambda *words: told.append(words))

@@ -74,12 +74,6 @@ def test_what_is_being_typed_is_copied_too(window, hand, nodes, idle):
     assert json.loads(QGuiApplication.clipboard().text())["values"]["sigma_x_mrad"] == 0.75
 
 
-def test_without_a_selection_there_is_nothing_to_copy_or_paste(window, hand, nodes):
-    window.session.select(())
-    for name in ("copy_values", "paste_values"):
-        assert not window.actions_by_name[name].isEnabled()
-
-
 def test_the_menu_of_a_panels_head_has_both(window, hand, nodes, idle):
     hand.select("blur")
     idle(window)
@@ -89,15 +83,6 @@ def test_the_menu_of_a_panels_head_has_both(window, hand, nodes, idle):
     idle(window)
     press_in_head_menu(window, "shake", "paste_values")
     assert params(window, "shake") == params(window, "blur")
-
-
-def test_the_menu_of_sets_has_both_too(window, hand, nodes, idle):
-    hand.select("blur")
-    idle(window)
-    panel = window.panels.panels["blur"]
-    panel.sets_menu.aboutToShow.emit()
-    names = [action.objectName() for action in panel.sets_menu.actions()]
-    assert names[:2] == ["copy_values", "paste_values"]
 
 
 def press_in_head_menu(window, node, name):
@@ -152,14 +137,6 @@ def test_a_text_that_is_no_value_is_refused_below_the_field(window, blur):
     choose(blur("sigma_x_mrad"), "paste_value")
     assert params(window, "blur")["sigma_x_mrad"] == 0.3
     assert "a shopping list" in blur("sigma_x_mrad").message.text()
-
-
-def test_an_expression_is_copied_as_such(window, blur):
-    window.session.do(set_parameter("blur", "sigma_x_mrad", expression("init.f_number * 0.1")))
-    choose(blur("sigma_x_mrad"), "copy_value")
-    assert QGuiApplication.clipboard().text() == "= init.f_number * 0.1"
-    choose(blur("sigma_y_mrad"), "paste_value")
-    assert params(window, "blur")["sigma_y_mrad"] == {"expression": "init.f_number * 0.1"}
 
 
 def test_a_field_takes_its_own_value_of_a_copied_node(window, hand, nodes, blur, idle):

@@ -8,7 +8,7 @@ from canvas_networks import chain_and_free_blur
 from core.editing.document import Document
 from core.editing.wire_dots import add_dot, dots_of
 from core.network.network import Link
-from window_hands import CTRL, KEY, SHIFT
+from window_hands import CTRL, KEY
 
 ALT = Qt.KeyboardModifier.AltModifier
 WIRE = Link.between("init.magnitude", "back.magnitude")
@@ -102,14 +102,6 @@ def test_del_deletes_the_selected_dot_then_the_wire(window, hand, bent):
     assert dots(bent) == ((500.0, 120.0),)
 
 
-def test_a_deleted_wire_comes_back_bent(window, hand, bent):
-    hand.drag(hand.at(440, 60), hand.at(440, 160), keys=ALT | SHIFT)
-    assert WIRE not in bent.network.links
-    hand.key(KEY.Key_Z, CTRL)
-    assert dots(bent) == ((500.0, 120.0),)
-    assert nearest(drawn(window), 500, 120) < 1
-
-
 def test_r_bends_the_wire_under_the_pointer(window, hand, chain):
     spot = hand.wire(OTHER)
     hand.click(spot)
@@ -169,15 +161,6 @@ def test_dots_go_along_with_both_nodes_and_stay_with_one(window, hand, bent):
     assert dots(bent) == ((500.0, 120.0),)
 
 
-def test_copied_nodes_bring_their_dots(window, hand, bent):
-    hand.select("init", "back")
-    hand.key(KEY.Key_C, CTRL)
-    hand.key(KEY.Key_V, CTRL)
-    new = Link("init_2", "magnitude", "back_2", "magnitude")
-    assert len(dots(bent, new)) == 1
-    assert len(drawn(window, new).dots) == 1
-
-
 def test_laying_out_leads_the_wires_anew_as_one_step(window, hand, bent):
     before = steps(bent)
     hand.click(hand.at(300, 500))
@@ -216,43 +199,7 @@ def test_the_menu_of_a_wire_adds_deletes_and_straightens(window, hand, bent):
     assert not entry(hand.wire(WIRE), "Straighten").isEnabled()
 
 
-def test_they_are_saved_and_opened(window, hand, bent, tmp_path):
-    window.files.save_to(tmp_path / "bent.json")
-    window.files.new()
-    window.files.open_now(str(tmp_path / "bent.json"))
-    assert dots(window.session) == ((500.0, 120.0),)
-    assert drawn(window).dots == (QPointF(500, 120),)
-
-
 def test_a_dot_far_out_is_framed(window, hand, bent):
     bent.do(add_dot(bent.network, WIRE, 0, (400.0, 900.0)))
     window.canvas.frame_all()
     assert window.canvas.view.visible_rect().contains(QPointF(400, 900))
-
-
-def test_renaming_a_node_keeps_its_wires_bent(window, hand, bent):
-    hand.select("back")
-    hand.key(KEY.Key_F2)
-    hand.key(KEY.Key_A, CTRL)
-    hand.type("result")
-    hand.key(KEY.Key_Return)
-    new = Link("init", "magnitude", "result", "magnitude")
-    assert dots(bent, new) == ((500.0, 120.0),)
-    assert nearest(drawn(window, new), 500, 120) < 1
-
-
-def test_a_wire_inside_of_a_macro_is_bent_there(window, hand, chain):
-    chain.select(["init", "back"])
-    window.actions_by_name["group"].trigger()
-    (macro,) = (name for name, node in chain.network.nodes.items() if node.macro is not None)
-    window.level.enter(macro)
-    window.canvas.frame_all()
-    hand.focus()
-    hand.double_click(hand.wire(WIRE))
-    assert len(dots_of(chain.document.network.nodes[macro].macro)[WIRE]) == 1
-    assert "wire_dots" not in chain.document.network.extra
-    assert len(drawn(window).dots) == 1
-    hand.key(KEY.Key_Down)
-    hand.key(KEY.Key_Z, CTRL)
-    hand.key(KEY.Key_Z, CTRL)
-    assert not dots_of(chain.document.network.nodes[macro].macro)

@@ -53,13 +53,6 @@ def test_a_click_on_the_status_bar_keeps_nothing(opened, idle):
     assert opened.panel_dock.width() == wide
 
 
-def test_a_drag_of_a_separator_keeps_shares(opened, idle):
-    drag_separator(opened, -90)
-    idle(opened)
-    kept = shares(opened)
-    assert kept["dock.panels"][0] == pytest.approx(opened.panel_dock.width() / 1600)
-
-
 def test_a_floated_dock_leaves_its_room_to_the_others(opened, idle, qtbot):
     drag_separator(opened, -90)
     idle(opened)
