@@ -70,25 +70,13 @@ def under(macro: Node, inner: Node) -> Node:
     return made[macro.id, auto]
 
 
-def step_inside(network: Network, name: str) -> tuple[str, str] | None:
-    """The macro that a name such as ``camera/optics/blur`` begins with, and the rest of it."""
-    if name in network.nodes:
-        return None
-    for place, letter in enumerate(name):
-        if letter == SEPARATOR:
-            node = network.nodes.get(name[:place])
-            if node is not None and node.macro is not None and node.macro.has(name[place + 1 :]):
-                return name[:place], name[place + 1 :]
-    return None
-
-
 def path_of(network: Network, name: str) -> tuple[str, ...]:
     """The macros that a node lies in, from the outside, and its own id at the end.
 
     Raises `NetworkError` if there is no such node.
     """
     path = []
-    while (step := step_inside(network, name)) is not None:
+    while (step := network.step_inside(name)) is not None:
         macro, name = step
         path.append(macro)
         inside = network.nodes[macro].macro

@@ -199,16 +199,20 @@ class Network(_Frozen):
         named = port.rpartition(".")[0] if isinstance(port, str) else ""
         return self.marked or ((named,) if self.has(named) else ())
 
+    def step_inside(self, name: str) -> tuple[str, str] | None:
+        """The macro that a name such as ``camera/optics/blur`` begins with, and the rest of it."""
+        if name in self.nodes:
+            return None
+        for place, letter in enumerate(name):
+            macro, rest = name[:place], name[place + 1 :]
+            node = self.nodes.get(macro) if letter == "/" else None
+            if node is not None and node.macro is not None and node.macro.has(rest):
+                return macro, rest
+        return None
+
     def has(self, name: str) -> bool:
         """Whether there is a node of that id, or, as ``MACRO/NODE``, inside of a macro."""
-        if name in self.nodes:
-            return True
-        return any(
-            node.macro is not None
-            and name.startswith(f"{macro}/")
-            and node.macro.has(name.removeprefix(f"{macro}/"))
-            for macro, node in self.nodes.items()
-        )
+        return name in self.nodes or self.step_inside(name) is not None
 
     def parameter_behind(self, node: str, name: str) -> tuple[str, str]:
         """The node and parameter that a macro's parameter stands for; others stand for itself."""

@@ -35,7 +35,7 @@ from core.modules.panel_sections import Caution
 from core.modules.parameters import Parameter
 from core.names import close, shown
 from core.network.linked_values import resolved, with_values
-from core.network.macro import declared_node, opened, path_of, step_inside
+from core.network.macro import declared_node, opened, path_of
 from core.network.network import Link, Network, Node, reached
 from core.network.validation import NetworkProblems, check_network, plain_network
 from imagechain.parts.module_part import Part, file_value
@@ -73,11 +73,10 @@ class ChainState:
 
     def node(self, name: str) -> Node:
         """The node as the network has it; also one inside of a macro, ``MACRO/NODE``."""
-        network, step = self.network, step_inside(self.network, name)
-        while step is not None:
+        network = self.network
+        while (step := network.step_inside(name)) is not None:
             macro, name = step
             network = opened(network.nodes[macro])
-            step = step_inside(network, name)
         return network.node(name)
 
     def declared(self, name: str, library: Library) -> Declaration:
