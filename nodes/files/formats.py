@@ -18,7 +18,6 @@ from nodes.files import arrays, pictures, zarr_array
 from nodes.files.common.file_format import BLANKS, CSV, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples
 from nodes.files.headers import envi, envi_header
-from nodes.files.oiio_writing import write_by_oiio
 from nodes.files.store_folder import is_store
 
 
@@ -74,10 +73,10 @@ NPY = PictureFormat(
     ("float", "double"), recognizes=arrays.is_npy, plain=True,
 )  # fmt: skip
 TIFF = PictureFormat(
-    "tif", (".tif", ".tiff"), "TIFF", *_OIIO, write_by_oiio,
+    "tif", (".tif", ".tiff"), "TIFF", *_OIIO, pictures.write_by_oiio,
     ("float", "double", "uint8", "uint16"),
 )  # fmt: skip
-PNG = PictureFormat("png", (".png",), "PNG", *_OIIO, write_by_oiio, ("uint8", "uint16"))
+PNG = PictureFormat("png", (".png",), "PNG", *_OIIO, pictures.write_by_oiio, ("uint8", "uint16"))
 # The first that claims a file reads it.
 PICTURES: tuple[PictureFormat, ...] = (
     PictureFormat(
@@ -85,7 +84,7 @@ PICTURES: tuple[PictureFormat, ...] = (
         recognizes=is_store,
     ),
     NPY,
-    PictureFormat("exr", (".exr",), "EXR", *_OIIO, write_by_oiio, ("float", "half")),
+    PictureFormat("exr", (".exr",), "EXR", *_OIIO, pictures.write_by_oiio, ("float", "half")),
     TIFF,
     PNG,
     PictureFormat("jpg", (".jpg", ".jpeg"), "JPEG", *_OIIO),

@@ -13,7 +13,7 @@ from core.modules.declaration import declaration
 from core.modules.panel_sections import Section
 from core.network.network import Link, Network, Node
 from cube_files import centres, write_cube
-from nodes.files.oiio_writing import write_by_oiio
+from nodes.files.pictures import write_by_oiio
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
