@@ -59,17 +59,22 @@ def chebyshev_fit(function: Callable[[FloatArray], FloatArray]) -> FloatArray:
     Source: Trefethen 2013, Approximation Theory and Approximation Practice, chapters 3 and 8.
     """
     for size in _FIT_SIZES:
-        angles = np.pi * (np.arange(size) + 0.5) / size
-        values = function(np.cos(angles))
-        waves = np.cos(np.outer(np.arange(size), angles))
-        coefficients: FloatArray = 2.0 / size * (waves @ values)
-        coefficients[0] /= 2.0
+        coefficients = chebyshev_coefficients(function, size)
         floor = _FIT_TOLERANCE * max(np.max(np.abs(coefficients)), np.finfo(float).tiny)
         used = np.flatnonzero(np.abs(coefficients) > floor)
         length = int(used[-1]) + 1 if used.size else 1
         if length <= size - 4:
             break
     return coefficients[:length]
+
+
+def chebyshev_coefficients(function: Callable[[FloatArray], FloatArray], size: int) -> FloatArray:
+    """So many coefficients, from as many values at the Chebyshev nodes."""
+    angles = np.pi * (np.arange(size) + 0.5) / size
+    values = function(np.cos(angles))
+    coefficients: FloatArray = 2.0 / size * (np.cos(np.outer(np.arange(size), angles)) @ values)
+    coefficients[0] /= 2.0
+    return coefficients
 
 
 def chebyshev_sum(coefficients: FloatArray, places: FloatArray) -> FloatArray:

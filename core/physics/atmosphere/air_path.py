@@ -208,15 +208,7 @@ class AirPath:
     def require_covered(self, cut_on_um: float, cut_off_um: float) -> None:
         """Refuse a band that a table does not cover (`ParameterError`)."""
         for points in (self.points, self.radiance):
-            if not points:
-                continue
-            first, last = points[0][0], points[-1][0]
-            if first > cut_on_um * (1.0 + _NEAR) or last < cut_off_um * (1.0 - _NEAR):
-                raise ParameterError(
-                    "path",
-                    f"{first:g} to {last:g} µm",
-                    f"a table that covers the band, {cut_on_um:g} to {cut_off_um:g} µm",
-                )
+            require_covered(points, cut_on_um, cut_off_um)
 
     def within_band(self, cut_on_um: float, cut_off_um: float) -> AirPath:
         """The same with no more of its tables than the band needs."""
@@ -239,6 +231,19 @@ class AirPath:
 
     def _nodes(self, low: float, high: float) -> tuple[FloatArray, FloatArray]:
         return band_nodes(low, high, self.places_um)
+
+
+def require_covered(points: Points, cut_on_um: float, cut_off_um: float) -> None:
+    """Refuse a band that a table, if there is one, does not cover (`ParameterError`)."""
+    if not points:
+        return
+    first, last = points[0][0], points[-1][0]
+    if first > cut_on_um * (1.0 + _NEAR) or last < cut_off_um * (1.0 - _NEAR):
+        raise ParameterError(
+            "path",
+            f"{first:g} to {last:g} µm",
+            f"a table that covers the band, {cut_on_um:g} to {cut_off_um:g} µm",
+        )
 
 
 @lru_cache(maxsize=32)

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.errors import ParameterError
-from core.physics.atmosphere.air_path import Points
+from core.physics.atmosphere.air_path import Points, require_covered
 from core.physics.checks import non_negative, within
 from core.physics.radiometry.planck import band_nodes, spectral_radiance
 from core.physics.radiometry.spectra import SUN_SHARE, SUNLIGHT_K
@@ -18,8 +17,6 @@ FloatArray = NDArray[np.float64]
 
 SUN_SR = math.pi * SUN_SHARE
 """Solid angle of the Sun at its mean distance."""
-
-_NEAR = 1e-9  # by which a table may end before the band
 
 
 def relative_air_mass(*, elevation_deg: float) -> float:
@@ -101,14 +98,7 @@ class Sunlight:
         ParameterError
             For a table that does not cover the band.
         """
-        if self.points:
-            first, last = self.points[0][0], self.points[-1][0]
-            if first > cut_on_um * (1.0 + _NEAR) or last < cut_off_um * (1.0 - _NEAR):
-                raise ParameterError(
-                    "path",
-                    f"{first:g} to {last:g} µm",
-                    f"a table that covers the band, {cut_on_um:g} to {cut_off_um:g} µm",
-                )
+        require_covered(self.points, cut_on_um, cut_off_um)
         places = [place for place, _ in self.points]
         wavelength, width = band_nodes(cut_on_um, cut_off_um, places)
         return float(width @ self.on_surface(wavelength))

@@ -121,21 +121,16 @@ def _minus_sine(x: NDArray[np.float64]) -> NDArray[np.float64]:
 
 # Time delay and integration: charge that follows a moving image in steps, and not quite.
 #
-# In a stage, of one pitch, the charge moves in as many steps as the clock has phases; between
-# them it
-# stands while the image moves on. In units of the step s = pitch/phases the image is, at the
-# share u
-# of step k, m·k + (1 + m)·u ahead of its charge, for an image faster by the share m. The mean
-# over
-# all steps is a smear of one step and a sum over shifted exposures:
+# In a stage, of one pitch, the charge moves in as many steps as the clock has phases; between them
+# it stands while the image moves on. In units of the step s = pitch/phases the image is, at the
+# share u of step k, m·k + (1 + m)·u ahead of its charge, for an image faster by the share m. The
+# mean over all steps is a smear of one step and a sum over shifted exposures:
 #
 #     sinc((1 + m)·s·f) · sin(πNm·s·f)/(N·sin(πm·s·f)),   N = stages·phases.
 #
 # Sources: Wong, Yao and Schlig 1992, TDI charge-coupled devices: design and applications, IBM J.
-# Res.
-# Develop. 36 (discrete charge motion, velocity mismatch); Holst and Lomheim 2007, CMOS/CCD
-# Sensors
-# and Camera Systems, chapter 10.
+# Res. Develop. 36 (discrete charge motion, velocity mismatch); Holst and Lomheim 2007, CMOS/CCD
+# Sensors and Camera Systems, chapter 10.
 
 
 def tdi_mtf(

@@ -21,7 +21,7 @@ from core.errors import DataError
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.filtered_body import FilteredBody
 from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
-from core.physics.numerics import brent_root, chebyshev_sum
+from core.physics.numerics import brent_root, chebyshev_coefficients, chebyshev_sum
 from core.physics.radiometry.planck import (
     band_radiance,
     band_radiance_derivative,
@@ -348,10 +348,7 @@ def conversion_between(
 def _fit(function: Callable[[FloatArray], FloatArray], tolerance: float) -> FloatArray:
     """Chebyshev coefficients, as many as the tolerance needs."""
     for size in _FIT_SIZES:
-        angles = np.pi * (np.arange(size) + 0.5) / size
-        values = function(np.cos(angles))
-        coefficients = 2.0 / size * (np.cos(np.outer(np.arange(size), angles)) @ values)
-        coefficients[0] /= 2.0
+        coefficients = chebyshev_coefficients(function, size)
         floor = 0.1 * tolerance * abs(coefficients[0])
         if np.abs(coefficients[-3:]).max() <= floor:
             break

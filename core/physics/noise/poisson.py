@@ -109,8 +109,7 @@ def _without_undershoot(means: Floats) -> Floats:
 #
 # The count is the quantile of the Poisson distribution at Φ(z). So the unit deviates of a picture
 # stay what they are when exposure or aperture change, and a sample's count depends on nothing but
-# its
-# own mean and deviate: a region of a picture has the bits of the whole.
+# its own mean and deviate: a region of a picture has the bits of the whole.
 
 Array = NDArray[Any]
 

@@ -394,8 +394,7 @@ def panel_rule(panels: int) -> tuple[Vector, Vector]:
 
 # A function of the radial frequency as series between its kinks, to a given tolerance.
 #
-# Between kinks of half-integer powers, as edges of apertures make them, ρ = a + (b −
-# a)·sin²(πs/2)
+# Between kinks of half-integer powers, as edges of apertures make them, ρ = a + (b − a)·sin²(πs/2)
 # makes the function an analytic one of s, whose Chebyshev series converges like a power.
 
 SIZES = (16, 32, 64, 128, 256, 512, 1024)

@@ -232,13 +232,10 @@ def band_nodes(low: float, high: float, places: Sequence[float]) -> tuple[FloatA
 
 # Planck's law integrated over a band, for many temperatures at once, and its inverse.
 #
-# With x = c2/(λT) a band's radiance is C·T⁴ ∫ x³/(eˣ − 1) dx. The integrand is analytic up to
-# ±2πi
-# and falls like e⁻ˣ, so one Gauss-Legendre rule over at most 50 units of x reaches rounding for
-# any
+# With x = c2/(λT) a band's radiance is C·T⁴ ∫ x³/(eˣ − 1) dx. The integrand is analytic up to ±2πi
+# and falls like e⁻ˣ, so one Gauss-Legendre rule over at most 50 units of x reaches rounding for any
 # band: narrow ones without cancellation, wide ones without a series, cold ones without overflow,
-# because e^(−x_off) is taken out of the integral. What is left varies slowly with temperature:
-# for
+# because e^(−x_off) is taken out of the integral. What is left varies slowly with temperature: for
 # large arrays one Chebyshev fit per octave replaces the integrals.
 
 NODES = 48

@@ -324,9 +324,8 @@ def strips_error(
 
 # Footprints of a frame's samples, which a projection lays on a scene.
 #
-# The rays of a frame's columns a and lines b meet the scene at M·(a, b, 1), so that lines of
-# equal a,
-# and of equal b, are straight on it.
+# The rays of a frame's columns a and lines b meet the scene at M·(a, b, 1), so that lines of equal
+# a, and of equal b, are straight on it.
 
 SQUARE = 1e-7  # samples by which a border may leave the scene's rows, too few to matter
 

@@ -116,10 +116,8 @@ def line_motion_mtf(
 # Mixed sampling of a line scanner: equal angles along the scan, equal ground steps in flight.
 #
 # Over flat ground the scan lines are as far apart on the ground at every view angle, but the
-# farther
-# the ground, the smaller the angle between them. Each column of the frame, seen at one view
-# angle,
-# so has a sampling interval of its own in flight, and one transfer function acts on it at
+# farther the ground, the smaller the angle between them. Each column of the frame, seen at one view
+# angle, so has a sampling interval of its own in flight, and one transfer function acts on it at
 # frequencies of its own.
 #
 # Source: Tantalo 1996, section 2 and figure 2.3a, which treats the whole frame at one scale and

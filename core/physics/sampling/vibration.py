@@ -181,19 +181,14 @@ def _descent(size: NDArray[np.float64], sine: float, cosine: float) -> NDArray[n
 
 # Random motion of the line of sight by its spectrum: what blurs an exposure, what moves frames.
 #
-# Of an exposure of length T the centroid is the mean of the motion, whose spectrum is
-# S·sinc²(fT).
-# What is left, motion about the centroid, blurs. At time t from the exposure's middle its
-# variance is
-# v(t) = ∫ S(f)·[1 + sinc²(fT) − 2·sinc(fT)·cos(2πft)] df, and the expected transfer function, of
-# a
-# normal motion, is the mean over the exposure of exp(−2π²·v(t)·ξ²): exact, where exp(−2π²·v̄·ξ²),
-# the
-# Gaussian of jitter, only begins alike.
+# Of an exposure of length T the centroid is the mean of the motion, whose spectrum is S·sinc²(fT).
+# What is left, motion about the centroid, blurs. At time t from the exposure's middle its variance
+# is v(t) = ∫ S(f)·[1 + sinc²(fT) − 2·sinc(fT)·cos(2πft)] df, and the expected transfer function, of
+# a normal motion, is the mean over the exposure of exp(−2π²·v(t)·ξ²): exact, where exp(−2π²·v̄·ξ²),
+# the Gaussian of jitter, only begins alike.
 #
 # Sources: Papoulis 1991, Probability, Random Variables, and Stochastic Processes, chapter 10;
-# Kopeika
-# 1998, A System Engineering Approach to Imaging, chapter 14.
+# Kopeika 1998, A System Engineering Approach to Imaging, chapter 14.
 
 Vector = NDArray[np.float64]
 _REACH = 1e6  # corners below and above which the law's spectrum ends: a share of 6e-7 each
