@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -22,10 +22,10 @@ from core.editing.operations import (
 from core.editing.references import dropped, renamed
 from core.errors import NetworkError
 from core.names import close, shown, thaw
-from core.network.expression_grammar import Reference, readable
+from core.network.expression_grammar import readable
 from core.network.linked_values import (
     naming,
-    references_in,
+    references,
     with_names,
     with_references,
 )
@@ -222,9 +222,9 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
     del entries[name]
     taking = set_network_field(PARAMETERS, entries or ABSENT)
     container = _body(network, path[:-1])
-    for node, parameter_of, reference in _references_to(container, path[-1]):
+    for node, parameter_of, reference in references(container):
         itself = (node, parameter_of) == (path[-1], name)
-        if reference.parameter == name and not itself:
+        if (reference.node, reference.parameter) == (path[-1], name) and not itself:
             raise NetworkError(
                 f"{shown(macro)}.{name} cannot be hidden: {shown(node)}.{parameter_of} follows it; "
                 "unlink that first"
@@ -270,7 +270,7 @@ def _with_exposed_renamed(network: Network, *, macro: str, old: str, new: str) -
     body = replace(node.macro, extra={**node.macro.extra, PARAMETERS: entries})
     params = {name_of(name): value for name, value in node.params.items()}
     changed = network.with_node(replace(node, params=params, macro=body))
-    if any(one.parameter == old for _, _, one in _references_to(network, macro)):
+    if any((one.node, one.parameter) == (macro, old) for _, _, one in references(network)):
         if not readable(new):
             raise NetworkError(
                 f"{shown(macro)}.{old} is followed by an expression: its name must be "
@@ -300,15 +300,6 @@ def _body(network: Network, macros: list[str] | tuple[str, ...]) -> Network:
             raise NetworkError(f"{shown(macro)} is no macro")
         network = body
     return network
-
-
-def _references_to(network: Network, macro: str) -> Iterator[tuple[str, str, Reference]]:
-    """Node and parameter of each expression around a macro that names it, and what it names."""
-    for node in network.nodes.values():
-        for parameter in node.linked:
-            for reference in references_in(node.params[parameter]):
-                if reference.node == macro:
-                    yield node.id, parameter, reference
 
 
 def _known(macro: str, entries: dict[str, str], name: str) -> None:

@@ -191,18 +191,22 @@ def references_in(raw: Mapping[str, Any]) -> tuple[Reference, ...]:
         return ()
 
 
-def naming(network: Network, names: Collection[str]) -> list[tuple[str, str]]:
-    """Node and parameter of every expression that names one of these nodes, in order.
+def references(network: Network) -> Iterator[tuple[str, str, Reference]]:
+    """Node and parameter of every expression, with each thing that it names, in order."""
+    for node in network.nodes.values():
+        for parameter in node.linked:
+            for reference in references_in(node.params[parameter]):
+                yield node.id, parameter, reference
 
-    Also one that names what lies inside of them.
-    """
-    return [
-        (node.id, parameter)
-        for node in network.nodes.values()
-        if node.linked
-        for parameter, named in named_nodes(node).items()
-        if any(head in names for name in named for head in _heads(name))
-    ]
+
+def naming(network: Network, names: Collection[str]) -> list[tuple[str, str]]:
+    """Node and parameter of every expression that names one of these nodes, or what lies inside."""
+    places = {
+        (node, parameter): None
+        for node, parameter, reference in references(network)
+        if any(head in names for head in _heads(reference.node))
+    }
+    return list(places)
 
 
 def following(network: Network, node: str) -> set[str]:
@@ -211,11 +215,9 @@ def following(network: Network, node: str) -> set[str]:
     Of a network whose macros have been written out.
     """
     followers: dict[str, set[str]] = {}
-    for follower in network.nodes.values():
-        for name in follower.linked:
-            for reference in references_in(follower.params[name]):
-                leader, _ = network.parameter_behind(reference.node, reference.parameter)
-                followers.setdefault(leader, set()).add(follower.id)
+    for follower, _, reference in references(network):
+        leader, _ = network.parameter_behind(reference.node, reference.parameter)
+        followers.setdefault(leader, set()).add(follower)
     return reached(followers, {node}) - {node}
 
 
