@@ -95,10 +95,6 @@ class TradeOffBar(QWidget):
         for widget in (self.low, self.high, self.log, self.count):
             widget.blockSignals(False)
 
-    @property
-    def _error(self) -> str:
-        return self.palette().color(ERROR).name()
-
     def _word(self, text: str) -> QLabel:
         """In the middle of its line."""
         word = QLabel(text, self)

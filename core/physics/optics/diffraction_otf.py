@@ -166,8 +166,8 @@ def _terms(*, aperture: Aperture, cut_on_um: float, wavelengths: int, **_: objec
     if not waves:
         return max(1, wavelengths)
     rate = 8.0 * np.pi * waves * aperture.reference_um / cut_on_um
-    panels = int(rate * (1.0 + inner) / _PHASE_PER_PANEL) + 2
-    return max(1, wavelengths) * panels * _NODES * (5 if inner else 1)
+    panels = int(rate * (1.0 + inner) / PHASE_PER_PANEL) + 2
+    return max(1, wavelengths) * panels * NODES_PER_PANEL * (5 if inner else 1)
 
 
 diffraction_otf.terms = _terms  # type: ignore[attr-defined]
@@ -288,7 +288,7 @@ def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
 # OTF of a centrally obscured circular aperture out of focus.
 
 MOST_DEFOCUS_WAVES = 100.0
-_NODES = 24  # Gauss-Legendre nodes of a panel
+NODES_PER_PANEL = 24  # Gauss-Legendre nodes of a panel
 PHASE_PER_PANEL = 12.0  # [rad]; 24 nodes integrate cos over it to rounding
 _VALUES_PER_BLOCK = 1 << 19
 
@@ -387,7 +387,7 @@ def _shared(v: Vector, k: Vector, inner: float, nodes: Vector, weights: Vector) 
 
 def panel_rule(panels: int) -> tuple[Vector, Vector]:
     """Nodes and weights over [0, 1] in equal panels."""
-    nodes, weights = gauss_legendre(_NODES)
+    nodes, weights = gauss_legendre(NODES_PER_PANEL)
     places = (np.arange(panels)[:, np.newaxis] + 0.5 * (nodes + 1.0)) / panels
     return places.ravel(), np.tile(0.5 * weights / panels, panels)
 

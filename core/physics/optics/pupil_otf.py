@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.errors import DataError, ParameterError
 from core.physics.checks import positive
 from core.physics.optics.annular_otf import annular_otf
-from core.physics.optics.diffraction_otf import PHASE_PER_PANEL, panel_rule
+from core.physics.optics.diffraction_otf import NODES_PER_PANEL, PHASE_PER_PANEL, panel_rule
 from core.physics.optics.overlap_area import half_disc_overlap_area
 from core.physics.optics.pupil_shapes import PupilShape, by_tiles, vane_direction
 from core.physics.optics.sampled_otf import sampled_otf
@@ -158,8 +158,8 @@ def defocused_disc_otf(
 
 def _terms(*, w20_waves: float, wavelengths_um: tuple[float, ...], **_: object) -> int:
     """Values that one frequency of the defocused disc is summed from, about."""
-    panels = int(2.0 * np.pi * abs(w20_waves) / _PHASE_PER_PANEL) + 2
-    return len(wavelengths_um) * panels * _NODES
+    panels = int(2.0 * np.pi * abs(w20_waves) / PHASE_PER_PANEL) + 2
+    return len(wavelengths_um) * panels * NODES_PER_PANEL
 
 
 defocused_disc_otf.terms = _terms  # type: ignore[attr-defined]
