@@ -2,33 +2,346 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Header, Image, Table
-from core.errors import DataError
-from core.evaluation.recipes import Recipe
-from core.modules.declaration import NodeContext, readout
+from core.errors import DataError, ParameterError
+from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
+from core.evaluation.work import Work
+from core.modules.declaration import Module, NodeContext, readout
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.physics.measurement.levels.photon_transfer import Between
+from core.physics.sampling.footprint_means import (
+    Footprints,
+    footprint_coverage,
+    footprint_means,
+    footprints,
+    strips_error,
+)
 from core.physics.sampling.ground_geometry import (
     Camera,
+    Kind,
+    across,
+    along,
     check_horizon,
     field_deg,
     ground_bounds,
+    ground_matrix,
+    ground_points,
     ground_sample,
-)
-from nodes.analysis.camera_sampling import (
-    CameraSettings,
-    Ground,
-    covered,
-    geometry_table,
-    ground_curve,
-    laid_footprints,
-    sampled,
-    swath_m,
+    line_widths,
+    step_of_field_mrad,
+    view_angles,
 )
 from nodes.shared.module_ports import table_figure
+
+Array = NDArray[Any]
+FINER = 4  # times as many strips, to estimate the error
+CURVE_POINTS = 129
+
+
+@ends_lineage
+def laid_footprints(_: Work, *, camera: Camera, ground: Ground, strips: int) -> Footprints:
+    """The camera's footprints on the scene."""
+    return _laid(camera, ground, strips)
+
+
+def _laid(camera: Camera, ground: Ground, strips: int) -> Footprints:
+    to_samples = np.array(
+        [
+            [1.0 / ground.interval_x_m, 0.0, 0.5 * ground.columns],
+            [0.0, 1.0 / ground.interval_y_m, 0.5 * ground.rows],
+            [0.0, 0.0, 1.0],
+        ]
+    )
+    u, v = np.arange(camera.columns + 1.0), np.arange(camera.rows + 1.0)
+    return footprints(
+        matrix=to_samples @ ground_matrix(camera=camera),
+        across=across(camera=camera, u=u),
+        along=along(camera=camera, v=v),
+        middles=along(camera=camera, v=v[:-1] + 0.5),
+        widths=line_widths(camera=camera, u=u[:-1] + 0.5),
+        scene=(ground.rows, ground.columns),
+        strips=strips,
+    )
+
+
+@in_blocks()
+@ends_lineage
+def covered(work: Work, laid: Footprints) -> Array:
+    """Share of each footprint that lies on the scene."""
+    return footprint_coverage(
+        laid=laid, dtype=work.policy.dtype, for_each=work.for_each, empty=work.empty
+    )
+
+
+@in_blocks()
+@ends_lineage
+def sampled(
+    work: Work,
+    scene: Array,
+    laid: Footprints,
+    coverage: Array | None = None,
+    *,
+    between_samples: Between,
+    fill: float = 0.0,
+) -> Array:
+    """Mean of the scene over each footprint, and of the fill outside."""
+    return footprint_means(
+        scene=scene,
+        laid=laid,
+        between_samples=between_samples,
+        dtype=work.policy.dtype,
+        coverage=coverage,
+        fill=fill,
+        for_each=work.for_each,
+        empty=work.empty,
+    )
+
+
+def swath_m(camera: Camera) -> float:
+    """Length of the middle line on the ground."""
+    x, y = ground_points(camera=camera, u=[0.0, camera.columns], v=0.5 * camera.rows)
+    return float(np.hypot(x[1] - x[0], y[1] - y[0]))
+
+
+@ends_lineage
+def ground_curve(_: Work, *, camera: Camera) -> CurveData:
+    """Ground samples along the middle line, against the view angle."""
+    count = min(camera.columns, CURVE_POINTS)
+    u = np.linspace(0.5, camera.columns - 0.5, count)
+    samples = [ground_sample(camera=camera, u=float(column), v=0.5 * camera.rows) for column in u]
+    angles = np.degrees(view_angles(camera=camera, u=u))
+    series = [
+        Series("across", angles, np.array([sample.across_m for sample in samples])),
+        Series("along", angles, np.array([sample.along_m for sample in samples])),
+    ]
+    if camera.kind != "framing":
+        series.append(Series("line spacing", angles, np.full(count, camera.line_spacing_m)))
+    axis = "from the optical axis" if camera.kind == "framing" else "view angle"
+    return CurveData("Ground sample", f"{axis} (deg)", "size (m)", tuple(series))
+
+
+@in_blocks()
+@ends_lineage
+def geometry_table(
+    _: Work,
+    scene: Array,
+    laid: Footprints,
+    *,
+    camera: Camera,
+    ground: Ground,
+    strips: int,
+    between_samples: Between,
+) -> TableData:
+    """What the camera sees of the ground, and how precise the means over footprints are."""
+    bounds = ground_bounds(camera=camera)
+    middle = ground_sample(camera=camera, u=0.5 * camera.columns, v=0.5 * camera.rows)
+    error = 0.0
+    if not laid.level:
+        finer = _laid(camera, ground, FINER * strips)
+        error = strips_error(scene=scene, laid=laid, finer=finer, between_samples=between_samples)
+    where = "ground seen, from the scene's middle"
+    samples = "the scene's samples to one of the middle's"
+    rows: tuple[tuple[Any, ...], ...] = (
+        ("swath_m", swath_m(camera), "m", "ground along the middle line"),
+        ("left_m", bounds.left, "m", where),
+        ("right_m", bounds.right, "m", where),
+        ("top_m", bounds.top, "m", where),
+        ("bottom_m", bounds.low, "m", where),
+        ("scene_samples_x", middle.across_m / ground.interval_x_m, "", f"{samples}, across"),
+        ("scene_samples_y", middle.along_m / ground.interval_y_m, "", f"{samples}, along"),
+        ("strips", laid.strips, "", "that a footprint is cut into"),
+        (
+            "footprint_error",
+            error,
+            "",
+            "largest change by four times as many strips, a share of the scene's range",
+        ),
+    )
+    return TableData(tuple(TableRow(*row) for row in rows))
+
+
+# Where a camera stands and looks, and how it samples: parameters, and what follows from them.
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A scene's size, and how far its samples are apart on the ground."""
+
+    rows: int
+    columns: int
+    interval_x_m: float
+    interval_y_m: float
+
+    @property
+    def reach_m(self) -> tuple[float, float]:
+        """From its middle to its borders, across and along."""
+        return 0.5 * self.columns * self.interval_x_m, 0.5 * self.rows * self.interval_y_m
+
+
+class CameraSettings(Module):
+    """The camera's parameters."""
+
+    kind: Annotated[
+        Kind, Param("line scanner, pushbroom, or framing camera that takes all lines at once")
+    ] = "line"
+    altitude_m: Annotated[
+        float, Param("height above the ground", unit="m", low=0, above=True, slider=(100, 10000))
+    ] = 1000.0
+    ground_interval_m: Annotated[
+        float | None,
+        Param(
+            "the scene's sampling on the ground; empty: its angular interval × altitude",
+            unit="m",
+            low=0,
+            slider=(0.1, 10),
+        ),
+    ] = None
+    ground_interval_y_m: Annotated[
+        float | None,
+        Param("the scene's sampling down the picture; empty: as across", unit="m", low=0),
+    ] = None
+    columns: Annotated[
+        int | None,
+        Param("samples across; empty: as the scene has", low=1, high=65536, slider=(16, 2048)),
+    ] = None
+    rows: Annotated[
+        int | None,
+        Param("lines along; empty: as the scene has", low=1, high=65536, slider=(16, 2048)),
+    ] = None
+    fov_x_deg: Annotated[
+        float | None,
+        Param(
+            "field of view across; empty: columns × pitch / focal length",
+            unit="deg",
+            low=0,
+            high=180,
+            below=True,
+        ),
+    ] = 20.0
+    pitch_x_um: Annotated[
+        float | None, Param("pitch of samples across", unit="µm", low=0, slider=(1, 1000))
+    ] = None
+    pitch_y_um: Annotated[
+        float | None,
+        Param("pitch of samples along; empty: as across", unit="µm", low=0, slider=(1, 1000)),
+    ] = None
+    focal_length_mm: Annotated[
+        float | None, Param("focal length", unit="mm", low=0, slider=(10, 1000))
+    ] = None
+    velocity_m_per_s: Annotated[
+        float | None,
+        Param("flight over the ground; empty: lines join at nadir", unit="m/s", low=0),
+    ] = None
+    line_rate_Hz: Annotated[
+        float | None, Param("lines a second; empty: lines join at nadir", unit="Hz", low=0)
+    ] = None
+    roll_deg: Annotated[
+        float, Param("view turned to the right", unit="deg", low=-89, high=89, slider=(-45, 45))
+    ] = 0.0
+    pitch_deg: Annotated[
+        float, Param("view turned ahead", unit="deg", low=-89, high=89, slider=(-45, 45))
+    ] = 0.0
+    yaw_deg: Annotated[
+        float, Param("heading, clockwise from down the picture", unit="deg", low=-180, high=180)
+    ] = 0.0
+    offset_x_m: Annotated[
+        float, Param("camera right of the scene's middle", unit="m", slider=(-500, 500))
+    ] = 0.0
+    offset_y_m: Annotated[
+        float, Param("camera below the scene's middle", unit="m", slider=(-500, 500))
+    ] = 0.0
+
+    def camera(self, image: Image) -> Camera:
+        """The camera, with what is left empty taken from the scene or worked out."""
+        columns, rows = self.columns or image.columns, self.rows or image.rows
+        step_x = self._step_x(columns)
+        step_y = step_x
+        if self.pitch_y_um is not None:
+            focal_length = self.focal_length_mm
+            if focal_length is None and self.pitch_x_um is not None:
+                focal_length = self.pitch_x_um / step_x
+            if focal_length is None:
+                raise ParameterError(
+                    "focal_length_mm", None, "pitch_y_um needs it, or pitch_x_um", unit="mm"
+                )
+            step_y = self.pitch_y_um / focal_length
+        return Camera(
+            kind=self.kind,
+            altitude_m=self.altitude_m,
+            columns=columns,
+            rows=rows,
+            step_x_mrad=step_x,
+            step_y_mrad=step_y,
+            line_spacing_m=self._line_spacing_m(step_y),
+            roll_deg=self.roll_deg,
+            pitch_deg=self.pitch_deg,
+            yaw_deg=self.yaw_deg,
+            offset_x_m=self.offset_x_m,
+            offset_y_m=self.offset_y_m,
+        )
+
+    def _step_x(self, columns: int) -> float:
+        pitch, focal_length = self.pitch_x_um, self.focal_length_mm
+        of_pitch = None if pitch is None or focal_length is None else pitch / focal_length
+        if self.fov_x_deg is None:
+            if of_pitch is None:
+                raise ParameterError(
+                    "fov_x_deg", None, "give it, or pitch_x_um and focal_length_mm", unit="deg"
+                )
+            return of_pitch
+        step = step_of_field_mrad(kind=self.kind, fov_deg=self.fov_x_deg, columns=columns)
+        if of_pitch is not None and abs(step / of_pitch - 1.0) > 1e-3:
+            raise ParameterError(
+                "fov_x_deg",
+                self.fov_x_deg,
+                f"pitch_x_um / focal_length_mm makes samples of {of_pitch:.4g} mrad, this field "
+                f"{step:.4g} mrad: leave one of the three empty",
+                unit="deg",
+            )
+        return step
+
+    def _line_spacing_m(self, step_y_mrad: float) -> float:
+        if self.kind == "framing":
+            return 0.0
+        velocity, rate = self.velocity_m_per_s, self.line_rate_Hz
+        if velocity is None and rate is None:
+            return step_y_mrad / 1000.0 * self.altitude_m
+        if rate is None:
+            raise ParameterError("line_rate_Hz", None, "velocity_m_per_s needs it", unit="Hz")
+        if velocity is None:
+            raise ParameterError("velocity_m_per_s", None, "line_rate_Hz needs it", unit="m/s")
+        return velocity / rate
+
+    def ground(self, image: Image) -> Ground:
+        """The scene on the ground."""
+        x, y = self.ground_interval_m, self.ground_interval_y_m or self.ground_interval_m
+        if x is None and image.interval_x_mrad is not None:
+            x = image.interval_x_mrad / 1000.0 * self.altitude_m
+        if y is None and image.interval_y_mrad is not None:
+            y = image.interval_y_mrad / 1000.0 * self.altitude_m
+        if x is None or y is None:
+            raise ParameterError(
+                "ground_interval_m",
+                None,
+                "the scene does not say its angular interval: give how far its samples are apart",
+                unit="m",
+            )
+        for name, interval, samples in (
+            ("ground_interval_m", x, image.columns),
+            ("ground_interval_y_m", y, image.rows),
+        ):
+            if not math.isfinite(interval * samples):
+                raise ParameterError(name, interval, "so small that the scene ends", unit="m")
+        return Ground(image.rows, image.columns, x, y)
 
 
 class CameraOutputs(NamedTuple):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Table
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, ends_lineage, in_blocks, pointwise
+from core.evaluation.recipes import Recipe, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Formula, Param
@@ -21,6 +21,7 @@ from core.transfer.mirrored import MeanFree, mirrored_spectrum
 from core.transfer.periodic import periodic_spectrum
 from nodes.input_output.sample_unit import blocks
 from nodes.shared.module_ports import table_figure
+from nodes.shared.steps import difference
 
 Array = NDArray[Any]
 
@@ -71,9 +72,9 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
             )
         pair = (image.recipe, reference.recipe)
         table = here.step(compared, *pair, unit=image.unit)
-        difference = here.step(subtracted, *pair)
+        less = here.step(difference, *pair)
         return CompareOutputs(
-            Table(table), image.with_recipe(difference), Curve(self._ratio(image, reference, here))
+            Table(table), image.with_recipe(less), Curve(self._ratio(image, reference, here))
         )
 
     def _ratio(self, image: Image, reference: Image, here: NodeContext) -> Recipe:
@@ -100,13 +101,6 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
     mean_difference = table_figure(
         "mean_difference", "", "Mean of image less reference, in the image's unit."
     )
-
-
-@ends_lineage
-@pointwise
-def subtracted(work: Work, image: Array, reference: Array) -> Array:
-    """Image less reference."""
-    return np.subtract(image, reference, dtype=work.policy.dtype)
 
 
 @in_blocks()

@@ -274,11 +274,11 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     def run(self, context: Context, image: Image, here: NodeContext) -> MeritOutputs:
         """Plan each curve as a value of its own: a new task does not repeat the MRTD."""
         image = with_interval(image, context)
-        known = replace(context, band_um=image.band_um or context.band_um)
+        known = image.band_um or context.band_um
         passed, grid, node = transfer_of(image, of_camera=True), image.grid(), here.node
         sensor = {"stages": passed.part("mtf"), "grid": grid, "observer": self._observer(context)}
         band_um = given_band(self.cut_on_um, self.cut_off_um, known)
-        self._refuse_reflected(known.band_um or band_um)
+        self._refuse_reflected(known or band_um)
         seen = here.step(
             sensitivity,
             NoiseOf(image, node, uniform=True),

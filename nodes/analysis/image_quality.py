@@ -31,8 +31,14 @@ from core.physics.acquisition.giqe import (
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.factors import Grid
 from nodes.analysis.lineage import ImageNoise, NoiseOf, transfer_of
-from nodes.analysis.lineage.line_transfer import Line, Stage, stage_along
-from nodes.analysis.threshold_curves import HORIZONTAL, VERTICAL, Unseen, unseen
+from nodes.analysis.lineage.line_transfer import (
+    HORIZONTAL,
+    VERTICAL,
+    Line,
+    Stage,
+    stage_along,
+)
+from nodes.analysis.threshold_curves import Unseen, unseen
 from nodes.shared.context_defaults import given, with_interval
 from nodes.shared.module_ports import table_figure
 

@@ -22,9 +22,9 @@ from core.transfer.factors import Edges, Factor, Grid
 from core.transfer.mixed_sampling import MOST_NODES, Filtered, Method, filter_mixed
 from core.transfer.product import Product
 from core.transfer.scan_lines import ScanChain
-from nodes.analysis.compare_images import subtracted
 from nodes.shared.context_defaults import given, one_source
 from nodes.shared.module_ports import table_figure
+from nodes.shared.steps import difference
 
 # Steps of Line by Line: the frame of mixed sampling, and how far the whole-image way is off.
 
@@ -280,7 +280,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         return LineOutputs(
             whole.with_recipe(picture),
             whole,
-            whole.with_recipe(here.step(subtracted, *pair)),
+            whole.with_recipe(here.step(difference, *pair)),
             Curve(here.step(by_view_angle, *pair, **places)),
             Table(
                 here.step(

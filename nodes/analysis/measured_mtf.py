@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
@@ -160,6 +161,27 @@ class MeasuredOutputs(NamedTuple):
     table: Table
 
 
+def _figure(name: str, unit: str, meaning: str) -> Callable[..., Recipe]:
+    """A read-out of what was measured."""
+
+    def method(self: Module, outputs: MeasuredOutputs) -> Recipe:
+        return Step.of(figure_of, outputs.table.recipe.inputs[0], name=name)
+
+    method.__doc__ = meaning
+    return readout(unit)(method)
+
+
+def _expected_figure(name: str, unit: str, meaning: str) -> Callable[..., Recipe | None]:
+    """A read-out of what was expected."""
+
+    def method(self: Module, outputs: MeasuredOutputs) -> Recipe | None:
+        both = outputs.table.recipe.inputs
+        return Step.of(expected_figure, *both, name=name) if len(both) == 2 else None
+
+    method.__doc__ = meaning
+    return readout(unit)(method)
+
+
 class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analysis"):
     """Measure the MTF from an edge or a line in a picture.
 
@@ -299,66 +321,30 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
             ends.append(whole - start if length is None else length)
         return Rectangle(self.region_x, self.region_y, ends[0], ends[1])
 
-    @readout("cyc/mrad")
-    def mtf50(self, outputs: MeasuredOutputs) -> Recipe:
-        """Frequency at which the MTF falls to one half."""
-        return _figure(outputs, "mtf50")
-
-    @readout("cyc/mrad")
-    def mtf50_error(self, outputs: MeasuredOutputs) -> Recipe:
-        """Standard error of mtf50; of a slanted edge only."""
-        return _figure(outputs, "mtf50_error")
-
-    @readout("cyc/pixel")
-    def mtf50_per_pixel(self, outputs: MeasuredOutputs) -> Recipe:
-        """The same in cycles per pixel."""
-        return _figure(outputs, "mtf50_per_pixel")
-
-    @readout("cyc/mrad")
-    def mtf10(self, outputs: MeasuredOutputs) -> Recipe:
-        """Frequency at which the MTF falls to a tenth."""
-        return _figure(outputs, "mtf10")
-
-    @readout("cyc/pixel")
-    def mtf10_per_pixel(self, outputs: MeasuredOutputs) -> Recipe:
-        """The same in cycles per pixel."""
-        return _figure(outputs, "mtf10_per_pixel")
-
-    @readout()
-    def at_nyquist(self, outputs: MeasuredOutputs) -> Recipe:
-        """MTF at half a cycle per pixel."""
-        return _figure(outputs, "at_nyquist")
-
-    @readout()
-    def at_nyquist_error(self, outputs: MeasuredOutputs) -> Recipe:
-        """Standard error of at_nyquist."""
-        return _figure(outputs, "at_nyquist_error")
-
-    @readout("cyc/mrad")
-    def expected_mtf50(self, outputs: MeasuredOutputs) -> Recipe | None:
-        """Frequency at which the MTF of the chain behind the picture falls to one half."""
-        return _expected_figure(outputs, "expected_mtf50")
-
-    @readout()
-    def expected_at_nyquist(self, outputs: MeasuredOutputs) -> Recipe | None:
-        """MTF of the chain behind the picture at half a cycle per pixel."""
-        return _expected_figure(outputs, "expected_at_nyquist")
-
-    @readout()
-    def largest_difference(self, outputs: MeasuredOutputs) -> Recipe | None:
-        """Largest distance of the measured MTF from the expected one, up to Nyquist."""
-        return _expected_figure(outputs, "largest_difference")
-
-    @readout("deg")
-    def edge_angle_deg(self, outputs: MeasuredOutputs) -> Recipe:
-        """Direction of the edge's normal, along which the MTF is: 0 across, 90 along."""
-        return _figure(outputs, "edge_angle_deg")
-
-
-def _figure(outputs: MeasuredOutputs, name: str) -> Recipe:
-    return Step.of(figure_of, outputs.table.recipe.inputs[0], name=name)
-
-
-def _expected_figure(outputs: MeasuredOutputs, name: str) -> Recipe | None:
-    both = outputs.table.recipe.inputs
-    return Step.of(expected_figure, *both, name=name) if len(both) == 2 else None
+    mtf50 = _figure("mtf50", "cyc/mrad", "Frequency at which the MTF falls to one half.")
+    mtf50_error = _figure(
+        "mtf50_error", "cyc/mrad", "Standard error of mtf50; of a slanted edge only."
+    )
+    mtf50_per_pixel = _figure("mtf50_per_pixel", "cyc/pixel", "The same in cycles per pixel.")
+    mtf10 = _figure("mtf10", "cyc/mrad", "Frequency at which the MTF falls to a tenth.")
+    mtf10_per_pixel = _figure("mtf10_per_pixel", "cyc/pixel", "The same in cycles per pixel.")
+    at_nyquist = _figure("at_nyquist", "", "MTF at half a cycle per pixel.")
+    at_nyquist_error = _figure("at_nyquist_error", "", "Standard error of at_nyquist.")
+    expected_mtf50 = _expected_figure(
+        "expected_mtf50",
+        "cyc/mrad",
+        "Frequency at which the MTF of the chain behind the picture falls to one half.",
+    )
+    expected_at_nyquist = _expected_figure(
+        "expected_at_nyquist", "", "MTF of the chain behind the picture at half a cycle per pixel."
+    )
+    largest_difference = _expected_figure(
+        "largest_difference",
+        "",
+        "Largest distance of the measured MTF from the expected one, up to Nyquist.",
+    )
+    edge_angle_deg = _figure(
+        "edge_angle_deg",
+        "deg",
+        "Direction of the edge's normal, along which the MTF is: 0 across, 90 along.",
+    )

@@ -16,6 +16,8 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.transfer.factors import Grid, Part
 from nodes.analysis.lineage.line_transfer import (
+    HORIZONTAL,
+    VERTICAL,
     Line,
     Stage,
     samples_along,
@@ -23,8 +25,6 @@ from nodes.analysis.lineage.line_transfer import (
     stages_of,
 )
 
-HORIZONTAL = Line("horizontal", 1.0, 0.0)
-VERTICAL = Line("vertical", 0.0, 1.0)
 SAMPLES, PIXELS = "samples' Nyquist", "pixels' Nyquist"
 _ALIKE = 0.999  # of one another, where one mark is enough
 

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
-from core.chain.results import CurveData, TableData
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.frame_sequence import at_frame
+from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
@@ -15,9 +20,8 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
-from core.physics.noise.noise_components import MeasuredNoise, NoiseCube
-from nodes.analysis.frame_noise import FrameNoise, bars_of, sigma_of, table_of
-from nodes.analysis.lineage import NoiseOf, noise_free
+from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
+from nodes.analysis.lineage import ImageNoise, NoiseOf, noise_free
 from nodes.files.common.paths import readable_file
 from nodes.files.frames.frame_reading import FrameFile, open_frames
 from nodes.files.headers.envi_header import header_beside
@@ -97,24 +101,20 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
         """Plan the prediction, and the frames if any."""
         if image is None and self.path is None:
             raise ParameterError("path", None, "a file of frames, where no image is linked")
-        predicted: tuple[Recipe, ...] = ()
+        noises: tuple[Recipe, ...] = ()
         unit = "" if image is None else image.unit
         if image is not None:
-            predicted = (NoiseOf(image, node=here.node),)
+            noises = (NoiseOf(image, node=here.node),)
         if self.path is not None:
             measured, of_file = frames_in_file(self.path, here, image)
             unit = of_file or unit
-            predicted = (*predicted, measured)
+            noises = (*noises, measured)
         elif self.frames and image is not None:
             clean = noise_free(image.recipe)
             simulated = FrameNoise(image.recipe, clean, self.frames, node=here.node)
-            predicted = (*predicted, simulated)
-        if image is None:
-            bars = here.step(bars_of_file, *predicted, unit=unit)
-            table = here.step(table_of_file, *predicted, unit=unit)
-        else:
-            bars = here.step(bars_of, *predicted, unit=unit)
-            table = here.step(table_of, *predicted, unit=unit)
+            noises = (*noises, simulated)
+        bars = here.step(bars_of, *noises, unit=unit)
+        table = here.step(table_of, *noises, unit=unit)
         return NoiseOutputs(Curve(bars), Table(table))
 
     sigma_tvh = _figure("sigma_tvh", "Random noise, predicted.")
@@ -173,13 +173,128 @@ def measured_in_file(work: Work, *, path: Path, stamps: tuple[Stamp, ...]) -> Me
     return cube.measured()
 
 
-@ends_lineage
-def table_of_file(work: Work, measured: MeasuredNoise, *, unit: str) -> TableData:
-    """The components that were measured, where nothing is predicted."""
-    return table_of(work, None, measured, unit=unit)
+# Noise measured from simulated frames, beside the noise predicted from the chain.
+
+MEANINGS = {
+    "tvh": "random from sample to sample and frame to frame",
+    "vh": "fixed from sample to sample",
+    "v": "fixed from row to row",
+    "h": "fixed from column to column",
+    "t": "of whole frames from one to the next",
+    "tv": "of rows from frame to frame",
+    "th": "of columns from frame to frame",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class FrameNoise(Recipe):
+    """Measures the components of a picture's noise over its first frames, against `clean`."""
+
+    picture: Recipe
+    clean: Recipe
+    frames: int
+    node: str | None = field(default=None, compare=False)
+
+    def _content(self) -> tuple[object, ...]:
+        return self.picture.key, self.clean.key, self.frames
+
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """The first frame, and what it is compared with."""
+        return self.picture, self.clean
+
+    @property
+    def needs(self) -> tuple[Recipe, ...]:
+        """The next frame too, which shares with the first all that leads to the noise."""
+        return (*self.inputs, at_frame(self.picture, 1))
+
+    def compute(self, work: Work) -> MeasuredNoise:
+        """Take the frames one after the other; none is kept."""
+        clean = np.asarray(work.value(self.clean), np.float64)
+        cube = NoiseCube(*clean.shape)
+        frames = (at_frame(self.picture, frame) for frame in range(self.frames))
+        for picture in work.one_by_one(frames):
+            work.check()
+            cube.add(picture - clean)
+        return cube.measured()
 
 
 @ends_lineage
-def bars_of_file(work: Work, measured: MeasuredNoise, *, unit: str) -> CurveData:
-    """The components that were measured as bars, where nothing is predicted."""
-    return bars_of(work, None, measured, unit=unit)
+def table_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> TableData:
+    """Each component predicted and measured, with the standard error of what was measured."""
+    predicted, measured = _kinds(noises)
+    rows = []
+    expected = _expected(predicted)
+    for name in COMPONENTS:
+        meaning = f"noise {MEANINGS[name]}"
+        if expected is not None:
+            value = expected.sigma(name)
+            rows.append(TableRow(f"sigma_{name}", value, unit, f"{meaning}, predicted"))
+        if measured is not None:
+            value, error = measured.variances.sigma(name), measured.errors.variance(name)
+            rows.append(TableRow(f"sigma_{name}_measured", value, unit, f"{meaning}, measured"))
+            # The error of a root by that of its square; of one next to nothing the root of it.
+            spread = error / (2.0 * abs(value)) if value * value > error else error**0.5
+            rows.append(TableRow(f"sigma_{name}_error", spread, unit, "standard error of it"))
+    if expected is not None:
+        rows += [
+            TableRow("temporal", expected.temporal**0.5, unit, "temporal noise, predicted"),
+            TableRow("fixed", expected.fixed**0.5, unit, "fixed-pattern noise, predicted"),
+        ]
+    if measured is not None:
+        of_time, fixed = measured.variances.temporal, measured.variances.fixed
+        rows += [
+            TableRow("temporal_measured", max(of_time, 0.0) ** 0.5, unit, "temporal noise"),
+            TableRow("fixed_measured", max(fixed, 0.0) ** 0.5, unit, "fixed-pattern noise"),
+        ]
+    if predicted is not None:
+        rows.append(TableRow("mean", predicted.mean, unit, "mean of the picture without noise"))
+    elif measured is not None:
+        rows += [
+            TableRow("mean", measured.mean, unit, "mean of all frames"),
+            TableRow("frames", measured.frames, "", "frames of the file"),
+        ]
+    return TableData(tuple(rows))
+
+
+def _kinds(
+    noises: tuple[ImageNoise | MeasuredNoise, ...],
+) -> tuple[ImageNoise | None, MeasuredNoise | None]:
+    """What is predicted and what is measured, if it is."""
+    predicted = next((one for one in noises if isinstance(one, ImageNoise)), None)
+    return predicted, next((one for one in noises if isinstance(one, MeasuredNoise)), None)
+
+
+def _expected(predicted: ImageNoise | None) -> NoiseVariances | None:
+    if predicted is None:
+        return None
+    predicted.require_known()
+    return predicted.total.variances
+
+
+@ends_lineage
+def bars_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> CurveData:
+    """The seven components as bars; those estimated below zero are drawn at zero."""
+    predicted, measured = _kinds(noises)
+    expected = _expected(predicted)
+    places = np.arange(float(len(COMPONENTS)))
+
+    def heights(variances: NoiseVariances) -> NDArray[np.float64]:
+        return np.array([max(variances.sigma(name), 0.0) for name in COMPONENTS])
+
+    series = []
+    if expected is not None:
+        series.append(Series("predicted", places, heights(expected)))
+    if measured is not None:
+        series.append(Series("measured", places, heights(measured.variances)))
+    names = tuple(f"σ {name}" for name in COMPONENTS)
+    return CurveData(
+        "Noise components", "component", f"σ ({unit})" if unit else "σ", tuple(series), bars=names
+    )
+
+
+@ends_lineage
+def sigma_of(work: Work, table: TableData, *, name: str) -> float | None:
+    """A figure of the table, None where it was not measured."""
+    value = table.as_dict().get(name)
+    return None if value is None else float(value)

@@ -21,12 +21,16 @@ from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
 from core.transfer.factors import Grid
 from nodes.analysis.lineage import ImageNoise
-from nodes.analysis.lineage.line_transfer import Line, Stage, stage_along
+from nodes.analysis.lineage.line_transfer import (
+    HORIZONTAL,
+    VERTICAL,
+    Line,
+    Stage,
+    stage_along,
+)
 
 Vector = NDArray[np.float64]
 Model = Literal["ratches_1976", "flir92"]
-HORIZONTAL = Line("horizontal", 1.0, 0.0)
-VERTICAL = Line("vertical", 0.0, 1.0)
 _HIGHEST = 2.0  # times Nyquist: the samples' own rate, beyond which a picture shows no bars
 _SAMPLES = 512
 _SIZES = 97
@@ -159,49 +163,37 @@ def thresholds(
     frequency = np.linspace(0.0, _HIGHEST * max(nyquist_x, nyquist_y), _SAMPLES + 1)[1:]
     mtf_x = _to_first_zero(work, stages, HORIZONTAL, frequency)
     mtf_y = _to_first_zero(work, stages, VERTICAL, frequency)
-    turned = None if noise_figures.spectrum is None else noise_figures.spectrum.T
-    if observer.model == "ratches_1976":
-        horizontal, vertical = (
-            mrtd_ratches_K(
-                frequency=frequency,
-                mtf=mtf,
-                netd_K=noise_figures.netd_K,
-                snr_threshold=observer.snr_threshold,
-                noise_bandwidth_cyc_per_mrad=across,
-                detector_along_mrad=0.5 / along,
-                frames=observer.frames,
-                spectrum=spectrum,
-            )
-            for mtf, across, along, spectrum in (
-                (mtf_x, nyquist_x, nyquist_y, noise_figures.spectrum),
-                (mtf_y, nyquist_y, nyquist_x, turned),
-            )
-        )
-    else:
-        settings = {"snr_threshold": observer.snr_threshold, "frames": observer.frames}
-        noise = noise_figures.noise_K2
-        horizontal = mrtd_flir92_K(
+    spectrum = noise_figures.spectrum
+    turned = None if spectrum is None else spectrum.T
+    seen = {"snr_threshold": observer.snr_threshold, "frames": observer.frames}
+    directions: tuple[Literal["horizontal", "vertical"], ...] = ("horizontal", "vertical")
+    horizontal, vertical = (
+        mrtd_ratches_K(
             frequency=frequency,
-            mtf=mtf_x,
-            noise=noise,
-            across_cyc_per_mrad=nyquist_x,
-            along_cyc_per_mrad=nyquist_y,
-            direction="horizontal",
-            sampled=observer.sampled_x,
-            spectrum=noise_figures.spectrum,
-            **settings,
+            mtf=mtf,
+            netd_K=noise_figures.netd_K,
+            noise_bandwidth_cyc_per_mrad=across,
+            detector_along_mrad=0.5 / along,
+            spectrum=of_noise,
+            **seen,
         )
-        vertical = mrtd_flir92_K(
+        if observer.model == "ratches_1976"
+        else mrtd_flir92_K(
             frequency=frequency,
-            mtf=mtf_y,
-            noise=noise,
-            across_cyc_per_mrad=nyquist_y,
-            along_cyc_per_mrad=nyquist_x,
-            direction="vertical",
-            sampled=observer.sampled_y,
-            spectrum=turned,
-            **settings,
+            mtf=mtf,
+            noise=noise_figures.noise_K2,
+            across_cyc_per_mrad=across,
+            along_cyc_per_mrad=along,
+            direction=direction,
+            sampled=sampled,
+            spectrum=of_noise,
+            **seen,
         )
+        for direction, mtf, across, along, sampled, of_noise in (
+            (directions[0], mtf_x, nyquist_x, nyquist_y, observer.sampled_x, spectrum),
+            (directions[1], mtf_y, nyquist_y, nyquist_x, observer.sampled_y, turned),
+        )
+    )
     both_frequency, both = mrtd_two_dimensional(
         frequency=frequency, horizontal_K=horizontal, vertical_K=vertical
     )

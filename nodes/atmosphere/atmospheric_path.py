@@ -2,29 +2,41 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from core.chain.band_stack import AttenuatedBands, BandStack
+from core.chain.linear_change import LevelChange, Linear
+from core.chain.noise_power import NoisePower
+from core.chain.results import TableData, TableRow
+from core.chain.step_lineage import picture_step
 from core.chain.wires import Context, Image, Table
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
+from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.atmosphere.air_path import (
     AirPath,
+    PathBand,
     extinction_of_visibility,
     path_of_bands,
 )
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.radiance_units import radiance_unit
 from core.physics.radiometry.spectra import SUNLIGHT_K
-from nodes.atmosphere import path_steps as steps
 from nodes.files.path_table import read_path_table
 from nodes.files.wavelength_table import read_wavelengths
 from nodes.shared.module_ports import WeightingSource, table_figure
 from nodes.shared.shared_warnings import apart_caution, first, is_temperature
+from nodes.shared.steps import mean_of
 
 
 class PathOutputs(NamedTuple):
@@ -138,11 +150,11 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             return self._by_bands(image, image.bands, air, here)
         how: dict[str, Any] = {"air": air, "band_um": band, "source_K": self._source()}
         scene = self._scene(image, air, factor, here)
-        over = here.step(steps.path_over_band, *scene, **how)
-        table = Table(here.step(steps.path_table, over, *scene, **how))
+        over = here.step(path_over_band, *scene, **how)
+        table = Table(here.step(path_table, over, *scene, **how))
         if air.is_clear:
             return PathOutputs(image, table)
-        made = here.step(steps.through_air, image.recipe, over, factor=factor)
+        made = here.step(through_air, image.recipe, over, factor=factor)
         return PathOutputs(image.with_recipe(made, air=(*image.air, air)), table)
 
     def _by_bands(
@@ -151,9 +163,9 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         """The same of each band, by its own transmission."""
         gain, offset = path_of_bands(air, bands.centres_um, bands.widths_um)
         light = {"weights": bands.whole, "gain": gain, "offset": offset}
-        over = here.step(steps.path_over_bands, bands.means(), **light)
+        over = here.step(path_over_bands, bands.means(), **light)
         how = {"air": air, "band_um": image.band_um, "source_K": None}
-        table = Table(here.step(steps.path_table, over, **how))
+        table = Table(here.step(path_table, over, **how))
         if air.is_clear:
             return PathOutputs(image, table)
         stack = AttenuatedBands.of(bands, gain=gain, offset=offset, node=here.node)
@@ -196,7 +208,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         if band[0] < SHORTEST_THERMAL_UM:
             return ()
         how = {"factor": factor, "band_um": band}
-        return (here.step(steps.scene_temperature, image.recipe, **how),)
+        return (here.step(scene_temperature, image.recipe, **how),)
 
     @warning
     def unused(self, given: frozenset[str]) -> Caution | None:
@@ -285,3 +297,123 @@ def _factor(unit: str) -> float:
             "Image; To Radiance makes it of temperatures"
         )
     return known.factor
+
+
+# The steps of Atmospheric Path: what the path does to the band, the picture behind it, figures.
+
+Array = NDArray[Any]
+Band = tuple[float, float]
+Row = tuple[float, ...]
+_LISTED = 21  # wavelengths in the table
+
+
+@in_blocks()
+@ends_lineage
+def scene_temperature(work: Work, samples: Array, *, factor: float, band_um: Band) -> float:
+    """Brightness temperature of a picture's mean; `factor` makes W/m²/sr of its samples."""
+    mean = factor * float(np.mean(samples, dtype=np.float64))
+    if not (math.isfinite(mean) and mean > 0.0):
+        raise DataError(
+            f"a picture of mean radiance {mean:g} W/m²/sr has no brightness temperature to weight "
+            "the transmission by: give source_K"
+        )
+    low, high = band_um
+    return float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))
+
+
+@ends_lineage
+def path_over_band(
+    work: Work, *scene_K: float, air: AirPath, band_um: Band | None, source_K: float
+) -> PathBand:
+    """Transmission and path radiance of the band, weighted by the scene or the source."""
+    if band_um is None:  # a path that is grey and adds nothing
+        return PathBand(math.exp(-float(air.depth(1.0))), 0.0)
+    return air.over_band(*band_um, source_K=scene_K[0] if scene_K else source_K)
+
+
+@ends_lineage
+def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset: Row) -> PathBand:
+    """The same of a picture in bands: weighted by the light in each."""
+    added = float(np.dot(weights, offset))
+    if min(gain) == max(gain):
+        return PathBand(gain[0], added)
+    light = np.maximum(means * np.array(weights), 0.0)
+    total = float(light.sum())
+    if not total > 0.0:
+        raise DataError("the picture has no light in its bands to weight the transmission by")
+    return PathBand(min(float(light @ np.array(gain)) / total, 1.0), added)
+
+
+@dataclass(frozen=True)
+class ThroughAir(Linear):
+    """Dimmed alike at all frequencies; what the air adds is the same all over."""
+
+    before: Recipe
+    over: Recipe
+
+    @property
+    def level(self) -> Recipe:
+        """The transmission, about the mean."""
+        return Step.of(dimming, Step.of(mean_of, self.before), self.over)
+
+    @property
+    def before_camera(self) -> bool:
+        """True: behind it is the camera."""
+        return True
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Dimmed, where the scene has any."""
+        return power.scaled(work.value(self.over).transmission)
+
+
+@ends_lineage
+def dimming(work: Work, mean: float, over: PathBand) -> LevelChange:
+    """What is left of the scene."""
+    return LevelChange(over.transmission, mean, over.transmission * mean)
+
+
+def _through(image: Recipe, over: Recipe, **_: float) -> ThroughAir:
+    return ThroughAir(image, over)
+
+
+@picture_step(linear=_through, looks_at=("over",))
+@pointwise
+def through_air(work: Work, image: Array, over: PathBand, *, factor: float) -> Array:
+    """τ·L + L_path; `factor` makes W/m²/sr of the samples."""
+    number = work.policy.dtype.type
+    made = np.multiply(image, number(over.transmission), dtype=work.policy.dtype)
+    made += number(over.path_radiance / factor)
+    return made
+
+
+@ends_lineage
+def path_table(
+    work: Work,
+    over: PathBand,
+    *scene_K: float,
+    air: AirPath,
+    band_um: Band | None,
+    source_K: float | None,
+) -> TableData:
+    """Figures of the band, then transmission and path radiance over it."""
+    depth = over.optical_depth
+    weighted_by = None if air.is_grey else (scene_K[0] if scene_K else source_K)
+    rows = [
+        TableRow("transmission", over.transmission, "", "mean over the band"),
+        TableRow("path_radiance", over.path_radiance, "W/m²/sr", "added by the air, in the band"),
+        TableRow(
+            "optical_depth",
+            depth if math.isfinite(depth) else None,
+            "",
+            "−ln of the transmission; none where nothing passes",
+        ),
+        TableRow("range_m", air.range_m, "m", "for which this holds"),
+        TableRow("weighted_by_K", weighted_by, "K", "black body that weights the transmission"),
+    ]
+    places = np.empty(0) if band_um is None else np.linspace(*band_um, _LISTED)
+    values = zip(places, np.exp(-air.depth(places)), air.added(places), strict=True)
+    for place, passed, added in values:
+        at = f"at {place:.4g} µm"
+        rows.append(TableRow(f"transmission_{place:.6g}_um", float(passed), "", at))
+        rows.append(TableRow(f"path_radiance_{place:.6g}_um", float(added), "W/m²/sr/µm", at))
+    return TableData(tuple(rows))

@@ -17,7 +17,7 @@ from core.chain.noise_power import NoisePower
 from core.chain.results import TableData, TableRow
 from core.chain.step_lineage import picture_step
 from core.chain.wires import Image, Table
-from core.errors import DataError, ParameterError
+from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
@@ -26,6 +26,7 @@ from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.atmosphere.sun_and_sky import Sunlight, relative_air_mass
 from nodes.files.wavelength_table import read_wavelengths
+from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn, table_figure
 from nodes.shared.shared_warnings import Band, is_radiance, is_temperature
 
@@ -102,7 +103,8 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         if image.bands is not None:
             made = self._of_cube(image, image.bands, light, share, here)
         else:
-            made = self._of_picture(image, self.band_of(image), light, share, here)
+            band = given_band(self.cut_on_um, self.cut_off_um, image.band_um, empty=False)
+            made = self._of_picture(image, band, light, share, here)
         table = here.step(light_table, light=light, band_um=made.band_um)
         return LightOutputs(made, Table(table))
 
@@ -147,20 +149,6 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
             sky=self.sky,
             optical_depth=self.optical_depth,
         )
-
-    def band_of(self, image: Image) -> Band:
-        """The band here, else the image's."""
-        of_image = image.band_um or (None, None)
-        low = of_image[0] if self.cut_on_um is None else self.cut_on_um
-        high = of_image[1] if self.cut_off_um is None else self.cut_off_um
-        if low is None or high is None:
-            name = "cut_on_um" if low is None else "cut_off_um"
-            raise ParameterError(
-                name, None, "the image does not say its band: give it here", unit="µm"
-            )
-        if not low < high:
-            raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
-        return low, high
 
     @warning
     def unused(self, image: Image, given: frozenset[str]) -> Caution | None:

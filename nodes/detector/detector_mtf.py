@@ -13,7 +13,7 @@ from core.physics.sampling.detector_sampling import ifov_mrad
 from nodes.shared.context_defaults import given
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import apart_caution, first
+from nodes.shared.shared_warnings import ELECTRONICS, apart_from_context
 
 
 class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="Detector"):
@@ -63,19 +63,8 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     @warning
     def geometry(self, context: Context) -> Caution | None:
         """A detector or focal length that is not the one of Init & Trans."""
-        units = {"detector_x_um": "µm", "detector_y_um": "µm", "focal_length_mm": "mm"}
-        return first(
-            *(
-                apart_caution(
-                    name,
-                    getattr(self, name),
-                    getattr(context, name),
-                    unit=units.get(name, ""),
-                    where="on Init & Trans, which the electronics go by",
-                )
-                for name in (*units, "fill_x", "fill_y")
-            )
-        )
+        names = ("detector_x_um", "detector_y_um", "focal_length_mm", "fill_x", "fill_y")
+        return apart_from_context(self, context, *names, where=ELECTRONICS)
 
     @readout("mrad")
     def ifov_x_mrad(self, context: Context) -> float:

@@ -24,7 +24,6 @@ from nodes.detector.focal_plane_figures import (
     electron_levels,
     figures,
     mean_clipped,
-    picture_range,
 )
 from nodes.detector.focal_plane_panel import FocalPlanePanel
 from nodes.detector.spectral_response import counted_photons, radiance_per_photon
@@ -32,6 +31,7 @@ from nodes.shared.deviates import unit_deviates
 from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import table_figure
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, Band, alike, unit_caution
+from nodes.shared.steps import difference, picture_range
 
 
 class FocalPlaneOutputs(NamedTuple):
@@ -160,7 +160,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         numbers = {"gain_e_per_dn": reading.gain_e_per_dn, "offset_dn": self.offset_dn}
         saturated = here.step(steps.saturated_pixels, electrons, bits=self.bits, **numbers, **well)
         clean = self._bent(mean, levels, here)
-        noise = here.step(steps.less_expected, electrons, clean)
+        noise = here.step(difference, electrons, clean)
         count = here.step(steps.count_of, saturated)
         image = replace(image, band_um=collection.weights.band_um)
         return FocalPlaneOutputs(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from core.chain.linear_change import LevelChange
 from core.chain.results import TableData, TableRow
 from core.errors import DataError
-from core.evaluation.recipes import ends_lineage, in_blocks
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.modules.panel_sections import Caution
 from core.physics.detector.focal_plane_array import (
@@ -33,6 +33,7 @@ from core.physics.detector.photon_conversion import (
     conversion_between,
 )
 from core.physics.radiometry.planck import band_radiance, band_radiance_derivative
+from nodes.shared.steps import PictureRange
 
 Array = NDArray[Any]
 _TOLERANCE = {"single": 1e-8, "double": 2e-14}  # of electrons, below the samples' rounding
@@ -100,24 +101,6 @@ class ReadOut:
         """Electrons at which the picture is clipped: the full well, or the last number before."""
         well = np.inf if self.full_well_e is None else self.full_well_e
         return float(min(well, (self.top_dn - self.offset_dn) * self.gain_e_per_dn))
-
-
-@dataclass(frozen=True)
-class PictureRange:
-    """Mean and extremes of a picture."""
-
-    mean: float
-    low: float
-    high: float
-
-
-@in_blocks()
-@ends_lineage
-def picture_range(work: Work, image: Array) -> PictureRange:
-    """Mean (in double) and extremes."""
-    return PictureRange(
-        float(np.mean(image, dtype=np.float64)), float(np.min(image)), float(np.max(image))
-    )
 
 
 @dataclass(frozen=True)

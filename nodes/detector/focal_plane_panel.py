@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -248,7 +247,7 @@ class FocalPlanePanel(SeededModule):
     def collection(self, image: Image, context: Context, here: NodeContext) -> Collection:
         """What makes the mean number of electrons of a radiance."""
         band = image.band_um or context.band_um
-        low, high = given_band(self.cut_on_um, self.cut_off_um, replace(context, band_um=band))
+        low, high = given_band(self.cut_on_um, self.cut_off_um, band)
         points = self._points(here)
         efficiency = QuantumEfficiency(low, high, self.quantum_efficiency, points)
         exposure = exposure_m2_s(

@@ -26,7 +26,6 @@ from core.evaluation.recipes import (
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.physics.detector.focal_plane_array import DEAD, HOT, bad_pixel_places, bent_response
-from core.physics.detector.quantization import rounding_variances
 from core.physics.noise.poisson import poisson_of_normal
 from nodes.detector.focal_plane_figures import (
     ElectronLevels,
@@ -34,6 +33,7 @@ from nodes.detector.focal_plane_figures import (
     radiance_level,
     scene_level,
 )
+from nodes.shared.steps import rounding_noises
 
 Array = NDArray[Any]
 _LEAST_SAMPLES, _MOST_SAMPLES = 1 << 15, 1 << 18
@@ -41,7 +41,6 @@ _LEAST_SAMPLES, _MOST_SAMPLES = 1 << 15, 1 << 18
 other between numpy's calls. At 1024² five stages took 14 ms in blocks of the least size, 7 ms in
 those of the most, and in one thread 10 ms in either."""
 _EXACT_BITS = 14  # numbers beyond are made in double, whose rounding is far below one
-_STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
 
 
 @dataclass(frozen=True)
@@ -336,15 +335,7 @@ def counted(work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: floa
 
 @noises_in_blocks
 def _rounding(at: AtStep, picture: Recipe, **how: float) -> list[Noise]:
-    """Rounding errors: temporal as far as temporal noise changes them, else fixed."""
-    stirring = sum(noise.power.moments().sample for noise in at.before if noise.temporal)
-    if stirring < _STILL**2:
-        return [at.known("quantization")]
-    temporal, fixed = rounding_variances(step=1.0, noise_variance=stirring)
-    return [
-        at.white("quantization", temporal),
-        at.white("quantization", fixed, temporal=False),
-    ]
+    return rounding_noises(at, 1.0)
 
 
 def _not_rounded(picture: Recipe, *, bits: int, **how: Any) -> Step:
@@ -455,10 +446,3 @@ def with_saturated(work: Work, table: TableData, count: int) -> TableData:
     """The figures with the number of saturated pixels."""
     row = TableRow("saturated_pixels", count, "", "pixels that are clipped at the top")
     return TableData((*table.rows, row))
-
-
-@ends_lineage
-@pointwise
-def less_expected(work: Work, picture: Array, expected: Array) -> Array:
-    """Electrons less those that are expected."""
-    return np.asarray(picture - expected)

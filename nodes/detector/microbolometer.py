@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from core.chain.frame_sequence import at_frame
+from core.chain.linear_change import Linear
+from core.chain.noise_power import NoisePower
 from core.chain.random_fields import FrameNumber
+from core.chain.results import TableData, TableRow
+from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
+from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.detector.bolometer import lag_weights, netd_noise_radiance, share_kept
 from core.physics.detector.filters import lowpass_mtf, lowpass_ptf
 from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma
-from core.physics.radiometry.planck import band_radiance_derivative
+from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
 from core.transfer.factors import Separable
-from nodes.detector import microbolometer_steps as steps
 from nodes.shared.context_defaults import given, given_band, with_interval
 from nodes.shared.deviates import (
     SEED_SECTIONS,
@@ -28,7 +36,8 @@ from nodes.shared.deviates import (
 )
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import CutOff, CutOn, LongestPeriod, table_figure
-from nodes.shared.shared_warnings import apart_caution, band_caution, unit_caution
+from nodes.shared.shared_warnings import apart_from_context, band_caution, unit_caution
+from nodes.shared.steps import difference, filtered_lines
 
 _MOST_FRAMES = 64
 
@@ -155,7 +164,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     def run(self, image: Image, context: Context, here: NodeContext) -> BolometerOutputs:
         """Plan the lag, the patterns and the noise."""
-        band = given_band(self.cut_on_um, self.cut_off_um, context)
+        band = given_band(self.cut_on_um, self.cut_off_um, context.band_um)
         white = self._white(context, band)
         flicker = 0.0
         if self.corner_Hz:
@@ -168,7 +177,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         made = self._uneven(slow, image, band, here)
         made = self._noisy(made, image, white, flicker, here)
         table = here.step(
-            steps.figures,
+            figures,
             image.recipe,
             band=band,
             white=white,
@@ -177,7 +186,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             offset=self._offset(band),
             kept=self._kept(),
         )
-        noise = here.step(steps.less, made, slow)
+        noise = here.step(difference, made, slow)
         mtf, ptf = (tuple(f for f in factors if f.part == part) for part in ("mtf", "ptf"))
         return BolometerOutputs(
             image=image.with_recipe(made),
@@ -234,8 +243,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         if not factors:
             return image.recipe
         grid = with_interval(image, context).grid()
-        how = {"factors": factors, "grid": grid, "edges": context.edges}
-        return here.step(steps.lagged_lines, image.recipe, **how)
+        how = {"factors": factors, "grid": grid, "edges": context.edges, "label": "Thermal lag"}
+        return here.step(filtered_lines, image.recipe, **how)
 
     def _lagging(self, picture: Recipe, here: NodeContext) -> Recipe:
         """With the frames before it, where these are others."""
@@ -244,7 +253,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             return picture
         weights = lag_weights(kept=kept, most=_MOST_FRAMES)
         before = [at_frame(picture, -age) for age in range(1, len(weights))]
-        return here.step(steps.lagged_frames, picture, *before, weights=weights)
+        return here.step(lagged_frames, picture, *before, weights=weights)
 
     def _uneven(
         self, picture: Recipe, image: Image, band: tuple[float, float], here: NodeContext
@@ -257,7 +266,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         if not fields:
             return picture
         return here.step(
-            steps.with_pattern_of_pixels,
+            with_pattern_of_pixels,
             picture,
             *fields,
             response=self.response_percent / 100.0,
@@ -284,7 +293,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             )
         if not fields:
             return picture
-        return here.step(steps.with_temporal_noise, picture, *fields, white=white, flicker=flicker)
+        return here.step(with_temporal_noise, picture, *fields, white=white, flicker=flicker)
 
     def _deviates(self, name: str, image: Image, here: NodeContext, *, fixed: bool = False) -> Step:
         stream = self.stream(here, name, fixed=fixed)
@@ -303,9 +312,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     @warning
     def aperture(self, context: Context) -> Caution | None:
         """An F-number that is not the one of Init & Trans."""
-        return apart_caution(
-            "f_number", self.f_number, context.f_number, unit="", where="on Init & Trans"
-        )
+        return apart_from_context(self, context, "f_number")
 
     @warning
     def settling(self) -> Caution | None:
@@ -332,3 +339,120 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     snr_figure = table_figure("snr", "", "Mean over temporal noise.")
     scene_figure = table_figure("scene_K", "K", "Brightness temperature of the mean.")
     lag_figure = table_figure("lag_percent", "%", "Share of a change that is left after a frame.")
+
+
+# The stages of Microbolometer as steps: lag along a scan and over frames, patterns, noise.
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class FrameLag(Linear):
+    """A weighted sum over frames: noise that is new in each is averaged, all else stays."""
+
+    weights: tuple[float, ...]
+
+    def carried(self, work: Work, power: NoisePower, *, temporal: bool) -> NoisePower | None:
+        """Temporal noise by the root of the sum of squares of the weights."""
+        if not temporal:
+            return power
+        return power.scaled(float(np.linalg.norm(self.weights)))
+
+
+def _frame_lag(*frames: Recipe, weights: tuple[float, ...]) -> Linear:
+    return FrameLag(weights)
+
+
+@picture_step(linear=_frame_lag)
+@pointwise
+def lagged_frames(work: Work, picture: Array, *before: Array, weights: tuple[float, ...]) -> Array:
+    """The frame and those before it, the latest first."""
+    total = np.multiply(picture, picture.dtype.type(weights[0]))
+    for frame, weight in zip(before, weights[1:], strict=True):
+        total += frame * frame.dtype.type(weight)
+    return np.asarray(total)
+
+
+def _patterns(
+    at: AtStep, picture: Recipe, *_: Recipe, response: float, offset: float
+) -> list[Noise]:
+    noises = []
+    if response:
+        seen = np.asarray(at.work.value(picture), np.float64)
+        level = np.float64(seen.mean()) if at.uniform else seen
+        noises.append(at.white("response", (response * level) ** 2, temporal=False))
+    if offset:
+        noises.append(at.white("offset", offset**2, temporal=False))
+    return noises
+
+
+@picture_step(noise=_patterns, looks_at=("picture",))
+@pointwise
+def with_pattern_of_pixels(
+    work: Work, picture: Array, *deviates: Array, response: float, offset: float
+) -> Array:
+    """Unlike responses and offsets of pixels, the same in every frame."""
+    number, made = picture.dtype.type, picture.copy()
+    if response:
+        made *= deviates[0] * number(response) + number(1.0)
+    if offset:
+        made += deviates[-1] * number(offset)
+    return made
+
+
+def _temporal(at: AtStep, picture: Recipe, *_: Recipe, white: float, flicker: float) -> list[Noise]:
+    noises = [at.white("NETD", white**2)] if white else []
+    return [*noises, at.white("1/f", flicker**2)] if flicker else noises
+
+
+@picture_step(noise=_temporal)
+@pointwise
+def with_temporal_noise(
+    work: Work, picture: Array, *deviates: Array, white: float, flicker: float
+) -> Array:
+    """With white noise, and 1/f noise of each pixel."""
+    number, made = picture.dtype.type, picture.copy()
+    if white:
+        made += deviates[0] * number(white)
+    if flicker:
+        made += deviates[-1] * number(flicker)
+    return made
+
+
+@in_blocks()
+@ends_lineage
+def figures(
+    work: Work,
+    picture: Array,
+    *,
+    band: tuple[float, float],
+    white: float,
+    flicker: float,
+    response: float,
+    offset: float,
+    kept: float,
+) -> TableData:
+    """Figures at the mean of the picture."""
+    mean = float(np.mean(picture, dtype=np.float64))
+    kelvin = slope = None
+    if mean > 0.0:
+        kelvin = float(brightness_temperature(radiance=mean, cut_on_um=band[0], cut_off_um=band[1]))
+        slope = float(
+            band_radiance_derivative(cut_on_um=band[0], cut_off_um=band[1], temperature_K=kelvin)
+        )
+    temporal, pattern = float(np.hypot(white, flicker)), float(np.hypot(response * mean, offset))
+
+    def in_kelvin(noise: float) -> float | None:
+        return noise / slope if slope else None
+
+    rows = (
+        ("netd_K", in_kelvin(temporal), "K", "temporal noise as a temperature difference"),
+        ("white_netd_K", in_kelvin(white), "K", "white noise alone"),
+        ("flicker_K", in_kelvin(flicker), "K", "1/f noise alone"),
+        ("fixed_pattern_K", in_kelvin(pattern), "K", "unlike responses and offsets of pixels"),
+        ("noise_radiance", temporal, "W/m²/sr", "temporal noise as radiance of the scene"),
+        ("snr", mean / temporal if temporal else None, "", "mean over temporal noise"),
+        ("scene_K", kelvin, "K", "brightness temperature of the mean"),
+        ("lag_percent", 100.0 * kept, "%", "share of a change that is left after a frame"),
+    )
+    return TableData(tuple(TableRow(*row) for row in rows))

@@ -30,6 +30,7 @@ from core.physics.detector.focal_plane_array import (
 from core.physics.radiometry.planck import band_radiance
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, unit_deviates
 from nodes.shared.module_ports import table_figure
+from nodes.shared.steps import even
 
 Array = NDArray[Any]
 
@@ -113,9 +114,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         node = here.node
         seen = seen_by_camera(image.recipe)
         if self.method == "none" or seen is None:
-            gain, offset = (
-                here.step(constant, shape=image.shape, value=value) for value in (1.0, 0.0)
-            )
+            gain, offset = (here.step(even, shape=image.shape, value=value) for value in (1.0, 0.0))
             table = Table(here.step(no_figures))
             return CorrectedOutputs(
                 image, image.with_recipe(gain, unit=""), image.with_recipe(offset), table
@@ -146,9 +145,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         )
         two = self.method == "two_point"
         gain = (
-            here.step(gain_map, low, high)
-            if two
-            else here.step(constant, shape=image.shape, value=1.0)
+            here.step(gain_map, low, high) if two else here.step(even, shape=image.shape, value=1.0)
         )
         offset = here.step(offset_map, low, gain, two=two)
         if self.drift_K:
@@ -206,12 +203,6 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         "Mean response between the references, in the picture's unit per kelvin.",
     )
     weak_pixels = table_figure("weak_pixels", "", "Pixels of too little response to be corrected.")
-
-
-@ends_lineage
-def constant(work: Work, *, shape: tuple[int, int], value: float) -> Array:
-    """A map of one value."""
-    return np.full(shape, value, work.policy.dtype)
 
 
 @ends_lineage

@@ -13,7 +13,7 @@ from core.physics.sampling.detector_sampling import ifov_mrad
 from nodes.shared.context_defaults import given
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import apart_caution, first
+from nodes.shared.shared_warnings import ELECTRONICS, apart_caution, apart_from_context, first
 
 
 class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
@@ -93,16 +93,9 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     def geometry(self, context: Context) -> Caution | None:
         """A pitch or focal length that is not the one of Init & Trans."""
         pitch = getattr(context, f"detector_{self.direction}_um")
-        where = "on Init & Trans, which the electronics go by"
         return first(
-            apart_caution("detector_um", self.detector_um, pitch, unit="µm", where=where),
-            apart_caution(
-                "focal_length_mm",
-                self.focal_length_mm,
-                context.focal_length_mm,
-                unit="mm",
-                where=where,
-            ),
+            apart_caution("detector_um", self.detector_um, pitch, unit="µm", where=ELECTRONICS),
+            apart_from_context(self, context, "focal_length_mm", where=ELECTRONICS),
         )
 
     @warning

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.chain.results import TableData, TableRow
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import ends_lineage, in_blocks
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.detector.detectivity import band_d_star, cold_shield_half_angle_deg
 from core.physics.noise.noise_equivalent import (
@@ -24,6 +24,7 @@ from core.physics.noise.noise_equivalent import (
 )
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import find_material
+from nodes.shared.steps import PictureRange
 
 Array = NDArray[Any]
 
@@ -46,24 +47,6 @@ class Detector:
 
 
 @dataclass(frozen=True)
-class Statistics:
-    """Mean and extremes of a picture."""
-
-    mean: float
-    low: float
-    high: float
-
-
-@in_blocks()
-@ends_lineage
-def statistics(work: Work, image: Array) -> Statistics:
-    """Mean (in double) and extremes."""
-    return Statistics(
-        float(np.mean(image, dtype=np.float64)), float(np.min(image)), float(np.max(image))
-    )
-
-
-@dataclass(frozen=True)
 class DetectorFigures:
     """What does not depend on the amplifier."""
 
@@ -76,7 +59,7 @@ class DetectorFigures:
 
 
 @ends_lineage
-def detector_figures(work: Work, seen: Statistics, *, detector: Detector) -> DetectorFigures:
+def detector_figures(work: Work, seen: PictureRange, *, detector: Detector) -> DetectorFigures:
     """Figures of the detector under the background it sees."""
     band = {"cut_on_um": detector.cut_on_um, "cut_off_um": detector.cut_off_um}
     background = detector.background_K
@@ -102,7 +85,7 @@ def detector_figures(work: Work, seen: Statistics, *, detector: Detector) -> Det
 @ends_lineage
 def figures(
     work: Work,
-    seen: Statistics,
+    seen: PictureRange,
     computed: DetectorFigures,
     *,
     detector: Detector,
@@ -142,7 +125,7 @@ def figures(
     return TableData(tuple(TableRow(*row) for row in rows))
 
 
-def amplifier_sigma(seen: Statistics, *, snr: float | None, reference: str) -> float:
+def amplifier_sigma(seen: PictureRange, *, snr: float | None, reference: str) -> float:
     """Rms noise of the amplifier: the reference over its SNR; none without an SNR."""
     if snr is None:
         return 0.0

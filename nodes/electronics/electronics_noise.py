@@ -29,7 +29,6 @@ from nodes.electronics.detector_figures import (
     Detector,
     detector_figures,
     figures,
-    statistics,
 )
 from nodes.input_output.sample_unit import radiance_caution
 from nodes.shared.context_defaults import given_band, of_context, with_interval
@@ -37,6 +36,7 @@ from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import CutOff, CutOn, table_figure
 from nodes.shared.shared_warnings import apart_caution, band_caution, is_radiance, unit_caution
+from nodes.shared.steps import picture_range
 
 _MATERIALS = tuple(
     (region, (*(material.name for material in materials), MANUAL))
@@ -225,7 +225,7 @@ class ElectronicsNoise(
         """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
         node = here.node
         image = summed_within(image, self.cut_on_um, self.cut_off_um)
-        seen = here.step(statistics, image.recipe)
+        seen = here.step(picture_range, image.recipe)
         detector = self._detector(context)
         known = here.step(detector_figures, seen, detector=detector)
         table = here.step(
@@ -337,7 +337,7 @@ class ElectronicsNoise(
         return noise_bandwidth_hz(time_constant_s=tau)
 
     def _detector(self, context: Context) -> Detector:
-        cut_on, cut_off = given_band(self.cut_on_um, self.cut_off_um, context)
+        cut_on, cut_off = given_band(self.cut_on_um, self.cut_off_um, context.band_um)
         return Detector(
             cut_on_um=cut_on,
             cut_off_um=cut_off,

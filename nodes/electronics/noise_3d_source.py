@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import hypot
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,18 +32,11 @@ from nodes.shared.deviates import (
     flicker_deviates,
     unit_deviates,
 )
-from nodes.shared.module_ports import LongestPeriod
+from nodes.shared.module_ports import LongestPeriod, NoiseOutputs
 
 Array = NDArray[Any]
 _FIXED = ("vh", "v", "h")
 _FLICKER = "1/f"
-
-
-class NoiseOutputs(NamedTuple):
-    """The picture with its noise, and the noise alone."""
-
-    image: Image
-    noise: Image
 
 
 class Noise3DSource(

@@ -15,9 +15,9 @@ from core.evaluation.recipes import Recipe, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Formula, Param
-from nodes.electronics.periodic_noise import NoiseOutputs
 from nodes.files.common.paths import checked_band
 from nodes.input_output.source_file import picture_source, read_step
+from nodes.shared.module_ports import NoiseOutputs
 
 Array = NDArray[Any]
 

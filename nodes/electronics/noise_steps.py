@@ -10,29 +10,26 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from core.chain.linear_change import Filtering, Linear
+from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import Stream
 from core.chain.results import TableData, TableRow
 from core.chain.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
 from core.chain.wires import Image, Platform
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
-from core.evaluation.region import Region
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.physics.detector.quantization import (
     apply_gain_bias,
     quantization_rms,
     quantize,
-    rounding_variances,
 )
-from core.transfer.factors import Edges, Grid, Separable
-from core.transfer.line_filter import filter_lines
-from nodes.electronics.detector_figures import DetectorFigures, Statistics
+from core.transfer.factors import Edges, Separable
+from nodes.electronics.detector_figures import DetectorFigures
 from nodes.shared.deviates import unit_deviates
+from nodes.shared.steps import PictureRange, difference, filtered_lines, rounding_noises
 
 Array = NDArray[Any]
-STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
 
 
 @dataclass(frozen=True)
@@ -107,12 +104,18 @@ class NoisePlan:
         grid = self.image.grid()
         plain = tuple(replace(f, label="", node=None) for f in factors)
         return Step.of(
-            filtered_lines, picture, node=self.node, factors=plain, grid=grid, edges=edges
+            filtered_lines,
+            picture,
+            node=self.node,
+            factors=plain,
+            grid=grid,
+            edges=edges,
+            label="Electronics",
         )
 
     def difference(self, picture: Recipe, other: Recipe) -> Recipe:
         """Picture less another."""
-        return Step.of(_difference, picture, other, node=self.node)
+        return Step.of(difference, picture, other, node=self.node)
 
     def _pattern(self, name: str) -> Recipe:
         rows, columns = self.image.shape
@@ -167,19 +170,8 @@ def value_range(
 def _rounding(
     at: AtStep, picture: Recipe, limits: Recipe | tuple[float, float], *, bits: int
 ) -> list[Noise]:
-    """Rounding errors: temporal as far as temporal noise changes them, else fixed."""
     low, high = at.work.value(limits) if isinstance(limits, Recipe) else limits
-    if not high > low:
-        return []
-    width = (high - low) / (2.0**bits - 1.0)
-    stirring = sum(noise.power.moments().sample for noise in at.before if noise.temporal)
-    if stirring < (STILL * width) ** 2:
-        return [at.known("quantization")]
-    temporal, fixed = rounding_variances(step=width, noise_variance=stirring)
-    return [
-        at.white("quantization", temporal),
-        at.white("quantization", fixed, temporal=False),
-    ]
+    return rounding_noises(at, (high - low) / (2.0**bits - 1.0)) if high > low else []
 
 
 @picture_step(noise=_rounding, looks_at=("limits",))
@@ -297,7 +289,7 @@ def _without_gain(picture: Recipe, *_: Recipe, model: str, **how: Any) -> Recipe
 def read_out(
     work: Work,
     picture: Array,
-    seen: Statistics,
+    seen: PictureRange,
     gain_pattern: Array,
     bias_pattern: Array,
     figures: DetectorFigures,
@@ -376,28 +368,3 @@ def with_amplifier_noise(work: Work, picture: Array, table: TableData, deviates:
     """The picture with noise of the amplifier's rms."""
     sigma: Any = table.as_dict()["amplifier_noise"]
     return np.asarray(picture + deviates * deviates.dtype.type(sigma))
-
-
-def _filtered_part(work: Work, region: Region, picture: Recipe, *, grid: Grid, **how: Any) -> Array:
-    wanted = Region(region.top, 0, region.rows, grid.columns)
-    lines = filter_lines(work, work.part(picture, wanted), grid=grid, **how)
-    return np.ascontiguousarray(lines[:, region.slices[1]])
-
-
-def _line_filter(
-    picture: Recipe, *, factors: tuple[Separable, ...], grid: Grid, edges: Edges
-) -> Filtering:
-    return Filtering(factors, grid, edges, label="Electronics")
-
-
-@picture_step(linear=_line_filter)
-@in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
-def filtered_lines(work: Work, picture: Array, **how: Any) -> Array:
-    """The picture filtered along its lines: see `core.transfer.line_filter`."""
-    return filter_lines(work, picture, **how)
-
-
-@ends_lineage
-@pointwise
-def _difference(work: Work, picture: Array, other: Array) -> Array:
-    return np.asarray(picture - other)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,16 +18,11 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.physics.noise.flicker_noise import periodic_pattern
 from core.transfer.factors import Grid
+from nodes.shared.module_ports import NoiseOutputs
+from nodes.shared.steps import even
 
 Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 16
-
-
-class NoiseOutputs(NamedTuple):
-    """The picture with its noise, and the noise alone."""
-
-    image: Image
-    noise: Image
 
 
 class PeriodicNoise(
@@ -84,17 +79,11 @@ class PeriodicNoise(
             values[f"{name}_rad"] = math.radians(values.pop(f"{name}_deg"))
         if self.amplitude == 0.0:
             # No interval is needed where there is nothing to draw.
-            flat = here.step(silence, rows=image.rows, columns=image.columns)
+            flat = here.step(even, shape=image.shape, value=0.0)
             return NoiseOutputs(image, image.with_recipe(flat))
         pattern = here.step(drawn, grid=image.grid(), **values)
         total = here.step(with_pattern, image.recipe, pattern)
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(pattern))
-
-
-@ends_lineage
-def silence(work: Work, *, rows: int, columns: int) -> Array:
-    """No noise."""
-    return np.zeros((rows, columns), work.policy.dtype)
 
 
 def _drawn_part(work: Work, region: Region, *, grid: Grid, **values: float) -> Array:

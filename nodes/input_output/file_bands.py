@@ -1,7 +1,9 @@
-"""The spectral bands of a picture file, which stays on disk: their sums are made in one pass."""
+"""The spectral bands of a cube: of a file, which stays on disk, sums are made in one pass."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,9 +21,21 @@ from core.physics.radiometry.radiance_units import RadianceUnit
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.size_limits import oversized
 from nodes.files.headers.envi_bands import band_ends_um, band_weights_um
-from nodes.files.headers.envi_cube import band_totals, mean_spectrum, weighted_sums
-from nodes.files.headers.envi_header import EnviLayout, read_layout
-from nodes.input_output.source_file import Missing, Source, Stamp, check_unchanged
+from nodes.files.headers.envi_cube import (
+    CubeInMemory,
+    Layout,
+    band_totals,
+    mean_spectrum,
+    weighted_sums,
+)
+from nodes.files.headers.envi_header import read_layout
+from nodes.input_output.source_file import (
+    HeldSamples,
+    Missing,
+    Source,
+    Stamp,
+    check_unchanged,
+)
 
 Array = NDArray[Any]
 Interval = tuple[float, float]
@@ -30,29 +44,48 @@ _PER_WAVENUMBER = 1e4  # dν = 1e4/λ² dλ, ν in cm⁻¹ and λ in µm
 
 
 @dataclass(frozen=True)
-class FileBands(BandStack):
-    """Bands of an ENVI file, in the state (`stamps`) in which the network was planned with it.
-
-    `places` are their indices in the file, `factors` what their samples are multiplied by.
-    """
+class CubeFile:
+    """An ENVI file, in the state (`stamps`) in which the network was planned with it."""
 
     file: Path
     stamps: tuple[Stamp, ...]
+
+
+Cube = CubeFile | HeldSamples
+
+
+def _is_file(*, cube: Cube, **_: Any) -> bool:
+    return isinstance(cube, CubeFile)
+
+
+@contextmanager
+def _opened(cube: Cube) -> Iterator[Layout]:
+    if isinstance(cube, HeldSamples):
+        yield CubeInMemory(cube.samples)
+        return
+    check_unchanged(cube.file, cube.stamps)
+    yield read_layout(cube.file)
+    check_unchanged(cube.file, cube.stamps)
+
+
+@dataclass(frozen=True)
+class CubeBands(BandStack):
+    """Bands of a cube, which stays where it is: in a file, or in memory.
+
+    `places` are their indices in the cube, `factors` what their samples are multiplied by.
+    """
+
+    cube: Cube
     places: tuple[int, ...]
     factors: Row
     missing: Missing = "refuse"
     node: str | None = field(default=None, compare=False)
 
     def _content(self) -> tuple[object, ...]:
-        return self.file, self.stamps, self.places, self.factors, self.missing
+        return self.cube, self.places, self.factors, self.missing
 
     def _source(self) -> dict[str, Any]:
-        return {
-            "file": self.file,
-            "stamps": self.stamps,
-            "places": self.places,
-            "missing": self.missing,
-        }
+        return {"cube": self.cube, "places": self.places, "missing": self.missing}
 
     def _with_factors(self, row: Row) -> Row:
         return tuple(float(w * f) for w, f in zip(row, self.factors, strict=True))
@@ -65,11 +98,11 @@ class FileBands(BandStack):
 
     @property
     def in_blocks(self) -> bool:
-        """True: the file is read block by block."""
-        return True
+        """A file is read block by block."""
+        return isinstance(self.cube, CubeFile)
 
     def sums(self, weights: Rows) -> Recipe:
-        """Sums of the bands in one pass over the file."""
+        """Sums of the bands in one pass over the cube."""
         rows = tuple(self._with_factors(row) for row in weights)
         return Step.of(_sums, *self._fills(), node=self.node, weights=rows, **self._source())
 
@@ -80,20 +113,21 @@ class FileBands(BandStack):
 
     def means(self) -> Recipe:
         """Means of the bands."""
-        return Step.of(
-            _means,
-            Step.of(_stored_means, node=self.node, **self._source()),
-            node=self.node,
-            places=self.places,
-            factors=self.factors,
-        )
+        stored = Step.of(_stored_means, node=self.node, **self._source())
+        how = {"places": self.places, "factors": self.factors}
+        return Step.of(_means, stored, node=self.node, **how)
 
     def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe:
-        """Bands of a sample, or their mean over some; nothing else of the file is read."""
-        source = self._source()
-        del source["missing"]
-        where = {"rows": (row, row + rows), "columns": (column, column + columns)}
-        return Step.of(_spectrum, node=self.node, factors=self.factors, **where, **source)
+        """Bands of a sample, or their mean over some; nothing else of a file is read."""
+        return Step.of(
+            _spectrum,
+            node=self.node,
+            cube=self.cube,
+            places=self.places,
+            factors=self.factors,
+            rows=(row, row + rows),
+            columns=(column, column + columns),
+        )
 
 
 @dataclass(frozen=True)
@@ -109,25 +143,24 @@ class ChosenBands:
     factors: Row
 
 
-def file_bands(
-    source: Source,
+def bands_of(
+    cube: Source | HeldSamples,
     *,
     unit: RadianceUnit | None,
     scale: float,
     interval_um: tuple[float, float] | None,
-    missing: Missing,
+    missing: Missing = "refuse",
     node: str,
-) -> FileBands:
-    """The bands of a file, in W/m²/sr/µm where they are radiance; see `chosen_bands`."""
-    info = source.info
-    if info.kind != "envi":
+) -> CubeBands:
+    """The bands of a cube, in W/m²/sr/µm where they are radiance; see `chosen_bands`."""
+    info = cube.info
+    if isinstance(cube, Source) and info.kind != "envi":
         raise FileError(_no_wavelengths(info))
     chosen = chosen_bands(info, unit=unit, scale=scale, interval_um=interval_um)
-    return FileBands(
+    return CubeBands(
         chosen.centres_um,
         chosen.widths_um,
-        source.file,
-        source.stamps,
+        CubeFile(cube.file, cube.stamps) if isinstance(cube, Source) else cube,
         chosen.places,
         chosen.factors,
         missing,
@@ -212,47 +245,42 @@ def _per_um(unit: RadianceUnit, centre_um: float, width_um: float) -> float:
     return factor if unit.spectral else factor / width_um
 
 
-def _layout(file: Path, stamps: tuple[Stamp, ...]) -> EnviLayout:
-    check_unchanged(file, stamps)
-    return read_layout(file)
-
-
 def _made_sums(
     work: Work,
     fills: tuple[Array, ...],
-    file: Path,
-    stamps: tuple[Stamp, ...],
+    cube: Cube,
     places: tuple[int, ...],
     rows: Rows,
     missing: Missing,
 ) -> Array:
-    layout = _layout(file, stamps)
-    if work.blocks is None and (
-        reason := oversized(layout.rows, layout.columns, work.policy.dtype)
-    ):
-        raise FileError(f"{file}: {reason}")
-    weights = np.zeros((len(rows), layout.bands))
-    weights[:, places] = rows
-    used = np.flatnonzero(np.any(weights != 0.0, axis=0))
+    file = cube.file if isinstance(cube, CubeFile) else None
+    with _opened(cube) as layout:
+        if file is not None and work.blocks is None:
+            reason = oversized(layout.rows, layout.columns, work.policy.dtype)
+            if reason:
+                raise FileError(f"{file}: {reason}")
+        weights = np.zeros((len(rows), layout.bands))
+        weights[:, places] = rows
+        used = np.flatnonzero(np.any(weights != 0.0, axis=0))
 
-    def fill(block: Array) -> None:
-        # Of the bands that are read, in their order.
-        places_of = fills[0][used] if fills else np.zeros(len(used))
-        number, sample = np.nonzero(~np.isfinite(block))
-        block[number, sample] = places_of[number]
+        def fill(block: Array) -> None:
+            # Of the bands that are read, in their order.
+            places_of = fills[0][used] if fills else np.zeros(len(used))
+            number, sample = np.nonzero(~np.isfinite(block))
+            block[number, sample] = places_of[number]
 
-    sums = weighted_sums(
-        layout,
-        weights,
-        dtype=work.policy.dtype,
-        fill=None if missing == "refuse" else fill,
-        for_each=work.for_each,
-        empty=work.empty,
-    )
-    check_unchanged(file, stamps)
-    for picture in sums:
-        for block in work.row_slabs(picture):
-            _refuse_not_finite(picture[block], block.start, file)
+        sums = weighted_sums(
+            layout,
+            weights,
+            dtype=work.policy.dtype,
+            fill=None if missing == "refuse" else fill,
+            for_each=work.for_each,
+            empty=work.empty,
+        )
+    if file is not None:
+        for picture in sums:
+            for block in work.row_slabs(picture):
+                _refuse_not_finite(picture[block], block.start, file)
     return sums
 
 
@@ -268,53 +296,49 @@ def _refuse_not_finite(samples: Array, top: int, file: Path) -> None:
     )
 
 
-@in_blocks()
+@in_blocks(_is_file)
 @ends_lineage
 def _sums(
     work: Work,
     *fills: Array,
-    file: Path,
-    stamps: tuple[Stamp, ...],
+    cube: Cube,
     places: tuple[int, ...],
     weights: Rows,
     missing: Missing,
 ) -> Array:
-    return _made_sums(work, fills, file, stamps, places, weights, missing)
+    return _made_sums(work, fills, cube, places, weights, missing)
 
 
-@in_blocks()
-@source_step(area_means=False)  # a scene in a file may be blurred by anything
+@in_blocks(_is_file)
+@source_step(area_means=False)  # a scene in a file or an array may be blurred by anything
 def _sum(
     work: Work,
     *fills: Array,
-    file: Path,
-    stamps: tuple[Stamp, ...],
+    cube: Cube,
     places: tuple[int, ...],
     weights: Row,
     missing: Missing,
 ) -> Array:
-    """One weighted sum of a file's bands."""
-    return np.asarray(_made_sums(work, fills, file, stamps, places, (weights,), missing)[0])
+    """One weighted sum of a cube's bands."""
+    return np.asarray(_made_sums(work, fills, cube, places, (weights,), missing)[0])
 
 
 @ends_lineage
-def _stored_means(
-    work: Work, *, file: Path, stamps: tuple[Stamp, ...], places: tuple[int, ...], missing: Missing
-) -> Array:
+def _stored_means(work: Work, *, cube: Cube, places: tuple[int, ...], missing: Missing) -> Array:
     """Mean of every band that counts, as stored; of its samples that are finite, or all but 0."""
-    layout = _layout(file, stamps)
-    totals, counts = band_totals(layout, for_each=work.for_each)
-    check_unchanged(file, stamps)
+    with _opened(cube) as layout:
+        totals, counts = band_totals(layout, for_each=work.for_each)
     size = layout.rows * layout.columns
     means = np.zeros(layout.bands)
+    name = cube.file if isinstance(cube, CubeFile) else cube.name
     for place in places:
         if missing == "refuse" and counts[place] < size:
             raise DataError(
-                f"{file}: {size - counts[place]} of {size} samples of band {place} are not finite: "
+                f"{name}: {size - counts[place]} of {size} samples of band {place} are not finite: "
                 "missing = mean or zero puts a number in their place"
             )
         if missing == "mean" and not counts[place]:
-            raise DataError(f"{file}: band {place} has no finite sample")
+            raise DataError(f"{name}: band {place} has no finite sample")
         means[place] = totals[place] / (size if missing == "zero" else counts[place])
     return means
 
@@ -328,13 +352,12 @@ def _means(work: Work, stored: Array, *, places: tuple[int, ...], factors: Row) 
 def _spectrum(
     work: Work,
     *,
-    file: Path,
-    stamps: tuple[Stamp, ...],
+    cube: Cube,
     places: tuple[int, ...],
     factors: Row,
     rows: tuple[int, int],
     columns: tuple[int, int],
 ) -> Array:
-    stored = mean_spectrum(_layout(file, stamps), slice(*rows), slice(*columns))
-    check_unchanged(file, stamps)
+    with _opened(cube) as layout:
+        stored = mean_spectrum(layout, slice(*rows), slice(*columns))
     return np.asarray(stored[list(places)] * np.array(factors))

@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from core.chain.band_stack import BandStack, Row, Rows
-from core.chain.step_lineage import source_step
 from core.chain.wires import Header, Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
-from core.evaluation.work import Work
+from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.radiometry.radiance_units import RadianceUnit
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.formats import readable_formats
 from nodes.files.headers.envi_bands import coverage
-from nodes.files.headers.envi_cube import CubeInMemory, band_totals, mean_spectrum, weighted_sums
-from nodes.input_output.file_bands import chosen_bands, file_bands
+from nodes.input_output.file_bands import bands_of
 from nodes.input_output.sample_unit import (
     DEFAULT_UNIT,
     is_spectral,
@@ -35,6 +29,7 @@ from nodes.input_output.sample_unit import (
 )
 from nodes.input_output.source_file import (
     HeldSamples,
+    Missing,
     Source,
     count_missing,
     picture_source,
@@ -142,9 +137,9 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     def run(self, here: NodeContext) -> ImageOutput:
         """Read the header and plan to read the samples."""
         source = picture_source(self.path, here)
-        if self.bands == "all":
-            return ImageOutput(self._cube(source, here.node))
         info, stated = source.info, self._stated_band()
+        if self.bands == "all":
+            return ImageOutput(self._cube(source, here.node, missing=self.missing))
         spectral = stated is not None and is_spectral(info)
         band = 0 if spectral else self._channel(info)
         unit = sample_unit(info, typed=self.unit, scale=self.scale, integrated=spectral)
@@ -157,8 +152,19 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
             interval_um=stated if spectral else None,
             missing=self.missing,
         )
-        band_um = stated or _band_um(info, band)
-        return ImageOutput(self._picture(info, recipe, unit.name, band_um, spectral=spectral))
+        return ImageOutput(
+            self._picture(
+                info,
+                recipe,
+                unit.name,
+                stated or _band_um(info, band),
+                channels=info.channels,
+                bands=1 if spectral else info.bands,
+                absent_chunks=info.absent_chunks,
+                bad_bands=len(info.bad_bands) if spectral else 0,
+                coverage=coverage(info, stated) if spectral else 1.0,
+            )
+        )
 
     def _channel(self, info: PictureInfo) -> int | tuple[int, ...]:
         """The band that is read; of a colour picture in luminance, its three."""
@@ -178,27 +184,33 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
             allowed = "all, of an array with bands" if cube else "one, of an array without bands"
             raise ParameterError("bands", self.bands, allowed)
         if cube:
-            unit = spectral_unit(info, typed=self.unit, scale=self.scale)
-            stack = HeldBands.of(
-                held, unit=unit, scale=self.scale, interval_um=self._stated_band(), node=node
-            )
-            return ImageOutput(self._in_bands(info, stack))
+            return ImageOutput(self._cube(held, node))
         checked_band(self.band, 1, info.path)
-        single = sample_unit(info, typed=self.unit, scale=self.scale, integrated=False)
-        factor = self.scale * single.factor
-        recipe = held.step(scale=factor, offset=self.offset, node=node)
-        band_um = self._stated_band()
-        return ImageOutput(self._picture(info, recipe, single.name, band_um, spectral=False))
+        unit = sample_unit(info, typed=self.unit, scale=self.scale, integrated=False)
+        recipe = held.step(scale=self.scale * unit.factor, offset=self.offset, node=node)
+        return ImageOutput(self._picture(info, recipe, unit.name, self._stated_band()))
+
+    def _cube(self, cube: Source | HeldSamples, node: str, missing: Missing = "refuse") -> Image:
+        """All bands, and their sum as the image's pixels."""
+        info, stated = cube.info, self._stated_band()
+        unit = spectral_unit(info, typed=self.unit, scale=self.scale)
+        stack = bands_of(
+            cube, unit=unit, scale=self.scale, interval_um=stated, missing=missing, node=node
+        )
+        name = DEFAULT_UNIT if stack.density else info.unit or self.unit
+        known = {"bad_bands": len(info.bad_bands), "coverage": coverage(info, stated)}
+        image = self._picture(info, stack.picture(stack.whole), name, stack.band_um, **known)
+        return replace(image, bands=stack)
 
     def _picture(
         self,
         info: PictureInfo,
-        recipe: Step,
+        recipe: Recipe,
         unit: str,
         band_um: tuple[float, float] | None,
-        *,
-        spectral: bool,
+        **known: Any,
     ) -> Image:
+        """The image, of which the file says what is `known` besides."""
         fov_x_deg = self.fov_x_deg or info.fov_x_deg
         fov_y_deg = self.fov_y_deg or info.fov_y_deg
         return Image(
@@ -214,54 +226,11 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
                 fov_y_deg,
                 info.focal_length_mm,
                 bare_integers=np.dtype(info.dtype).kind in "bui" and not info.unit,
-                channels=info.channels,
-                not_applied=info.not_applied,
-                unit_named=bool(info.unit),
-                bands=1 if spectral else info.bands,
-                wavelengths_assumed=info.wavelengths_assumed,
-                absent_chunks=info.absent_chunks,
-                bad_bands=len(info.bad_bands) if spectral else 0,
-                coverage=coverage(info, self._stated_band()) if spectral else 1.0,
-            ),
-        )
-
-    def _cube(self, source: Source, node: str) -> Image:
-        """All bands, and their sum as the image's pixels."""
-        info = source.info
-        unit = spectral_unit(info, typed=self.unit, scale=self.scale)
-        stack = file_bands(
-            source,
-            unit=unit,
-            scale=self.scale,
-            interval_um=self._stated_band(),
-            missing=self.missing,
-            node=node,
-        )
-        return self._in_bands(info, stack)
-
-    def _in_bands(self, info: PictureInfo, stack: BandStack) -> Image:
-        fov_x_deg = self.fov_x_deg or info.fov_x_deg
-        fov_y_deg = self.fov_y_deg or info.fov_y_deg
-        return Image(
-            stack.picture(stack.whole),
-            info.rows,
-            info.columns,
-            _interval("fov_x_deg", fov_x_deg, info.columns),
-            _interval("fov_y_deg", fov_y_deg, info.rows),
-            unit=DEFAULT_UNIT if stack.density else info.unit or self.unit,
-            band_um=stack.band_um,
-            header=Header(
-                fov_x_deg,
-                fov_y_deg,
-                info.focal_length_mm,
-                bare_integers=np.dtype(info.dtype).kind in "bui" and not info.unit,
                 not_applied=info.not_applied,
                 unit_named=bool(info.unit),
                 wavelengths_assumed=info.wavelengths_assumed,
-                bad_bands=len(info.bad_bands),
-                coverage=coverage(info, self._stated_band()),
+                **known,
             ),
-            bands=stack,
         )
 
     @warning
@@ -400,113 +369,3 @@ def _band_um(info: PictureInfo, band: int | tuple[int, ...]) -> tuple[float, flo
         return None
     centre, half = info.wavelengths_um[band], info.fwhm_um[band] / 2
     return (centre - half, centre + half) if centre > half else None
-
-
-# The bands of a cube in memory: sums are made of it as of a file's.
-
-Array = NDArray[Any]
-
-
-@dataclass(frozen=True)
-class HeldBands(BandStack):
-    """Bands of a cube in memory, as `FileBands` of one in a file."""
-
-    held: HeldSamples
-    places: tuple[int, ...]
-    factors: Row
-    node: str | None = field(default=None, compare=False)
-
-    @classmethod
-    def of(
-        cls,
-        held: HeldSamples,
-        *,
-        unit: RadianceUnit | None,
-        scale: float,
-        interval_um: tuple[float, float] | None,
-        node: str,
-    ) -> HeldBands:
-        """The bands within an interval; parameters and errors as `chosen_bands`."""
-        chosen = chosen_bands(held.info, unit=unit, scale=scale, interval_um=interval_um)
-        return cls(
-            chosen.centres_um,
-            chosen.widths_um,
-            held,
-            chosen.places,
-            chosen.factors,
-            node,
-            density=unit is not None,
-        )
-
-    def _content(self) -> tuple[object, ...]:
-        return self.held.key, self.places, self.factors
-
-    def _row(self, row: Row) -> Row:
-        """Weights of the cube's bands."""
-        weights = np.zeros(len(self.held.samples))
-        weights[list(self.places)] = np.array(row) * np.array(self.factors)
-        return tuple(map(float, weights))
-
-    def sums(self, weights: Rows) -> Recipe:
-        """Weighted sums of the bands."""
-        rows = tuple(self._row(row) for row in weights)
-        return Step.of(_sums, node=self.node, held=self.held, weights=rows)
-
-    def picture(self, weights: Row) -> Recipe:
-        """One sum."""
-        return Step.of(_sum, node=self.node, held=self.held, weights=self._row(weights))
-
-    def means(self) -> Recipe:
-        """Means of the bands."""
-        return Step.of(
-            _means, node=self.node, held=self.held, places=self.places, factors=self.factors
-        )
-
-    def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe:
-        """Bands of a sample, or their mean over some."""
-        where = {"rows": (row, row + rows), "columns": (column, column + columns)}
-        return Step.of(
-            _spectrum,
-            node=self.node,
-            held=self.held,
-            places=self.places,
-            factors=self.factors,
-            **where,
-        )
-
-
-def _made(work: Work, held: HeldSamples, rows: Rows) -> Array:
-    cube = CubeInMemory(held.samples)
-    dtype = work.policy.dtype
-    return weighted_sums(cube, np.array(rows), dtype=dtype, for_each=work.for_each)
-
-
-@ends_lineage
-def _sums(work: Work, *, held: HeldSamples, weights: Rows) -> Array:
-    return _made(work, held, weights)
-
-
-@source_step(area_means=False)  # as a scene in a file, it may be blurred by anything
-def _sum(work: Work, *, held: HeldSamples, weights: Row) -> Array:
-    """One weighted sum of the bands."""
-    return np.asarray(_made(work, held, (weights,))[0])
-
-
-@ends_lineage
-def _means(work: Work, *, held: HeldSamples, places: tuple[int, ...], factors: Row) -> Array:
-    totals, counts = band_totals(CubeInMemory(held.samples), for_each=work.for_each)
-    return np.asarray((totals / counts)[list(places)] * np.array(factors))
-
-
-@ends_lineage
-def _spectrum(
-    _: Work,
-    *,
-    held: HeldSamples,
-    places: tuple[int, ...],
-    factors: Row,
-    rows: tuple[int, int],
-    columns: tuple[int, int],
-) -> Array:
-    stored = mean_spectrum(CubeInMemory(held.samples), slice(*rows), slice(*columns))
-    return np.asarray(stored[list(places)] * np.array(factors))

@@ -12,7 +12,7 @@ from core.physics.sampling.platform_motion import blur_mrad, motion_mtf
 from nodes.shared.context_defaults import given
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import apart_caution
+from nodes.shared.shared_warnings import apart_from_context
 
 
 class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", group="Motion"):
@@ -48,20 +48,12 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
     @warning
     def distance(self, context: Context) -> Caution | None:
         """A range that is not the one of Init & Trans."""
-        return apart_caution(
-            "range_m", self.range_m, context.range_m, unit="m", where="on Init & Trans"
-        )
+        return apart_from_context(self, context, "range_m")
 
     @warning
     def velocity(self, context: Context) -> Caution | None:
         """A velocity that is not the one of Init & Trans."""
-        return apart_caution(
-            "velocity_m_per_s",
-            self.velocity_m_per_s,
-            context.velocity_m_per_s,
-            unit="m/s",
-            where="on Init & Trans",
-        )
+        return apart_from_context(self, context, "velocity_m_per_s")
 
     @readout("mrad")
     def blur_y_mrad(self, context: Context) -> float:

@@ -11,7 +11,7 @@ from core.modules.parameters import Formula, Param
 from core.physics.sampling.platform_motion import motion_mtf, scan_blur_mrad
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import apart_caution
+from nodes.shared.shared_warnings import apart_from_context
 
 
 class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):
@@ -44,13 +44,7 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
     @warning
     def velocity(self, context: Context) -> Caution | None:
         """A scan velocity that is not the one of Init & Trans."""
-        return apart_caution(
-            "scan_velocity_mrad_per_s",
-            self.scan_velocity_mrad_per_s,
-            context.scan_velocity_mrad_per_s,
-            unit="mrad/s",
-            where="on Init & Trans",
-        )
+        return apart_from_context(self, context, "scan_velocity_mrad_per_s")
 
     @readout("mrad")
     def blur_mrad(self, context: Context) -> float:

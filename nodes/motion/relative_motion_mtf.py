@@ -13,7 +13,7 @@ from core.transfer.factors import Factor, Law, Planar
 from nodes.shared.context_defaults import given
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import apart_caution
+from nodes.shared.shared_warnings import apart_from_context
 
 
 class RelativeMotionMTF(
@@ -81,9 +81,7 @@ class RelativeMotionMTF(
     @warning
     def distance(self, context: Context) -> Caution | None:
         """A range that is not the one of Init & Trans."""
-        return apart_caution(
-            "range_m", self.range_m, context.range_m, unit="m", where="on Init & Trans"
-        )
+        return apart_from_context(self, context, "range_m")
 
     @readout("mrad")
     def blur_x_mrad(self, context: Context) -> float:

@@ -42,7 +42,7 @@ from nodes.shared.shared_warnings import (
     Band,
     apart_caution,
     first,
-    wavelength_caution,
+    middle_caution,
 )
 
 Number = Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
@@ -235,7 +235,7 @@ class DiffractionMTF(
         return max(self.tolerance or usual, FINEST_TOLERANCE)
 
     def _band(self, context: Context) -> Band:
-        return given_band(self.cut_on_um, self.cut_off_um, context)
+        return given_band(self.cut_on_um, self.cut_off_um, context.band_um)
 
     def _temperature(self, magnitude: Magnitude, band: Band, node: str) -> float | Recipe:
         if self.weighting == "uniform" or self.wavelengths == 1 or band[0] == band[1]:
@@ -247,13 +247,7 @@ class DiffractionMTF(
     @warning
     def band(self, context: Context) -> Caution | None:
         """Diffraction at wavelengths that the picture does not have."""
-        if context.band_um is None or (self.cut_on_um is None and self.cut_off_um is None):
-            return None
-        return wavelength_caution(
-            context.band_um,
-            sum(self._band(context)) / 2,
-            name="the middle of cut_on_um to cut_off_um",
-        )
+        return middle_caution(context.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
     def aperture(self, context: Context) -> Caution | None:

@@ -40,7 +40,7 @@ from nodes.optics.pupil_factor import (
 from nodes.shared.context_defaults import given_band
 from nodes.shared.factors import OtfOutputs, otf_outputs
 from nodes.shared.module_ports import Apply, CutOff, CutOn, LightingSource, NyquistReadouts
-from nodes.shared.shared_warnings import F_NUMBER_NEAR, alike, wavelength_caution
+from nodes.shared.shared_warnings import F_NUMBER_NEAR, alike, middle_caution
 
 Weighting = Literal["uniform", "photons", "energy"]
 EXACT_ERROR = 1e-12  # of the closed forms, as tested
@@ -147,12 +147,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     @warning
     def band(self, context: Context) -> Caution | None:
         """Diffraction at wavelengths that the picture does not have."""
-        if context.band_um is None or (self.cut_on_um is None and self.cut_off_um is None):
-            return None
-        low, high = given_band(self.cut_on_um, self.cut_off_um, context)
-        return wavelength_caution(
-            context.band_um, (low + high) / 2, name="the middle of cut_on_um to cut_off_um"
-        )
+        return middle_caution(context.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
     def aperture(self, context: Context, pupil: Pupil) -> Caution | None:
@@ -187,7 +182,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
 
     def _scale(self, context: Context, pupil: Pupil) -> PupilScale:
         """Wavelengths over the band, which count alike."""
-        cut_on, cut_off = given_band(self.cut_on_um, self.cut_off_um, context)
+        cut_on, cut_off = given_band(self.cut_on_um, self.cut_off_um, context.band_um)
         wavelengths, weights = band_wavelengths(
             cut_on_um=cut_on, cut_off_um=cut_off, count=self.wavelengths
         )
@@ -211,7 +206,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         responses = weighting_responses(self.response, here.folder, magnitude, self.weighting)
         if self.weighting == "uniform" and not responses:
             return scale
-        band = given_band(self.cut_on_um, self.cut_off_um, context)
+        band = given_band(self.cut_on_um, self.cut_off_um, context.band_um)
         spectrum = Spectrum(*band, self.weighting, responses=responses)
         spectrum.check()
         places, shares = spectrum.places(self.wavelengths)

@@ -34,7 +34,7 @@ from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
 from nodes.shared.context_defaults import given
 from nodes.shared.factors import OtfOutputs, otf_outputs, separable
 from nodes.shared.module_ports import Apply, NyquistReadouts
-from nodes.shared.shared_warnings import apart_caution, first, unlinked_phase_caution
+from nodes.shared.shared_warnings import ELECTRONICS, apart_from_context, unlinked_phase_caution
 
 ENDS_LOW = 0.02  # an MTF that ends above is cut off by the file, not by the optics
 Scales = tuple[float, float]
@@ -261,17 +261,8 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     @warning
     def geometry(self, context: Context) -> Caution | None:
         """A pitch or focal length that is not the one of Init & Trans."""
-        where = "on Init & Trans, which the electronics go by"
-        return first(
-            *(
-                apart_caution(
-                    name, getattr(self, name), getattr(context, name), unit=unit, where=where
-                )
-                for name, unit in (
-                    ("focal_length_mm", "mm"), ("detector_x_um", "µm"), ("detector_y_um", "µm"),
-                )
-            )
-        )  # fmt: skip
+        names = ("focal_length_mm", "detector_x_um", "detector_y_um")
+        return apart_from_context(self, context, *names, where=ELECTRONICS)
 
     @readout("cyc/mrad")
     def end_x(self, outputs: OtfOutputs) -> float | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,16 +20,11 @@ from core.modules.parameters import Formula, Param
 from core.physics.noise.poisson import photon_means, published_means, radiance_of_photons
 from nodes.input_output.sample_unit import Statistics, statistics
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
+from nodes.shared.module_ports import NoiseOutputs
 from nodes.shared.shared_warnings import is_temperature, unit_caution
+from nodes.shared.steps import difference, even
 
 Array = NDArray[Any]
-
-
-class NoiseOutputs(NamedTuple):
-    """The noisy image and the noise that was added."""
-
-    image: Image
-    noise: Image
 
 
 class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", group="Optics"):
@@ -82,7 +77,7 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
         stream = self.stream(here, "photons")
         if self.mode == "published":
             if self.percent == 0:
-                noise: Recipe = Step.of(_nothing, rows=image.rows, columns=image.columns)
+                noise: Recipe = Step.of(even, shape=image.shape, value=0.0)
                 return NoiseOutputs(image, image.with_recipe(noise))
             noise = here.step(
                 published_noise,
@@ -98,7 +93,7 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
             noisy = here.step(
                 photon_counts, image.recipe, photons_per_unit=self.photons_per_unit, stream=stream
             )
-            noise = here.step(_difference, noisy, image.recipe)
+            noise = here.step(difference, noisy, image.recipe)
         return NoiseOutputs(image.with_recipe(noisy), image.with_recipe(noise))
 
     @warning
@@ -205,12 +200,6 @@ def added(work: Work, image: Array, noise: Array) -> Array:
     return np.asarray(image + noise)
 
 
-@ends_lineage
-@pointwise
-def _difference(work: Work, noisy: Array, image: Array) -> Array:
-    return np.asarray(noisy - image)
-
-
 @in_blocks()
 @ends_lineage
 def _moments(work: Work, noise: Array) -> Statistics:
@@ -221,11 +210,3 @@ def _moments(work: Work, noise: Array) -> Statistics:
 def _moment(work: Work, moments: Statistics, *, which: str) -> float:
     moment: float = getattr(moments, which)
     return moment
-
-
-@in_blocks()
-@ends_lineage
-def _nothing(work: Work, *, rows: int, columns: int) -> Array:
-    nothing: Array = work.empty((rows, columns))
-    nothing.fill(0.0)
-    return nothing

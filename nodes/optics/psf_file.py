@@ -24,7 +24,7 @@ from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
 from nodes.shared.context_defaults import given
 from nodes.shared.factors import OtfOutputs, otf_outputs
 from nodes.shared.module_ports import Apply, NyquistReadouts
-from nodes.shared.shared_warnings import apart_caution, unlinked_phase_caution
+from nodes.shared.shared_warnings import apart_from_context, unlinked_phase_caution
 
 EDGE_ENERGY = 0.01  # of the whole, above which the border is warned of
 LARGEST_SIDE = 4096  # samples, whose sum is not fast
@@ -191,13 +191,9 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     @warning
     def geometry(self, context: Context) -> Caution | None:
         """A focal length that is not the one of Init & Trans."""
-        return apart_caution(
-            "focal_length_mm",
-            self.focal_length_mm if self.pitch_unit == "um" else None,
-            context.focal_length_mm,
-            unit="mm",
-            where="on Init & Trans",
-        )
+        if self.pitch_unit != "um":
+            return None
+        return apart_from_context(self, context, "focal_length_mm")
 
     @readout("mrad")
     def centre_x_mrad(self, outputs: OtfOutputs) -> Step | None:

@@ -7,6 +7,8 @@ from dataclasses import replace
 from core.chain.wires import Context, Image, Magnitude, Phase
 from core.errors import DataError, ParameterError
 
+Band = tuple[float, float]
+
 
 def given(name: str, own: float | None, context: Context, *, unit: str) -> float:
     """The module's own value, else the context's of the same name."""
@@ -27,23 +29,23 @@ def of_context(name: str, context: Context, *, unit: str) -> float:
 
 
 def given_band(
-    cut_on_um: float | None, cut_off_um: float | None, context: Context
-) -> tuple[float, float]:
-    """The module's own band, each empty end from the image's."""
-    of_image = context.band_um or (None, None)
-    cut_on = cut_on_um if cut_on_um is not None else of_image[0]
-    cut_off = cut_off_um if cut_off_um is not None else of_image[1]
-    if cut_on is None:
-        raise _no_band("cut_on_um")
-    if cut_off is None:
-        raise _no_band("cut_off_um")
-    if cut_on > cut_off:
-        raise ParameterError("cut_off_um", cut_off, f"at least cut_on_um = {cut_on:g}", unit="µm")
-    return cut_on, cut_off
-
-
-def _no_band(name: str) -> ParameterError:
-    return ParameterError(name, None, "the image does not say its band: give it here", unit="µm")
+    cut_on_um: float | None, cut_off_um: float | None, of_image: Band | None, *, empty: bool = True
+) -> Band:
+    """The module's own band, each empty end from the image's; `empty`: both ends may be one."""
+    low, high = (
+        own if own is not None else of_image and of_image[end]
+        for end, own in enumerate((cut_on_um, cut_off_um))
+    )
+    for name, value in (("cut_on_um", low), ("cut_off_um", high)):
+        if value is None:
+            why = "the image does not say its band: give it here"
+            raise ParameterError(name, None, why, unit="µm")
+    assert low is not None
+    assert high is not None
+    if not (low <= high if empty else low < high):
+        wanted = f"at least cut_on_um = {low:g}" if empty else f"above cut_on_um = {low:g}"
+        raise ParameterError("cut_off_um", high, wanted, unit="µm")
+    return low, high
 
 
 def with_interval(image: Image, context: Context) -> Image:

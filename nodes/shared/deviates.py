@@ -83,49 +83,22 @@ def flicker_deviates(
     for stratum in range(band.strata):
         work.check()
         if place is None:
-            frequency, amplitude, phase = held[0][stratum]
-            wave = partial(_held_wave, time_s, frequency, amplitude, phase)
+            frequency_hz, amplitude, phase = held[0][stratum]
+            fields = {"frequency_hz": frequency_hz, "amplitude": amplitude, "phase": phase}
+            wave: Callable[..., Array] = wave_at
         else:
             level, phase = _level_and_phase(work, stream, shape, stratum)
-            wave = partial(_drawn_wave, time_s, band, stratum, place, level, phase)
-        work.for_each(partial(_add, total, wave), range(0, total.size, _AT_ONCE))
+            fields = {"place": place, "level": level, "phase": phase}
+            wave = partial(flicker_wave, band=band, stratum=stratum)
+        add = partial(_add, total, partial(wave, time_s=time_s), fields)
+        work.for_each(add, range(0, total.size, _AT_ONCE))
     total /= band.strata**0.5
     return total.reshape(shape).astype(work.policy.dtype)
 
 
-def _add(total: Array, wave: Callable[[slice], Array], start: int) -> None:
+def _add(total: Array, wave: Callable[..., Array], fields: dict[str, Array], start: int) -> None:
     part = slice(start, start + _AT_ONCE)
-    total[part] += wave(part)
-
-
-def _held_wave(
-    time_s: float, frequency: Array, amplitude: Array, phase: Array, part: slice
-) -> Array:
-    return wave_at(
-        time_s=time_s,
-        frequency_hz=frequency[part],
-        amplitude=amplitude[part],
-        phase=phase[part],
-    )
-
-
-def _drawn_wave(
-    time_s: float,
-    band: FlickerBand,
-    stratum: int,
-    place: Array,
-    level: Array,
-    phase: Array,
-    part: slice,
-) -> Array:
-    return flicker_wave(
-        band=band,
-        stratum=stratum,
-        time_s=time_s,
-        place=place[part],
-        level=level[part],
-        phase=phase[part],
-    )
+    total[part] += wave(**{name: field[part] for name, field in fields.items()})
 
 
 def _uniform(work: Work, stream: Stream, shape: tuple[int, int], field: str) -> Array:

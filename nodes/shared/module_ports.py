@@ -76,6 +76,13 @@ class ImageOutput(NamedTuple):
     image: Image
 
 
+class NoiseOutputs(NamedTuple):
+    """The picture with its noise, and the noise alone."""
+
+    image: Image
+    noise: Image
+
+
 class MtfOutputs(NamedTuple):
     """What every MTF module gives."""
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from core.chain.wires import Phase, Transfer
+from core.chain.wires import Context, Phase, Transfer
 from core.errors import DataError
+from core.modules.declaration import Module, declaration
 from core.modules.panel_sections import Caution
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 
@@ -78,6 +79,18 @@ def wavelength_caution(
     )
 
 
+def middle_caution(
+    picture: Band | None, cut_on_um: float | None, cut_off_um: float | None
+) -> Caution | None:
+    """A band of a module whose middle lies outside the picture's; an empty end is that."""
+    if picture is None or (cut_on_um is None and cut_off_um is None):
+        return None
+    low = picture[0] if cut_on_um is None else cut_on_um
+    high = picture[1] if cut_off_um is None else cut_off_um
+    name = "the middle of cut_on_um to cut_off_um"
+    return wavelength_caution(picture, (low + high) / 2, name=name)
+
+
 def apart_caution(
     name: str,
     own: float | None,
@@ -100,6 +113,23 @@ def apart_caution(
         f"{name} = {own:.4g}{unit} here, {other:.4g}{unit} {where}",
         remedy or f"leave {name} empty to take that one, unless both are meant",
     )
+
+
+def apart_from_context(
+    module: Module, context: Context, *names: str, where: str = "on Init & Trans"
+) -> Caution | None:
+    """The first of these parameters that is not the one of Init & Trans."""
+    units = {p.name: p.param.unit for p in declaration(type(module)).parameters}
+    values = module.values()
+    return first(
+        *(
+            apart_caution(name, values[name], getattr(context, name), unit=units[name], where=where)
+            for name in names
+        )
+    )
+
+
+ELECTRONICS = "on Init & Trans, which the electronics go by"
 
 
 def alike(one: float, other: float, *, near: float = NEAR) -> bool:

@@ -286,11 +286,8 @@ class Resampling(Linear):
         new = self.new[1 if axis == "x" else 0]
         if new == len(row):
             return row
-        base, further = taps(len(row), new, self.order, self.edges)
-        made = row[base]
-        for index, weight in further:
-            made = made + weight * (row[index] - row[base])
-        return np.asarray(made, np.float64)
+        made = interpolator(len(row), new, self.order, self.edges)(row[:, np.newaxis])
+        return np.asarray(made[:, 0], np.float64)
 
 
 @dataclass(frozen=True)

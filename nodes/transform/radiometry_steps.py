@@ -12,8 +12,8 @@ from core.chain.linear_change import LevelChange, Linear
 from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import picture_step
 from core.chain.wires import Image
-from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
+from core.errors import DataError
+from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Module, warning
 from core.modules.panel_sections import Caution, Section
@@ -24,8 +24,10 @@ from core.physics.radiometry.grey_body import (
     grey_temperature,
     in_kelvin,
 )
+from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn
 from nodes.shared.shared_warnings import band_caution
+from nodes.shared.steps import mean_of
 
 Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 16
@@ -62,13 +64,6 @@ class AboutMean(Linear):
         return power.scaled(work.value(self.change).gain)
 
 
-@in_blocks()
-@ends_lineage
-def mean_sample(work: Work, samples: Array) -> float:
-    """Mean of a picture."""
-    return float(np.mean(samples, dtype=np.float64))
-
-
 @ends_lineage
 def radiance_change(
     work: Work, mean: float, *shares: float, surface: Surface, unit: str
@@ -101,7 +96,7 @@ def temperature_change(
 
 
 def _means(recipes: tuple[Recipe, ...]) -> tuple[Step, ...]:
-    return tuple(Step.of(mean_sample, recipe) for recipe in recipes)
+    return tuple(Step.of(mean_of, recipe) for recipe in recipes)
 
 
 def _to_radiance(*images: Recipe, **how: Any) -> AboutMean:
@@ -184,19 +179,8 @@ class Radiometry(Module):
 
     def surface(self, image: Image) -> Surface:
         """The surfaces in the band here, else the image's."""
-        of_image = image.band_um or (None, None)
-        low = of_image[0] if self.cut_on_um is None else self.cut_on_um
-        high = of_image[1] if self.cut_off_um is None else self.cut_off_um
-        for name, value in (("cut_on_um", low), ("cut_off_um", high)):
-            if value is None:
-                raise ParameterError(
-                    name, None, "the image does not say its band: give it here", unit="µm"
-                )
-        assert low is not None
-        assert high is not None
-        if not low < high:
-            raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
-        return Surface(self.emissivity, self.surroundings_K, low, high)
+        band = given_band(self.cut_on_um, self.cut_off_um, image.band_um, empty=False)
+        return Surface(self.emissivity, self.surroundings_K, *band)
 
     def shares(self, image: Image, emissivity: Image | None) -> tuple[Recipe, ...]:
         """The image of emissivities, where one comes in."""

@@ -55,12 +55,6 @@ def bench_of(folder, key, params, *, init=None, scene=None, more=(), links=(), l
     return NodeBench(library, folder, nodes, [("scene.image", "init.image"), *own, *links])
 
 
-def with_readouts(*groups):
-    """Keys of the modules of some groups of the library that have read-outs."""
-    known = {key: declaration(module) for key, module in LIBRARY.items()}
-    return {key for key, module in known.items() if module.group in groups and module.readouts}
-
-
 def gaussian(sigma_mrad, frequency):
     """Transfer function of a Gaussian blur."""
     return math.exp(-2 * (math.pi * sigma_mrad * frequency) ** 2)

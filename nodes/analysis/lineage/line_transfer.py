@@ -50,6 +50,10 @@ class Line:
         return np.linspace(0.0, self.end(grid.nyquist_x, grid.nyquist_y), samples)
 
 
+HORIZONTAL = Line("horizontal", 1.0, 0.0)
+VERTICAL = Line("vertical", 0.0, 1.0)
+
+
 @dataclass(frozen=True)
 class Stage:
     """Factors of one module under one name."""

@@ -24,7 +24,6 @@ from readout_bench import (
     PITCH_Y_UM,
     bench_of,
     gaussian,
-    with_readouts,
 )
 
 BLUR = {"sigma_x_mrad": 0.4, "sigma_y_mrad": 1.3}
@@ -247,11 +246,3 @@ def test_readouts_of_merit_are_figures_of_the_table(tmp_path):
     }
     assert found == {name: table[rows.get(name, name)] for name in found}
     assert len(set(found.values())) == 9
-
-
-def test_every_module_has_its_row():
-    assert with_readouts("Analysis") == {
-        "mtf_slices", "measured_mtf", "figures_of_merit", "noise_budget", "noise_3d",
-        "compare_images", "spatial_blur", "line_by_line", "camera_geometry",
-        "image_quality",  # each by hand in test_node_image_quality
-    }  # fmt: skip

@@ -17,7 +17,6 @@ from readout_bench import (
     PITCH_Y_UM,
     SCAN_MRAD_PER_S,
     bench_of,
-    with_readouts,
 )
 
 BACKGROUND_K, D_STAR, AMPLIFIER_SNR, SPREAD = 290.0, 1e9, 80.0, 0.3
@@ -73,8 +72,3 @@ def test_readouts_of_the_electronics(tmp_path, given, bandwidth_Hz):
     for names, rel in ((exact, 1e-11), (kelvin, 1e-6), (rounding, 1e-9)):
         for name, value in names.items():
             assert found[name] == pytest.approx(value, rel=rel), name
-
-
-def test_every_module_has_its_row():
-    apart = {"noise_3d_source"}
-    assert with_readouts("Electronics & Noise") == {"electronics_noise"} | apart

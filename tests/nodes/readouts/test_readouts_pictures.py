@@ -24,7 +24,6 @@ from readout_bench import (
     PITCH_Y_UM,
     ROWS,
     bench_of,
-    with_readouts,
 )
 
 IFOV_X, IFOV_Y = PITCH_X_UM / FOCAL_LENGTH_MM, PITCH_Y_UM / FOCAL_LENGTH_MM
@@ -131,8 +130,3 @@ def test_nyquist_of_sampled_pixels(tmp_path):
     }
     bench = NodeBench(standard_library(), tmp_path, nodes, [("scene.image", "pixels.image")])
     assert bench.readouts("pixels") == pytest.approx({"nyquist_x": 1 / 3, "nyquist_y": 1.0})
-
-
-def test_every_module_has_its_row():
-    checked = {"init_trans", "anti_alias", "read_image", "examine_image", "sample_pixels"}
-    assert checked == with_readouts("Input and output", "Transform")

@@ -27,7 +27,6 @@ from readout_bench import (
     bench_of,
     gaussian,
     sinc,
-    with_readouts,
 )
 
 IFOV_X, IFOV_Y = (
@@ -317,25 +316,3 @@ def test_readouts_of_photon_noise(tmp_path):
     assert noise.std() > 0
     expected = {"noise_mean": float(noise.mean()), "noise_sigma": float(noise.std())}
     check(bench.readouts("it"), expected)
-
-
-def test_every_module_of_blur_has_its_row():
-    apart = {  # in tests of their own
-        "atmospheric_path",
-        "reflected_light",
-        "spectral_response",
-        "camera",
-        "diffraction_mtf",
-        "exit_pupil",
-        "exit_pupil_mtf",
-        "poisson_noise",
-        "focal_plane",
-        "line_of_sight",
-        "mtf_file",
-        "psf_file",
-        "tdi_mtf",
-        "nuc",
-        "microbolometer",
-    }
-    groups = ("Optics", "Motion", "Detector", "Atmosphere")
-    assert {key for key, _, _ in CASES} | apart == with_readouts(*groups)

@@ -290,7 +290,7 @@ def peak_of(
 def _band(module: Any, context: Context | None) -> tuple[float, float] | None:
     try:
         if context is not None:
-            return given_band(module.cut_on_um, module.cut_off_um, context)
+            return given_band(module.cut_on_um, module.cut_off_um, context.band_um)
     except ParameterError:
         return None
     on, off = module.cut_on_um, module.cut_off_um

@@ -1,0 +1,95 @@
+"""Steps that several modules take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.linear_change import Filtering
+from core.chain.step_lineage import AtStep, Noise, picture_step
+from core.evaluation.recipes import Recipe, ends_lineage, in_blocks, in_parts, pointwise
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from core.physics.detector.quantization import rounding_variances
+from core.transfer.factors import Edges, Grid, Separable
+from core.transfer.line_filter import filter_lines
+
+Array = NDArray[Any]
+_STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
+
+
+@ends_lineage
+@pointwise
+def difference(work: Work, picture: Array, other: Array) -> Array:
+    """A picture less another."""
+    return np.subtract(picture, other, dtype=work.policy.dtype)
+
+
+@in_blocks()
+@ends_lineage
+def even(work: Work, *, shape: tuple[int, int], value: float) -> Array:
+    """A picture of one value."""
+    picture: Array = work.empty(shape)
+    picture.fill(value)
+    return picture
+
+
+@in_blocks()
+@ends_lineage
+def mean_of(work: Work, samples: Array) -> float:
+    """Mean of a picture, in double."""
+    return float(np.mean(samples, dtype=np.float64))
+
+
+@dataclass(frozen=True)
+class PictureRange:
+    """Mean and extremes of a picture."""
+
+    mean: float
+    low: float
+    high: float
+
+
+@in_blocks()
+@ends_lineage
+def picture_range(work: Work, image: Array) -> PictureRange:
+    """Mean (in double) and extremes."""
+    return PictureRange(
+        float(np.mean(image, dtype=np.float64)), float(np.min(image)), float(np.max(image))
+    )
+
+
+def _filtered_part(
+    work: Work, region: Region, picture: Recipe, *, grid: Grid, label: str, **how: Any
+) -> Array:
+    wanted = Region(region.top, 0, region.rows, grid.columns)
+    lines = filter_lines(work, work.part(picture, wanted), grid=grid, **how)
+    return np.ascontiguousarray(lines[:, region.slices[1]])
+
+
+def _line_filter(
+    picture: Recipe, *, factors: tuple[Separable, ...], grid: Grid, edges: Edges, label: str
+) -> Filtering:
+    return Filtering(factors, grid, edges, label=label)
+
+
+@picture_step(linear=_line_filter)
+@in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
+def filtered_lines(work: Work, picture: Array, *, label: str, **how: Any) -> Array:
+    """The picture filtered along its lines, as one stage of this label."""
+    return filter_lines(work, picture, **how)
+
+
+def rounding_noises(at: AtStep, step: float) -> list[Noise]:
+    """Rounding errors: temporal as far as temporal noise changes them, else fixed."""
+    stirring = sum(noise.power.moments().sample for noise in at.before if noise.temporal)
+    if stirring < (_STILL * step) ** 2:
+        return [at.known("quantization")]
+    temporal, fixed = rounding_variances(step=step, noise_variance=stirring)
+    return [
+        at.white("quantization", temporal),
+        at.white("quantization", fixed, temporal=False),
+    ]
