@@ -15,7 +15,7 @@ from app.fit.scene_match import SceneFit
 from app.measure.measurement_text import with_error
 from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
 from app.report.drawing.picture_drawing import COLOURS, figure
-from app.report.drawing.printed_numbers import number
+from app.report.drawing.printed_numbers import number, short
 from app.report.html_page import html_page
 from app.run.readout_tables import columns, number_text
 from core.names import in_line
@@ -35,7 +35,7 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
         Text(
             # No-break spaces: what belongs together stays in one line.
             f"{_fitted(result)}, {misfit.degrees} degrees of freedom, "
-            f"{_CHI2}\N{NO-BREAK SPACE}{number(_short(result.chi2_per_degree))} (1: nothing but "
+            f"{_CHI2}\N{NO-BREAK SPACE}{short(result.chi2_per_degree)} (1: nothing but "
             "noise is left).",
             "lead",
         ),
@@ -58,7 +58,7 @@ def _fitted(result: FitResult) -> str:
     if result.scene is not None:
         return "The whole picture"
     count = len(result.fit.patches)
-    shape = number(_short(result.fit.misfit.shape_per_degree))
+    shape = short(result.fit.misfit.shape_per_degree)
     edges = "1 edge" if count == 1 else f"{count} edges"
     return f"{edges} (what is left in their shape: {_CHI2}\N{NO-BREAK SPACE}{shape})"
 
@@ -90,10 +90,6 @@ def _pictures(result: FitResult) -> list[Block]:
         ),
         *_table(result),
     ]
-
-
-def _short(value: float) -> float:
-    return float(f"{value:.4g}")
 
 
 def _row(result: FitResult, index: int) -> tuple[str, ...]:
@@ -138,7 +134,7 @@ def _table(result: FitResult) -> list[Block]:
                 f"{patch.y:.1f}",
                 f"{patch.angle_deg:.1f}",
                 str(len(patch.value)),
-                number(_short(float(edges_of(result).step[index]))),
+                short(float(edges_of(result).step[index])),
                 f"{chi2 / len(patch.value):.3f}",
             )
         )

@@ -17,14 +17,7 @@ from nodes.files.common.file_format import JSON
 def write_report(evaluation: Evaluation, skipped: tuple[Skip, ...], path: Path) -> None:
     """Write the report in the format of the path's suffix.
 
-    Parameters
-    ----------
-    evaluation : Evaluation
-        What has been evaluated.
-    skipped : tuple of Skip
-        What had not been computed for it, before any report.
-    path : Path
-        The file.
+    `skipped` is what had not been computed before any report.
     """
     facts = report_facts(evaluation, skipped)
     if JSON.matches(path):

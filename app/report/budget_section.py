@@ -7,7 +7,7 @@ from typing import Any
 
 from app.report.blocks import Block, Drawn, Grid, Heading, Text, of_many
 from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, strongest
-from app.report.drawing.printed_numbers import number
+from app.report.drawing.printed_numbers import number, short
 from nodes.analysis.budget_shares import source_title
 
 Fact = dict[str, Any]
@@ -259,10 +259,10 @@ def _table(spectra: list[Fact]) -> Block:
             (
                 ", ".join(one["ports"]),
                 number(one["bands"]),
-                f"{number(_short(low))} to {number(_short(high))}",
-                number(_short(sum(one["widths_um"]) / one["bands"])),
-                number(_short(one["centres_um"][highest])),
-                number(_short(one["mean"][highest])),
+                f"{short(low)} to {short(high)}",
+                short(sum(one["widths_um"]) / one["bands"]),
+                short(one["centres_um"][highest]),
+                short(one["mean"][highest]),
                 one["unit"],
             )
         )
@@ -278,7 +278,7 @@ def _transformed(facts: Fact) -> list[Block]:
         (
             ", ".join(one["ports"]),
             f"{one['wavelengths']} of {one['bands']}",
-            number(_short(one["bound"])),
+            short(one["bound"]),
         )
         for one in facts["spectra"]["transformed"]
     ]
@@ -289,7 +289,3 @@ def _transformed(facts: Fact) -> list[Block]:
         "Wavelengths that are not transformed are made of the others, where the optics allow it."
     )
     return [Text(words), Grid(heads, rows, numbers=(1, 2))]
-
-
-def _short(value: float) -> float:
-    return float(f"{value:.4g}")

@@ -79,10 +79,7 @@ _MICROBOLOMETER: Rows = (
     ("Left of a change after a frame", "lag_percent", "%"),
     ("SNR", "snr", ""),
 )
-_AIR: Rows = (
-    ("Transmission", "transmission", ""),
-    ("Optical depth", "optical_depth", ""),
-)
+_AIR: Rows = (("Transmission", "transmission", ""), ("Optical depth", "optical_depth", ""))
 _RANGES: Rows = (
     ("Size of the target", "target_size_m", "m"),
     ("Target less background", "target_delta_K", "K"),
@@ -123,13 +120,6 @@ def data_sheet_facts(evaluation: Evaluation, nodes: Fact) -> Fact | None:
     """The figures by module, noise by source, and the MTF at the pixels' Nyquist frequency.
 
     None of a network without a camera of today.
-
-    Parameters
-    ----------
-    evaluation : Evaluation
-        The run.
-    nodes : dict
-        What the report has of every node.
     """
     working = {name: node for name, node in nodes.items() if not node["disabled"]}
     if not any(node["module"] in _CAMERAS for node in working.values()):
@@ -227,10 +217,9 @@ def _at_pixel_nyquist(evaluation: Evaluation) -> Fact | None:
 #
 # A network may carry two fields for it. `published` is a list of objects with `figure`, `where`,
 # `value`, `unit`, `from`, `within` and `reason`: `from` names the figure of this run, which is
-# reproduced where it differs by no more than `within`. It is NODE.READOUT, or
-# NODE.PORT.mean (sigma, minimum, maximum) of a picture, or NODE.mtf_nyquist_x (ptf, y; `total`
-# for
-# the product). `conflicts` is a list of texts: where the source contradicts itself.
+# reproduced where it differs by no more than `within`. It is NODE.READOUT, or NODE.PORT.mean
+# (sigma, minimum, maximum) of a picture, or NODE.mtf_nyquist_x (ptf, y; `total` for the product).
+# `conflicts` is a list of texts: where the source contradicts itself.
 #
 # The figures of a shipped network belong to its own modules, wires, values and scene. A changed
 # network that still carries them is not compared.
@@ -247,7 +236,7 @@ _FIELDS = (*_TEXTS, "value", "within")
 
 
 def published_rows(evaluation: Evaluation, nyquist: Mapping[str, float]) -> list[dict[str, Any]]:
-    """Each published figure with ours and a verdict; none for a shipped network that was changed."""
+    """Each published figure with ours and a verdict; none where a shipped network was changed."""
     entries = evaluation.network.extra.get("published", ())
     if not isinstance(entries, tuple):
         raise NetworkError("published must be a list of figures")

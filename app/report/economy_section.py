@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from app.report.blocks import MOST_ROWS, Block, Grid, Heading
-from app.report.drawing.printed_numbers import number
+from app.report.drawing.printed_numbers import short
 
 Fact = dict[str, Any]
 
@@ -26,7 +26,7 @@ _KINDS = {
 
 def economy(facts: dict[str, Any]) -> list[Block]:
     """The section; empty where all there is was computed."""
-    budget = number(_rounded(facts["run"]["tolerance"]))
+    budget = short(facts["run"]["tolerance"], 2)
     rows = []
     for kind, (what, why) in _KINDS.items():
         where = [
@@ -52,7 +52,7 @@ def state(listed: list[Fact]) -> str:
         if fact["kind"] == "identity":
             return "neutral: skipped"
         if fact["kind"] == "below_budget":
-            return f"left out: at most {number(_rounded(fact['bound']))}"
+            return f"left out: at most {short(fact['bound'], 2)}"
     return ""
 
 
@@ -69,10 +69,6 @@ def _detail(fact: Fact) -> str:
     }.get(fact["kind"])
     if template is None:
         return ""
-    bound = number(_rounded(fact["bound"]))
-    share = number(_rounded(None if fact["share"] is None else 100 * fact["share"]))
+    bound = short(fact["bound"], 2)
+    share = short(None if fact["share"] is None else 100 * fact["share"], 2)
     return f" ({template.format(bound=bound, share=share, ports=', '.join(fact['ports']))})"
-
-
-def _rounded(value: float | None) -> float | None:
-    return None if value is None else float(f"{value:.2g}")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any, Literal
 
@@ -32,7 +33,6 @@ from core.physics.sampling.interpolation import folded
 from core.transfer.factors import factor_at
 from nodes.analysis.lineage import ImageTransfer, transfer_of
 from nodes.analysis.mtf_measuring import (
-    Figure,
     Measured,
     Rectangle,
     measured_rows,
@@ -54,81 +54,40 @@ _DIRECTIONS: tuple[Direction, ...] = ("horizontal", "vertical")
 _METHODS: tuple[Method, ...] = ("slanted_edge", "row_average")
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """One measurement beside what was to be expected, from 0 to Nyquist in cycles per sample.
-
-    `error` is the standard error of `mtf`.
-    """
-
-    frequency: Vector
-    mtf: Vector
-    error: Vector
-    expected: Vector
-    angle_deg: float
-    per_mrad: float
-    mtf50: Figure
-    expected_mtf50: float | None
-    nyquist: Figure
-
-    @property
-    def expected_nyquist(self) -> float:
-        """What was to be expected at half a cycle per sample."""
-        return float(self.expected[-1])
-
-    @property
-    def largest(self) -> tuple[float, float]:
-        """Where they differ most, measured less expected, and at which frequency."""
-        away = self.mtf - self.expected
-        place = int(np.argmax(np.abs(away)))
-        return float(away[place]), float(self.frequency[place])
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """A way to measure, and its outcome: a judgement, or the reason why there is none."""
-
-    direction: Direction
-    method: Method
-    judgement: Judgement | None
-    reason: str | None = None
-
-
-@dataclass(frozen=True)
-class Judged:
-    """All measurements of a chain's final picture."""
-
-    # ports of the replaced picture and of the one measured
-    source: str
-    picture: str
-    intervals: tuple[float, float]  # of the measured picture, mrad
-    silenced: tuple[str, ...]  # nodes whose noise is left out, in the network's order
-    attempts: tuple[Attempt, ...]  # each way to measure
-
-
-def judged(evaluation: Evaluation) -> Judged | str:
-    """Measure the chain; or the reason why it cannot be."""
-    reason = _reason(evaluation)
+def judged_facts(evaluation: Evaluation) -> dict[str, Any]:
+    """Every way to measure, each with its figures or the reason why it has none."""
+    reason, silenced = _reason(evaluation), set[str]()
     if reason is not None:
-        return reason
+        return {"reason": reason, "measurements": []}
     source, picture = evaluation.chain.sources[0], str(evaluation.chain.final)
     scene: Image = evaluation.plan.output(source)
     image: Image = evaluation.plan.output(picture)
-    silenced: set[str] = set()
     try:
         chain = _Chain(scene, image, silenced)
     except ImagechainError as error:
-        return str(error)
+        return {"reason": str(error), "measurements": []}
     work = evaluation.engine.work(evaluation.work.policy)
-    attempts = []
-    for direction in _DIRECTIONS:
-        for method in _METHODS:
-            evaluation.work.check()
-            attempts.append(_attempt(chain, work, direction, method))
-    grid = image.grid()
-    intervals = grid.interval_x_mrad, grid.interval_y_mrad
-    without = tuple(name for name in evaluation.plan.nodes if name in silenced)
-    return Judged(source, picture, intervals, without, tuple(attempts))
+    measurements = []
+    for direction, method in product(_DIRECTIONS, _METHODS):
+        evaluation.work.check()
+        measurements.append(_measurement(chain, work, direction, method))
+    grid, responses = image.grid(), evaluation.responses
+    intervals = dict(zip(_DIRECTIONS, (grid.interval_x_mrad, grid.interval_y_mrad), strict=True))
+    whole = responses.products[-1]
+    lines = (responses.xi, whole.x.mtf), (responses.eta, whole.y.mtf)
+    return {
+        "reason": None,
+        "source": source,
+        "picture": picture,
+        "silenced": tuple(name for name in evaluation.plan.nodes if name in silenced),
+        "interval_mrad": intervals,
+        # Modulus of the stages' product, by cycles per sample of the picture.
+        "stages": {
+            name: {"frequency_cyc_per_sample": frequency * intervals[name], "mtf": np.abs(mtf)}
+            for name, (frequency, mtf) in zip(_DIRECTIONS, lines, strict=True)
+        },
+        "measurements": measurements,
+    }
 
 
 def _reason(evaluation: Evaluation) -> str | None:
@@ -167,11 +126,7 @@ class _Chain:
         """The edge, its normal turned by this from across towards along."""
         scene = self.scene
         return Step.of(
-            edge_drawn,
-            scene.recipe,
-            width=scene.columns,
-            height=scene.rows,
-            angle_deg=angle_deg,
+            edge_drawn, scene.recipe, width=scene.columns, height=scene.rows, angle_deg=angle_deg
         )
 
     def picture(self, angle_deg: float) -> Image:
@@ -210,31 +165,42 @@ def edge_drawn(work: Work, scene: Array, *, width: int, height: int, angle_deg: 
     )
 
 
-def _attempt(chain: _Chain, work: Work, direction: Direction, method: Method) -> Attempt:
+def _measurement(chain: _Chain, work: Work, direction: Direction, method: Method) -> dict[str, Any]:
+    """One measurement beside what was to be expected, from 0 to Nyquist."""
+    facts = {"direction": direction, "method": method, "reason": None}
     measure = _slanted if method == "slanted_edge" else _rows
     try:
         measured, expected = measure(chain, work, direction)
     except Cancelled:
         raise
     except ImagechainError as error:  # the run itself has not failed
-        return Attempt(direction, method, None, str(error))
+        return facts | {"reason": str(error)}
     inside = measured.frequency <= 0.5
-    assert measured.per_mrad is not None
-    return Attempt(
-        direction,
-        method,
-        Judgement(
-            measured.frequency[inside],
-            measured.mtf[inside],
-            measured.error[inside],
-            expected[inside],
-            measured.angle_deg,
-            measured.per_mrad,
-            measured.mtf50,
-            falls_to(frequency=measured.frequency, mtf=expected, level=0.5),
-            measured.nyquist,
-        ),
-    )
+    per_mrad = measured.per_mrad
+    assert per_mrad is not None
+
+    def scaled(value: float | None) -> float | None:
+        return None if value is None else value * per_mrad
+
+    away = (measured.mtf - expected)[inside]
+    largest = int(np.argmax(np.abs(away)))
+    expected_mtf50 = falls_to(frequency=measured.frequency, mtf=expected, level=0.5)
+    return facts | {
+        "angle_deg": measured.angle_deg,
+        "frequency_cyc_per_sample": measured.frequency[inside],
+        "mtf": measured.mtf[inside],
+        "mtf_error": measured.error[inside],
+        "expected": expected[inside],
+        "mtf50_cyc_per_mrad": scaled(measured.mtf50.value),
+        "mtf50_error_cyc_per_mrad": scaled(measured.mtf50.error),
+        "expected_mtf50_cyc_per_mrad": scaled(expected_mtf50),
+        "nyquist_cyc_per_mrad": 0.5 * per_mrad,
+        "at_nyquist": measured.nyquist.value,
+        "at_nyquist_error": measured.nyquist.error,
+        "expected_at_nyquist": float(expected[inside][-1]),
+        "largest_difference": float(away[largest]),
+        "largest_difference_at_cyc_per_mrad": float(measured.frequency[largest]) * per_mrad,
+    }
 
 
 def _slanted(chain: _Chain, work: Work, direction: Direction) -> tuple[Measured, Vector]:
@@ -251,8 +217,8 @@ def _slanted(chain: _Chain, work: Work, direction: Direction) -> tuple[Measured,
         seen_x = where.width / image.columns
         seen_y = abs(math.tan(math.pi / 2 - turned)) * where.width / image.rows
     f = measured.frequency
-    waves = Waves(f * math.cos(turned), f * math.sin(turned), seen_x, seen_y)
-    return measured, expected_mtf(transfer_of(image), work, waves)
+    waves = f * math.cos(turned), f * math.sin(turned)
+    return measured, expected_mtf(transfer_of(image), work, waves, (seen_x, seen_y))
 
 
 def _rows(chain: _Chain, work: Work, direction: Direction) -> tuple[Measured, Vector]:
@@ -291,29 +257,18 @@ def _middle(image: Image, direction: Direction) -> Rectangle:
 # The MTF that a slanted edge in the final picture should show: every step from the scene to it.
 #
 # The stages' product is not all there is to it. A sample of the scene is a mean over its area,
-# pixels
-# are combined, a frame grabber interpolates: each blurs too.
+# pixels are combined, a frame grabber interpolates: each blurs too.
 
 
-@dataclass(frozen=True)
-class Waves:
-    """Frequencies in cycles per sample of the final picture, and where in it they are looked at.
+def expected_mtf(
+    passed: ImageTransfer, work: Work, waves: tuple[Vector, Vector], seen: tuple[float, float]
+) -> Vector:
+    """Modulus of all steps at pairs of frequencies in cycles per sample of the final picture.
 
-    `seen_x` and `seen_y` are the shares of the frame's width and height, about its middle.
+    An interpolated picture differs from place to place: what counts is the mean over the shares of
+    the frame's width and height, about its middle, that are seen.
     """
-
-    x: Vector
-    y: Vector
-    seen_x: float
-    seen_y: float
-
-
-def expected_mtf(passed: ImageTransfer, work: Work, waves: Waves) -> Vector:
-    """Modulus of all steps at these pairs of frequencies.
-
-    An interpolated picture differs from place to place: what counts is the mean over what is seen.
-    """
-    xi, eta = waves.x / passed.grid.interval_x_mrad, waves.y / passed.grid.interval_y_mrad
+    xi, eta = waves[0] / passed.grid.interval_x_mrad, waves[1] / passed.grid.interval_y_mrad
     scene = passed.source_grid
     fx, fy = xi * scene.interval_x_mrad, eta * scene.interval_y_mrad
     total = sinc(fx) * sinc(fy)  # samples of the scene are means over their area
@@ -325,9 +280,9 @@ def expected_mtf(passed: ImageTransfer, work: Work, waves: Waves) -> Vector:
         work.check()
         if isinstance(factor, PlaceDependent):
             if factor.x is not None:
-                total = total * factor.mean_over(factor.x, xi, waves.seen_x)
+                total = total * factor.mean_over(factor.x, xi, seen[0])
             if factor.y is not None:
-                total = total * factor.mean_over(factor.y, eta, waves.seen_y)
+                total = total * factor.mean_over(factor.y, eta, seen[1])
         else:
             total = total * factor_at(work, factor, *within)
     return np.asarray(np.abs(total), np.float64)
@@ -337,8 +292,7 @@ def expected_mtf(passed: ImageTransfer, work: Work, waves: Waves) -> Vector:
 #
 # The edge lies at one place among the samples. What they cannot show of it beyond their Nyquist
 # frequency is folded back, and an interpolated picture differs from place to place: no product of
-# MTFs gives what is measured. But all rows are alike, so that one of them is soon followed
-# through
+# MTFs gives what is measured. But all rows are alike, so that one of them is soon followed through
 # every step, and measured in the same way.
 
 
@@ -379,12 +333,7 @@ class DrawnResponse:
 def response_over_band(planned: PlannedNode, folder: Path) -> DrawnResponse | None:
     """Response of a Focal Plane or Spectral Response; None of any other node, or without a band.
 
-    Parameters
-    ----------
-    planned : PlannedNode
-        The node, without an error.
-    folder : Path
-        The network's, from which its files are named.
+    Files are named from the network's `folder`.
     """
     image: Image | None = planned.inputs.get("image")
     module = planned.module

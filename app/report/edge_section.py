@@ -9,7 +9,7 @@ import numpy as np
 
 from app.report.blocks import Block, Drawn, Grid, Heading, Text
 from app.report.drawing.picture_drawing import COLOURS, figure, named
-from app.report.drawing.printed_numbers import number
+from app.report.drawing.printed_numbers import short
 
 Fact = dict[str, Any]
 _METHODS = {"slanted_edge": "slanted edge", "row_average": "row average"}
@@ -75,7 +75,7 @@ def judged_png(edges: Fact, *, mirrored: bool) -> bytes:
             _panel(axis, edges, direction, mirrored)
             axis.set_title(f"{direction.capitalize()} MTF")
             interval = edges["interval_mrad"][direction]
-            axis.set_xlabel(f"frequency (cycles/sample of {number(_short(interval))} mrad)")
+            axis.set_xlabel(f"frequency (cycles/sample of {short(interval)} mrad)")
             handles, labels = axis.get_legend_handles_labels()
             lines |= dict(zip(labels, handles, strict=True))
         axes[0].set_ylabel("MTF")
@@ -125,11 +125,11 @@ def _table(measurements: Iterable[Fact]) -> Grid:
             measurement["direction"],
             _METHODS[measurement["method"]],
             _with_error(measurement["mtf50_cyc_per_mrad"], measurement["mtf50_error_cyc_per_mrad"]),
-            number(_short(measurement["expected_mtf50_cyc_per_mrad"])),
+            short(measurement["expected_mtf50_cyc_per_mrad"]),
             _with_error(measurement["at_nyquist"], measurement["at_nyquist_error"]),
-            number(_short(measurement["expected_at_nyquist"])),
-            number(_short(measurement["largest_difference"], 2)),
-            number(_short(measurement["largest_difference_at_cyc_per_mrad"], 3)),
+            short(measurement["expected_at_nyquist"]),
+            short(measurement["largest_difference"], 2),
+            short(measurement["largest_difference_at_cyc_per_mrad"], 3),
         )
         for measurement in measurements
     ]
@@ -142,10 +142,6 @@ def _table(measurements: Iterable[Fact]) -> Grid:
 
 def _with_error(value: float | None, error: float | None) -> str:
     """A figure with its standard error, where that is more than rounding."""
-    text = number(_short(value))
+    text = short(value)
     known = value is not None and error is not None and error > _NO_ERROR
-    return f"{text} ± {number(_short(error, 2))}" if known else text
-
-
-def _short(value: float | None, digits: int = 4) -> float | None:
-    return None if value is None else float(f"{value:.{digits}g}")
+    return f"{text} ± {short(error, 2)}" if known else text

@@ -12,15 +12,7 @@ TEMPLATES = Path(__file__).with_name("templates")
 
 
 def html_page(title: str, blocks: Iterable[Block]) -> str:
-    """The page; `title` is the window's.
-
-    Parameters
-    ----------
-    title : str
-        What stands in the title bar, before the program's name.
-    blocks : iterable of Block
-        What stands on the page, from above.
-    """
+    """The page; `title` is the window's."""
     # Imported only where a page is written: 40 ms.
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 

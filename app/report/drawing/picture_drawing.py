@@ -86,12 +86,7 @@ def figure(width: float, height: float) -> Iterator[tuple[Any, io.BytesIO]]:
 def pictures_png(pictures: list[tuple[str, Image, Array]], beside: int = 2) -> bytes:
     """Pictures side by side, each with grey levels of its own between its 0.1 % quantiles.
 
-    Parameters
-    ----------
-    pictures : list of (title, image, samples)
-        One to four.
-    beside : int
-        How many pictures would fill the width, if more than there are.
+    They are as wide as `beside` pictures that fill the width, if that is more.
     """
     tallest = max(image.rows / image.columns * _aspect(image) for _, image, _ in pictures)
     number_across = max(len(pictures), beside, 2)
@@ -314,8 +309,7 @@ def _escaped(text: str) -> str:
 # Which figures of a publication those of the report are drawn as.
 #
 # A network may carry a field for it, `drawn_as`, with a text for each of these of our figures:
-# `stages`, the MTF of every stage; `total`, all of them together; `judged`, the MTF measured in
-# the
+# `stages`, the MTF of every stage; `total`, all of them together; `judged`, the MTF measured in the
 # final picture.
 
 FIGURES = ("stages", "total", "judged")

@@ -32,3 +32,8 @@ def number(value: Any, unit: str | None = None) -> str:
         if mantissa in ("1", "−1")
         else (f"{mantissa}·10{raised}")
     )
+
+
+def short(value: float | None, digits: int = 4) -> str:
+    """As `number`, in so many digits."""
+    return number(None if value is None else float(f"{value:.{digits}g}"))

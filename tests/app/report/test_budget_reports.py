@@ -9,12 +9,7 @@ import numpy as np
 import pytest
 
 from app.report.budget_section import bars_png
-from budget_chain import (
-    ELECTRONICS,
-    PHOTONS,
-    SCENE,
-    SENSOR,
-)
+from budget_chain import ELECTRONICS, PHOTONS, SCENE, SENSOR
 
 
 def test_it_is_in_both_reports(shipped_report):

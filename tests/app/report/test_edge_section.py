@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from app.report.blocks import Grid
-from app.report.drawing.picture_drawing import figure
-from app.report.edge_section import _panel, judged
+from app.report.edge_section import judged
 
 
 def measurement(direction, method, *, count=129, nyquist=2.0, mtf50=1.25):
@@ -55,17 +53,3 @@ def test_a_row_names_direction_and_edge_before_its_figures():
         ("horizontal", "slanted edge", "1.25 ± 0.02", "1.75", "0.125", "0.25", "−0.064", "2"),
         ("vertical", "row average", "0.75 ± 0.02", "1.25", "0.125", "0.25", "−0.064", "1.5"),
     ]
-
-
-@pytest.mark.parametrize(
-    ("count", "every"), [(2, 1), (31, 1), (33, 1), (63, 1), (64, 2), (129, 4), (1000, 31)]
-)
-def test_about_32_points_of_a_curve_are_marked(count, every):
-    """Every one of a short curve; the whole number of points in count/32 apart of a long one."""
-    curve = measurement("horizontal", "slanted_edge", count=count)
-    with figure(5, 4) as (drawn, _):
-        axis = drawn.subplots()
-        _panel(axis, facts_of(curve), "horizontal", mirrored=False)
-        (bars,) = axis.containers
-        marked = np.asarray(bars.lines[0].get_xdata())
-    assert marked == pytest.approx(np.arange(0, count, every) * 0.5 / (count - 1), abs=1e-15)
