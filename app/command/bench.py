@@ -2,35 +2,35 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping
 from functools import partial
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from app.bench import LEAD, PARTS, TITLE, Measured, measured
 from app.bench.timing import SIZE, Settings, isolate, machine_words
+from app.command.results import say, show, written
 from app.options.command_options import Options
-from app.options.terminal_streams import say, show
 from app.run.readout_tables import json_text
-from app.run.staging import Staging
-from core.atomic import write_text
 
 
-def carry_out(options: Options, _stop: object) -> None:
+def carry_out(options: Options, stop: threading.Event) -> None:
     """Measure and print the parts of the options; write their files when all is done."""
     isolate()
     settings = Settings(SIZE if options.size is None else options.size, options.quick)
     files = [path for path in (options.json_file, options.html) if path is not None]
-    with Staging(None) as staging:
-        for path in files:
-            staging.claim(path)
-        names = [name for name in PARTS if name in (options.only or PARTS)]
+    names = [name for name in PARTS if name in (options.only or PARTS)]
+
+    def made() -> tuple[dict[str, Any], Measured]:
         wanted = {name: import_module(f"app.bench.{name}").MEASURES for name in names}
-        facts, parts = measured(wanted, PARTS, settings, say=partial(say, options))
-        for path in files:
-            made = json_text(facts, 1) if path == options.json_file else _page(facts, parts)
-            staging.write(path, partial(write_text, content=made))
-        staging.commit()
+        return measured(wanted, PARTS, settings, say=partial(say, options))
+
+    def content(made: tuple[dict[str, Any], Measured], path: Path) -> str:
+        return json_text(made[0], 1) if path == options.json_file else _page(*made)
+
+    facts, _ = written(files, (), stop, made, content)
     end = f"{facts['seconds']:.0f} s" + "".join(f"; wrote {path}" for path in files)
     show(options, lambda: facts, end)
 

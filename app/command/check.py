@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict
 from pathlib import Path
 
-from app.command.run import input_files, open_network, own_files, rules_of, sink_targets
-from app.command.run_summary import FINAL
+from app.command.results import show
+from app.command.run import FINAL, input_files, open_network, own_files, rules_of, sink_targets
 from app.options.command_options import Options
-from app.options.terminal_streams import show
 from app.run.evaluation import planned
 from app.run.output import find_output, how_to_choose
 from app.run.readout_tables import warning_lines

@@ -23,15 +23,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     With ``--debug`` anywhere among the words, Python's traceback comes before that line.
 
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        The words after the command's name; default those of the process.
-
-    Returns
-    -------
-    int
-        The exit code.
+    Gives the exit code.
     """
     given = list(sys.argv[1:] if argv is None else argv)
     words = [word for word in given if word != DEBUG]
@@ -43,11 +35,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     # the process is the command's own: another program has thresholds of its own.
     if argv is None:
         gc.set_threshold(50_000, 10, 10)
-    with (
-        stoppable(to_the_end=argv is None) as stop,
-        usable_streams(),
-        warnings.catch_warnings(),
-    ):
+    with stoppable(to_the_end=argv is None) as stop, usable_streams(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return exit_code(stop, _carry_out, words, stop, debug=words != given)
 

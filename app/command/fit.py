@@ -5,13 +5,13 @@ from __future__ import annotations
 import threading
 from functools import partial
 
+from app.command.results import show
 from app.command.run import input_files, open_network, policy_of
-from app.fit.fit_page import fit_facts, fit_text
+from app.fit.fit_page import fit_facts, fit_page, fit_text
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
 from app.options.command_options import Options
 from app.options.progress import Progress
-from app.options.terminal_streams import show
 from app.run.readout_tables import json_text
 from app.run.shipped import find_network
 from app.run.staging import Staging
@@ -59,10 +59,6 @@ def carry_out(options: Options, stop: threading.Event) -> None:
             text = format_network(moved.apply(fitted) if moved else fitted, library=library)
             staging.write(options.output, partial(write_text, content=text))
         if options.report is not None:
-            from app.fit.fit_page import (
-                fit_page,  # matplotlib and a template: only where wanted
-            )
-
             names = tuple(map(str, options.pictures))
             page = fit_page(result, network=network.name or place.name, pictures=names)
             staging.write(options.report, partial(write_text, content=page))

@@ -7,8 +7,9 @@ from itertools import groupby
 from textwrap import indent
 from typing import Any
 
+from app.command.results import show
 from app.options.command_options import Options
-from app.options.terminal_streams import print_error, show
+from app.options.terminal_streams import print_error
 from app.run.readout_tables import columns
 from core.errors import UsageError
 from core.modules.declaration import Declaration, Port, declaration, package_of, where_absent

@@ -13,13 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.command.results import check_stop, show, written
 from app.options.command_options import Options
 from app.options.progress import Progress
-from app.options.terminal_streams import show
 from app.run.readout_tables import columns, json_text, number_text
-from app.run.staging import Staging
-from core.atomic import write_text
-from core.errors import Cancelled, DataError
+from core.errors import DataError
 from core.names import in_line
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.thermal_response import (
@@ -55,26 +53,18 @@ class Measured:
 
 def carry_out(options: Options, stop: threading.Event) -> None:
     """Measure the camera; prints the figures when all is written."""
-
-    def check() -> None:
-        if stop.is_set():
-            raise Cancelled("stopped on request")
-
     paths, kelvins = zip(*options.fields, strict=True)
     files = [open_frames(path) for path in paths]
     check_one_camera(files, of_one="noise in time")
-    with Staging(None, paths) as staging:
-        for path in options.outputs:
-            staging.claim(path)
+
+    def made() -> Measured:
         with Progress(2 * len(files)) as progress:
-            fields = _fields(files, kelvins, progress, check)
+            fields = _fields(files, kelvins, progress, partial(check_stop, stop))
         # By temperature, as the response has them.
         ordered = sorted(zip(paths, fields, strict=True), key=lambda one: one[1].temperature_K)
-        measured = Measured(tuple(ordered), thermal_response(fields), files[0].unit or "DN")
-        for path in options.outputs:
-            text = json_text(_facts(measured)) if JSON.matches(path) else _csv(measured)
-            staging.write(path, partial(write_text, content=text))
-        staging.commit()
+        return Measured(tuple(ordered), thermal_response(fields), files[0].unit or "DN")
+
+    measured = written(options.outputs, paths, stop, made, _text)
     figures = [
         (name, number_text(float(f"{value:.5g}")), unit, meaning)
         for name, value, unit, meaning in _rows(measured)
@@ -241,6 +231,10 @@ def _level_figures(at: NoiseTemperature) -> dict[str, float]:
         "temporal_K": at.temporal_K,
         **{f"sigma_{name}_K": value for name, value in at.components_K.items()},
     }
+
+
+def _text(measured: Measured, path: Path) -> str:
+    return json_text(_facts(measured)) if JSON.matches(path) else _csv(measured)
 
 
 def _facts(measured: Measured) -> dict[str, Any]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import textwrap
 
+from app.command.results import show
 from app.options.command_options import Options
-from app.options.terminal_streams import show
 from app.run.shipped import shipped_networks
 
 

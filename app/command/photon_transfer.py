@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
+from app.command.results import check_stop, show, written
 from app.measure.photon_transfer_rows import transfer_rows
 from app.options.command_options import Options
 from app.options.progress import Progress
-from app.options.terminal_streams import show
 from app.run.readout_tables import columns, json_text, number_text
-from app.run.staging import Staging
-from core.atomic import write_text
-from core.errors import Cancelled
 from core.names import in_line
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer, photon_transfer
@@ -39,28 +35,26 @@ def carry_out(options: Options, stop: threading.Event) -> None:
     flats = [open_frames(path) for path in options.flats]
     dark = None if options.dark is None else open_frames(options.dark)
     check_one_camera([*flats, *([dark] if dark is not None else [])], of_one="a flat field")
-    with Staging(None, [*options.flats, *filter(None, [options.dark])]) as staging:
-        for path in options.outputs:
-            staging.claim(path)
+
+    def made() -> Measured:
         with Progress(len(flats) + 1) as progress:
             fields = [_field(file, progress, stop) for file in flats]
             dark_field = None if dark is None else _field(dark, progress, stop)
         curve = photon_transfer(levels=fields, dark=dark_field, offset_dn=options.offset_dn)
-        made = Measured(tuple(zip(options.flats, fields, strict=True)), curve)
-        for path in options.outputs:
-            text = json_text(_facts(made)) if JSON.matches(path) else _csv(made)
-            staging.write(path, partial(write_text, content=text))
-        staging.commit()
+        return Measured(tuple(zip(options.flats, fields, strict=True)), curve)
+
+    inputs = [*options.flats, *filter(None, [options.dark])]
+    measured = written(options.outputs, inputs, stop, made, _text)
     figures = [
         (name, number_text(value), unit, meaning)
-        for name, value, unit, meaning in transfer_rows(curve)
+        for name, value, unit, meaning in transfer_rows(measured.curve)
     ]
     show(
         options,
-        lambda: _facts(made),
+        lambda: _facts(measured),
         columns(figures, right=(1,)) + "\n",
-        columns([_LEVEL_HEAD, *_levels(made)], right=(1, 2, 3, 4)),
-        *map(in_line, (*_remarks(curve, options), *_textures(made))),
+        columns([_LEVEL_HEAD, *_levels(measured)], right=(1, 2, 3, 4)),
+        *map(in_line, (*_remarks(measured.curve, options), *_textures(measured))),
     )
 
 
@@ -68,8 +62,7 @@ def _field(file: FrameFile, progress: Progress, stop: threading.Event) -> FlatFi
     progress(file.path.name)
     taken = FlatFrames(file.rows, file.columns)
     for frame in file.each():
-        if stop.is_set():
-            raise Cancelled("stopped on request")
+        check_stop(stop)
         taken.add(frame)
     return taken.measured()
 
@@ -115,6 +108,10 @@ def _textures(made: Measured) -> list[str]:
         for (path, field), saturated in zip(made.files, made.curve.saturated, strict=True)
         if field.structure_share > _MOSTLY and not saturated
     ]
+
+
+def _text(made: Measured, path: Path) -> str:
+    return json_text(_facts(made)) if JSON.matches(path) else _csv(made)
 
 
 def _facts(made: Measured) -> dict[str, Any]:

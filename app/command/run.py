@@ -5,23 +5,22 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from app.command.run_summary import FINAL, MTF, READOUTS, summary
+from app.command.results import say, show
 from app.options.command_options import Options
 from app.options.option_values import Save
 from app.options.overrides import with_final, with_settings
 from app.options.progress import Progress
 from app.options.stopping import too_late
-from app.options.terminal_streams import say, show
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
-from app.run.figures import Figure, main_figures
-from app.run.output import find_output
-from app.run.readout_tables import json_text
+from app.run.figures import Figure, figure_rows, main_figures
+from app.run.output import find_output, how_to_choose
+from app.run.readout_tables import columns, json_text, readout_rows, warning_lines
 from app.run.responses import mtf_csv
 from app.run.saving import (
     MOST_FRAMES,
@@ -44,6 +43,7 @@ from app.run.way_of_running import (
     check_streamed,
     is_streamed,
     reduced,
+    way_in_words,
     way_of_running,
 )
 from app.run.write_rules import OPTION, WriteRules, write_rules
@@ -73,6 +73,7 @@ from nodes.files.frames.frame_writing import (
 from nodes.files.read import check_finite
 from nodes.library import standard_library
 
+FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
 KEPT_BYTES = 1 << 29
 _OF_SCENE = ("scene_unit", "scene_fov_deg", "scene_band_um", "scene_range_m", "scene_sample_m")
 WARNINGS = "imagechain.warnings"  # in the read-outs; no node's name has a dot
@@ -133,7 +134,8 @@ def _run(network: Network, place: Place, options: Options, stop: threading.Event
     others = [*(save.text for save in options.saves), *map(str, (*options.reports, *written))]
     lines = summary(evaluation, skipped, figures, folder, options, others)
     if forgotten:
-        lines.append(f"not remembered for the next run, which needs {OPTION}: {forgotten}")
+        needs = f"not remembered for the next run, which needs {OPTION}: {forgotten}"
+        lines.append(in_line(needs))
 
     def facts() -> dict[str, Any]:
         return {
@@ -148,6 +150,53 @@ def _run(network: Network, place: Place, options: Options, stop: threading.Event
     show(options, facts, *lines)
 
 
+def summary(
+    evaluation: Evaluation,
+    skipped: tuple[Skip, ...],
+    figures: Sequence[Figure],
+    folder: Path,
+    options: Options,
+    others: Sequence[str],
+) -> list[str]:
+    """The figures, warnings, what was left out, and the files that were written."""
+    shown = []
+    readouts = readout_rows(evaluation)
+    if figures and not options.all:
+        rows = [(name, f"{value} {unit}", node) for name, value, unit, node in figure_rows(figures)]
+        shown += [columns(rows), f"all {len(readouts)} read-outs: --all, or {READOUTS}\n"]
+    elif readouts:
+        shown.append(columns(readouts, right=(2,)) + "\n")
+    if warnings := warning_lines(evaluation.cautions):
+        shown.append("\n".join(warnings) + "\n")
+    lines = []
+    left_out = [
+        f"{skip.node} (at most {skip.bound:.2g})" for skip in skipped if skip.kind == "below_budget"
+    ]
+    if left_out:
+        budget = evaluation.work.policy.budget
+        lines.append(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}")
+    lines += [
+        f"{skip.node}: {skip.text} (at most {skip.bound:.2g} of their contrast)"
+        for skip in skipped
+        if skip.kind == "wavelengths"
+    ]
+    names = [FINAL, MTF, READOUTS] if evaluation.chain.final is not None else [MTF, READOUTS]
+    lines.append(f"{folder}: {', '.join(names)}")
+    if evaluation.chain.final is None:
+        output = find_output(evaluation.plan)
+        lines.append(f"no {FINAL}: {how_to_choose(output) or output.missing}")
+    if evaluation.chain.missing and evaluation.chain.grid is not None:
+        lines.append(f"no total in {MTF}: {evaluation.chain.missing}")
+    if evaluation.way.get("way") == "in blocks" or options.memory_bytes is not None:
+        lines.append(way_in_words(evaluation.way))
+    if others:
+        lines.append(f"also {', '.join(others)}")
+    return [*shown, *map(in_line, lines)]
+
+
+_IN_MEMORY = WayOfRunning(None, None)
+
+
 @dataclass(frozen=True)
 class Stage:
     """Where the files of a run are prepared: their folder, and what they may be."""
@@ -159,18 +208,21 @@ class Stage:
     done: Callable[[int], None] | None = None
     # called with the evaluation while its pictures are held
     look: Callable[[Evaluation], object] | None = None
-    way: WayOfRunning | None = None  # in memory or in blocks, as it was chosen
+    way: WayOfRunning = _IN_MEMORY  # in memory or in blocks, as it was chosen
+    only_report: bool = False
 
     def prepare(
         self, engine: Engine, plan: Plan, work: TimedWork, options: Options, *, start: float
     ) -> tuple[Evaluation, tuple[Skip, ...]]:
         """Evaluate a network and write its files on the stage; `start` is when all began."""
         staging, place = self.staging, plan.folder
-        way = self.way or WayOfRunning(None, None)
+        way = self.way
         writers = _claim(plan, options, staging, way)
-        _claim_guarded(own_files(plan, self.folder), sink_targets(plan, place), self.rules, staging)
+        if not self.only_report:
+            own, sinks = own_files(plan, self.folder), sink_targets(plan, place)
+            _claim_guarded(own, sinks, self.rules, staging)
         work.check()
-        ports = [port for _, port, _ in writers]
+        ports = [saved.port for saved in writers]
         how: dict[str, Any] = {"ports": ports, "report": bool(options.reports)}
         scratch = options.scratch or existing_folder(self.folder)
         with (
@@ -179,9 +231,11 @@ class Stage:
         ):
             evaluation = evaluate(engine, plan, work, place)
             evaluation.seconds["total"] = time.perf_counter() - start
-            if self.way is not None:
-                evaluation.way.update(way.facts(work.blocks))
-            _write(evaluation, writers, self, options.frames)
+            evaluation.way.update(way.facts(work.blocks))
+            if self.only_report:
+                sink_files(evaluation)  # made as a run does, which counts what was left out
+            else:
+                _write(evaluation, writers, self)
             if self.look is not None:
                 self.look(evaluation)
             skipped = skips(plan, work)  # before the reports, whose pictures need more
@@ -270,11 +324,37 @@ def input_files(plan: Plan, folder: Path) -> list[Path]:
     return files
 
 
-def _claim(
-    plan: Plan, options: Options, staging: Staging, way: WayOfRunning
-) -> list[tuple[Path, str, Region | None]]:
-    """Reserve early what will be written; gives the ``--save`` files, each with port and region."""
-    saves, files = [], []
+@dataclass(frozen=True)
+class _Saved:
+    """A port that is written: as frames, bands, a picture, a curve or a table."""
+
+    path: Path
+    port: str
+    value: Any
+    region: Region | None
+    frames: int | None  # of an image, as many as were wanted
+
+    def count(self, *, on_disk: bool) -> int | None:
+        """Frames that it is written as; None where it is written in another way."""
+        if not isinstance(self.value, Image):
+            return None
+        streamed = self.frames is None and is_streamed(self.value, self.path, on_disk=on_disk)
+        return 1 if streamed else self.frames
+
+    def series(self, policy: Policy, *, on_disk: bool) -> tuple[FrameFormat, FrameSeries] | None:
+        """Format and header of a file of frames or bands; None of any other file."""
+        count = self.count(on_disk=on_disk)
+        if count is not None:
+            kind = format_for_frames(self.port, self.path)
+            return kind, series_of(self.value, kind, policy, frames=count, region=self.region)
+        if not is_cube(self.value, self.path):
+            return None
+        cube = cube_of(self.value, policy, self.region)
+        return format_for_frames(self.port, self.path), cube.series
+
+
+def _claim(plan: Plan, options: Options, staging: Staging, way: WayOfRunning) -> list[_Saved]:
+    """Reserve early what will be written; gives what is saved."""
     if options.frames is not None and not 1 <= options.frames <= MOST_FRAMES:
         raise UsageError(f"--frames {options.frames}: give a whole number from 1 to {MOST_FRAMES}")
     values = [_port_value(plan, save.node, save.name) for save in options.saves]
@@ -284,53 +364,28 @@ def _claim(
             f"--frames {options.frames} needs --save, which says of which picture and into which "
             f"file: --save {example}=frames.npy"
         )
+    saves, files, policy = [], [], policy_of(options)
     for save, value in zip(options.saves, values, strict=True):
-        path = Path(save.text)
-        region = _region(save, value)
-        on_disk = way.on_disk(value, policy_of(options))
-        frames = _number_of_frames(value, path, options.frames, on_disk=on_disk)
-        if frames is not None:
-            files.append((path, *_frames(save.port, value, path, options, frames, region)))
-        elif is_cube(value, path):
-            files.append((path, *_bands(value, path, options, region)))
-        else:
+        path, region = Path(save.text), _region(save, value)
+        saved = _Saved(path, save.port, value, region, options.frames)
+        found = saved.series(policy, on_disk=way.on_disk(value, policy))
+        if found is None:
             check_suffix(save.port, value, path)
             if ZARR.matches(path):
-                series = series_of(value, STORE, policy_of(options), frames=1, region=region)
-                files.append((path, STORE, series))
-        saves.append((path, save.port, region))
+                found = STORE, series_of(value, STORE, policy, frames=1, region=region)
+        files += [] if found is None else [(path, *found)]
+        saves.append(saved)
         staging.claim(path)
     for path, kind, _ in files:
         if kind.beside is not None:
             staging.claim(header_beside_frames(path))
     refuse_without_room(files)
-    for path, port, _ in saves:
-        value = plan.output(port)
-        if way.on_disk(value, policy_of(options)):
-            check_streamed(port, value, path, options.frames)
+    for saved in saves:
+        if way.on_disk(saved.value, policy):
+            check_streamed(saved.port, saved.value, saved.path, options.frames)
     for path in options.reports:
         staging.claim(path)
     return saves
-
-
-def _frames(
-    port: str, image: Image, path: Path, options: Options, frames: int, region: Region | None
-) -> tuple[FrameFormat, FrameSeries]:
-    kind, policy = format_for_frames(port, path), policy_of(options)
-    return kind, series_of(image, kind, policy, frames=frames, region=region)
-
-
-def _number_of_frames(value: Any, path: Path, frames: int | None, *, on_disk: bool) -> int | None:
-    """Frames that a port is written as; None where it is written in another way."""
-    if not isinstance(value, Image):
-        return None
-    return 1 if frames is None and is_streamed(value, path, on_disk=on_disk) else frames
-
-
-def _bands(
-    image: Image, path: Path, options: Options, region: Region | None
-) -> tuple[FrameFormat, FrameSeries]:
-    return format_for_frames("", path), cube_of(image, policy_of(options), region).series
 
 
 def _claim_guarded(
@@ -387,16 +442,14 @@ def _region(save: Save, value: Any) -> Region | None:
     return None
 
 
-def _write(
-    evaluation: Evaluation,
-    saves: list[tuple[Path, str, Region | None]],
-    stage: Stage,
-    frames: int | None,
-) -> None:
-    staging, folder = stage.staging, stage.folder
-    for path, port, region in saves:
-        staging.write(path, partial(_save, evaluation, port, region, (frames, stage.done)))
-        _write_beside(evaluation, (path, port, region), staging, frames)
+def _write(evaluation: Evaluation, saves: list[_Saved], stage: Stage) -> None:
+    staging, folder, work = stage.staging, stage.folder, evaluation.work
+    for saved in saves:
+        staging.write(saved.path, partial(_save, evaluation, saved, stage.done))
+        found = saved.series(work.policy, on_disk=_is_on_disk(saved.value, work))
+        if found is not None and found[0].beside is not None:
+            text = found[0].beside(found[1])
+            staging.write(header_beside_frames(saved.path), partial(write_text, content=text))
     for node, path, writer in sink_files(evaluation):
         staging.write(path, writer, partial(stage.rules.check, node))
     if evaluation.chain.final is not None:
@@ -404,30 +457,6 @@ def _write(
     staging.write(folder / MTF, partial(write_text, content=mtf_csv(evaluation.responses)))
     readouts = {**evaluation.readouts, **_warnings(evaluation.cautions)}
     staging.write(folder / READOUTS, partial(write_text, content=json_text(readouts)))
-
-
-def _write_beside(
-    evaluation: Evaluation,
-    save: tuple[Path, str, Region | None],
-    staging: Staging,
-    frames: int | None,
-) -> None:
-    """Write the header of frames or bands that have one in a file of its own."""
-    path, port, region = save
-    image = evaluation.plan.output(port)
-    on_disk = _is_on_disk(image, evaluation.work)
-    frames = _number_of_frames(image, path, frames, on_disk=on_disk)
-    if frames is None and is_cube(image, path):
-        cube = cube_of(image, evaluation.work.policy, region)
-        staging.write(header_beside_frames(path), cube.write_header)
-        return
-    if frames is None or not isinstance(image, Image):
-        return
-    kind = format_for_frames(port, path)
-    if kind.beside is not None:
-        policy = evaluation.work.policy
-        text = kind.beside(series_of(image, kind, policy, frames=frames, region=region))
-        staging.write(header_beside_frames(path), partial(write_text, content=text))
 
 
 def _warnings(cautions: Iterable[Caution]) -> dict[str, dict[str, list[str]]]:
@@ -448,22 +477,18 @@ def _write_reports(
 
 
 def _save(
-    evaluation: Evaluation,
-    port: str,
-    region: Region | None,
-    counted: tuple[int | None, Callable[[int], None] | None],
-    path: Path,
+    evaluation: Evaluation, saved: _Saved, done: Callable[[int], None] | None, path: Path
 ) -> None:
-    value = evaluation.plan.output(port)
-    (frames, done), work = counted, evaluation.work
-    frames = _number_of_frames(value, path, frames, on_disk=_is_on_disk(value, work))
+    value, work = saved.value, evaluation.work
+    frames = saved.count(on_disk=_is_on_disk(value, work))
+    how: dict[str, Any] = {"port": saved.port, "region": saved.region}
     try:
-        if frames is not None and isinstance(value, Image):
-            save_frames(value, path, work, port=port, frames=frames, region=region, done=done)
+        if frames is not None:
+            save_frames(value, path, work, frames=frames, done=done, **how)
         else:
-            save_value(value, path, work, port=port, region=region)
+            save_value(value, path, work, **how)
     except ImagechainError as error:
-        raise error.at(port.rpartition(".")[0]) from error
+        raise error.at(saved.port.rpartition(".")[0]) from error
 
 
 def _is_on_disk(value: Any, work: TimedWork) -> bool:

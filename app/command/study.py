@@ -5,29 +5,22 @@ from __future__ import annotations
 import re
 import threading
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from app.command.results import say, show
 from app.command.run import open_network, policy_of
 from app.options.command_options import Options
 from app.options.option_values import assignment
 from app.options.progress import Progress
-from app.options.terminal_streams import say, show
 from app.run.readout_tables import warned_points
 from app.run.shipped import find_network
 from app.study.carrying_out import TLS, StudyRows, Workers
-from app.study.carrying_out import carry_out as carry_out_study
-from app.study.run_study import sampled
-from app.study.study_journal import check_installed
-from app.study.study_points import Axis, Point, files_axis
-from app.study.study_request import Study, make_study
+from app.study.run_study import carried_out, checked_study
+from app.study.study_request import Study
 from app.tradeoff.values import FORM, OPTION
 from core.errors import DataError, UsageError
-from core.modules.declaration import Library
 from core.names import in_line, shown
-from core.network.network import Network
-from nodes.files.common.file_format import CSV
 from nodes.library import standard_library
 
 _MOST_JOBS = 1024
@@ -42,47 +35,27 @@ def carry_out(options: Options, stop: threading.Event) -> None:
     network = open_network(place, options, library)
     workers = Workers(_jobs(options), options.scheduler, _tls(options), options.memory_bytes)
     workers.check()
+    settings = [assignment(OPTION, text, FORM) for text in options.vary]
+    labels = [setting.port for setting in settings]
+    if twice := next((label for label in labels if labels.count(label) > 1), None):
+        raise UsageError(f"{OPTION} {twice} is given twice: vary another parameter")
     output = options.output
     assert output is not None  # argparse requires it
-    check_installed(output)
-    wanted = make_study(
-        network,
-        name=network.name or place.name,
-        folder=place.folder,
-        library=library,
-        overs=[files_axis(text, network, library=library) for text in options.over],
-        sampling=lambda: _sampled(options, network, library),
-        figures=options.figures,
-        saves=options.saves,
-        policy=policy_of(options),
-    )
-    listed = [Path(options.sample)] if CSV.matches(Path(options.sample)) else []
-    wanted.check_places([output, *options.summaries], [place.path, *listed])
+    wanted = checked_study(
+        network, name=network.name or place.name, folder=place.folder, library=library,
+        vary={setting.port: setting.text for setting in settings}, over=options.over,
+        sample=options.sample, points=options.points, figures=options.figures,
+        saves=options.saves, policy=policy_of(options), read=[place.path], output=output,
+        summaries=options.summaries,
+    )  # fmt: skip
     if workers.warning:
         say(options, f"warning: {workers.warning}")
     with Progress(len(wanted.points), time_left=True) as progress:
-        result = carry_out_study(
-            wanted,
-            workers,
-            output=output,
-            fresh=options.fresh,
-            reached=lambda done: progress.reach(done, _where(wanted, done)),
-            cancel=stop,
-            also=lambda rows: _summarise(rows, options.summaries),
-        )
+        result = carried_out(
+            wanted, workers, output=output, summaries=options.summaries, fresh=options.fresh,
+            reached=lambda done: progress.reach(done, _where(wanted, done)), cancel=stop,
+        )  # fmt: skip
     _show(result, output, options, time.perf_counter() - begun)
-
-
-def _sampled(
-    options: Options, network: Network, library: Library
-) -> tuple[tuple[Axis, ...], Sequence[Point]]:
-    settings = [assignment(OPTION, text, FORM) for text in options.vary]
-    labels = [setting.port for setting in settings]
-    twice = next((label for label in labels if labels.count(label) > 1), None)
-    if twice is not None:
-        raise UsageError(f"{OPTION} {twice} is given twice: vary another parameter")
-    vary = {setting.port: setting.text for setting in settings}
-    return sampled(network, vary, options.sample, options.points, library=library)
 
 
 def _jobs(options: Options) -> int:
@@ -114,13 +87,6 @@ def _where(wanted: Study, done: int) -> str:
     point = wanted.points[wanted.order[done]]
     words = (str(axis.shown(v)) for axis, v in zip(wanted.axes, point, strict=True))
     return " ".join(words)[:60]
-
-
-def _summarise(rows: StudyRows, paths: Sequence[Path]) -> None:
-    for path in paths:
-        from app.study.study_drawing import write_summary
-
-        write_summary(rows, path)
 
 
 def _show(result: StudyRows, output: Path, options: Options, seconds: float) -> None:

@@ -6,32 +6,27 @@ import shutil
 import sys
 import threading
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
-from typing import Any
 
+from app.command.results import show, written
 from app.command.run import input_files, open_network, policy_of
 from app.options.command_options import Options
 from app.options.progress import Progress
-from app.options.stopping import too_late
-from app.options.terminal_streams import show
 from app.run.readout_tables import json_text, warned_points
 from app.run.shipped import find_network
-from app.run.staging import Staging
-from app.tradeoff.tradeoff_drawing import csv_text, failures, table, trade_off_facts
-from app.tradeoff.tradeoff_figures import Figure, chosen_figures
-from app.tradeoff.tradeoff_results import (
-    Curve,
-    Point,
-    PointEvaluator,
-    Results,
-    changing_figures,
-    shown_value,
+from app.tradeoff.tradeoff_drawing import (
+    csv_text,
+    failures,
+    page,
+    table,
+    trade_off_facts,
+    trade_off_png,
 )
+from app.tradeoff.tradeoff_figures import chosen_figures
+from app.tradeoff.tradeoff_results import Results, shown_value, trade_off
 from app.tradeoff.values import MOST, OPTION, Variation, variation
-from core.atomic import write_bytes, write_text
-from core.chain.engine import Engine, Plan
-from core.errors import Cancelled, UsageError
+from core.chain.engine import Engine
+from core.errors import UsageError
 from core.modules.declaration import Library
 from core.names import in_line, printable
 from core.network.network import Network
@@ -54,22 +49,25 @@ def carry_out(options: Options, stop: threading.Event) -> None:
     figures = chosen_figures(options.figures, network, library)
     engine = Engine(library)
     plan = engine.plan(network, folder=place.folder)
-    with Staging(None, [place.path, *input_files(plan, place.folder)]) as staging:
-        for path in options.outputs:
-            staging.claim(path)
-        curves = _curves(options, engine, plan, (varied, second, figures), stop)
-        if not options.figures:
-            figures = changing_figures([f for f in figures if f.text != varied.text], curves)
-        results = Results(
-            network.name or place.name, varied, second, figures, curves, present_value(plan, varied)
-        )
-        _check_figures(results)
-        for path in options.outputs:
-            staging.write(path, partial(write_results, results))
-        if stop.is_set():
-            raise Cancelled("stopped on request")
-        too_late(stop)
-        staging.commit()
+    points = [value for _ in (second.values if second else (None,)) for value in varied.values]
+
+    def made() -> Results:
+        with Progress(len(points)) as progress:
+            results = trade_off(
+                engine, plan, engine.work(policy_of(options), cancel=stop), varied, second, figures,
+                name=network.name or place.name, by_default=not options.figures,
+                # Each point counts once, also where values look alike.
+                reached=lambda count: progress(
+                    f"{count}: {varied.text} {shown_value(points[count - 1], varied.unit)}"
+                ),
+            )  # fmt: skip
+        if (why := results.why_nothing()) is not None:
+            why = why and f": {why}"
+            raise UsageError(f"{OPTION} {varied.text}: no value of it gives a figure{why}")
+        return results
+
+    inputs = [place.path, *input_files(plan, place.folder)]
+    results = written(options.outputs, inputs, stop, made, trade_off_content)
     width = shutil.get_terminal_size().columns if sys.stdout and sys.stdout.isatty() else None
     lines = [table(results, width)]
     if reasons := failures(results):
@@ -99,63 +97,10 @@ def _variations(
     return first, second
 
 
-def _curves(
-    options: Options,
-    engine: Engine,
-    plan: Plan,
-    asked: tuple[Variation, Variation | None, tuple[Figure, ...]],
-    stop: threading.Event,
-) -> tuple[Curve, ...]:
-    varied, second, figures = asked
-    axes = [varied] if second is None else [second, varied]
-    evaluator = PointEvaluator(
-        engine, plan, [(axis.node, axis.parameter.name) for axis in axes], figures
-    )
-    seconds = (None,) if second is None else second.values
-    curves: list[Curve] = []
-    with Progress(len(seconds) * len(varied.values)) as progress:
-        work = engine.work(policy_of(options), cancel=stop)
-        for place in seconds:
-            points: list[Point] = []
-            for value in varied.values:
-                work.check()
-                result = evaluator.at((value,) if second is None else (place, value), work)
-                points.append(Point(value, result.values, result.reasons, result.warnings))
-                label = shown_value(value, varied.unit)
-                # Each point counts once, also where values look alike.
-                progress(f"{len(curves) * len(varied.values) + len(points)}: {varied.text} {label}")
-            curves.append(Curve(place, tuple(points)))
-    return tuple(curves)
-
-
-def present_value(plan: Plan, varied: Variation) -> Any:
-    """The value of a parameter in the network as it stands."""
-    default = None if varied.parameter.required else varied.parameter.default
-    return plan.node(varied.node).node.params.get(varied.parameter.name, default)
-
-
-def _check_figures(results: Results) -> None:
-    """Refuse a trade-off that has nothing to show."""
-    if any(f.text in point.figures for f in results.figures for _, point in results.rows()):
-        return
-    gaps = results.failures()
-    if not gaps:  # the default figures had no value, so none is left
-        gaps = [("", r) for _, point in results.rows() for r in point.reasons.values()]
-    why = f": {gaps[0][1]}" if gaps else ""
-    raise UsageError(f"{OPTION} {results.varied.text}: no value of it gives a figure{why}")
-
-
-def write_results(results: Results, path: Path) -> None:
-    """Write a trade-off in the format of the path's suffix."""
+def trade_off_content(results: Results, path: Path) -> str | bytes:
+    """What a file of a trade-off holds, by its suffix."""
     if CSV.matches(path):
-        write_text(path, printable(csv_text(results)))
-    elif JSON.matches(path):
-        write_text(path, json_text(trade_off_facts(results), indent=1))
-    elif PNG.matches(path):
-        from app.tradeoff.tradeoff_drawing import trade_off_png
-
-        write_bytes(path, trade_off_png(results))
-    else:
-        from app.tradeoff.tradeoff_drawing import page
-
-        write_text(path, printable(page(results)))
+        return printable(csv_text(results))
+    if JSON.matches(path):
+        return json_text(trade_off_facts(results), indent=1)
+    return trade_off_png(results) if PNG.matches(path) else printable(page(results))

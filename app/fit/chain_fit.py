@@ -401,14 +401,11 @@ def end_of(parameter: FreeParameter, value: float, scale: float) -> str:
 
 # Errors of a fit from the scatter between edges, where they leave more than noise.
 #
-# Real edges are never ideal: what one leaves is of a shape of its own, the same in all its
-# samples,
+# Real edges are never ideal: what one leaves is of a shape of its own, the same in all its samples,
 # and a sum of squares over samples takes it for many independent errors. Edges are independent of
-# each other; so each is left out in turn, and what that moves is the error (Quenouille 1956,
-# Tukey
+# each other; so each is left out in turn, and what that moves is the error (Quenouille 1956, Tukey
 # 1958: the jackknife; here one step of the linearized model for each). Of few edges the deviation
-# is
-# itself uncertain, and Student's distribution widens it.
+# is itself uncertain, and Student's distribution widens it.
 
 _ALIKE = 3e-3  # of the largest singular value, below which a direction is not known at all
 _RIDGE = 1e-9  # of what is known of a direction, where all of it stems from one edge

@@ -73,14 +73,7 @@ def has_area(passed: ImageTransfer) -> bool:
 class EdgeTransfer:
     """Spreads of edges behind a chain; what did not change since is not computed again.
 
-    Parameters
-    ----------
-    work : Work
-        Evaluates what laws are bound to.
-    angles_deg : sequence of float
-        Of the edges' normals.
-    period : int
-        Samples of the spreads' period.
+    The angles are those of the edges' normals; the period is in samples.
     """
 
     def __init__(self, work: Work, angles_deg: Sequence[float], period: int) -> None:
@@ -105,10 +98,7 @@ class EdgeTransfer:
     def point_spread(self, image: Image, *, reach: int) -> Vector:
         """What a point of weight 1 leaves in the samples about it, up to `reach` away.
 
-        Returns
-        -------
-        ndarray
-            Shape (2 reach + 1, 2 reach + 1), the point in the middle.
+        Of shape (2 reach + 1, 2 reach + 1), the point in the middle.
         """
         passed = transfer_known(image)
         grid = passed.grid
@@ -189,15 +179,6 @@ class ChainAt:
     """A network's final picture as its free parameters take other values.
 
     Each is planned from the one before: what has not changed is taken over.
-
-    Parameters
-    ----------
-    engine : Engine
-        Plans, over a store that keeps what values have in common.
-    plan : Plan
-        The network as it stands.
-    names : sequence of (node, parameter)
-        What is free.
     """
 
     def __init__(self, engine: Engine, plan: Plan, names: Sequence[tuple[str, str]]) -> None:

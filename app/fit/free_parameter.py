@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from app.options.option_values import Assignment, assignment
+from app.options.option_values import Assignment, assignment, low_high
 from app.options.overrides import behind, named_parameter
 from core.errors import UsageError
 from core.modules.declaration import Library, declaration
@@ -125,13 +125,7 @@ def _range(declared: Parameter, text: str, option: str) -> tuple[float, float]:
         own_low = end + _ABOVE * max(1.0, abs(end))
     if not text:
         return own_low, own_high
-    first, colon, last = text.partition(":")
-    try:
-        low, high = float(first), float(last)
-    except ValueError:
-        low = high = math.nan
-    if not (colon and math.isfinite(low) and math.isfinite(high) and low < high):
-        raise UsageError(f"{option}={text:.80}: write NODE.PARAM=LOW:HIGH, LOW below HIGH")
+    low, high = low_high(option, text)
     if low == end:
         low = own_low
     if low < own_low or high > own_high:

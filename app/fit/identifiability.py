@@ -65,15 +65,7 @@ class Identified:
 
 
 def identified(fit: ChainFit, cost: Cost) -> Identified:
-    """Part the parameters into those that are determined and those that are not.
-
-    Parameters
-    ----------
-    fit : ChainFit
-        With derivatives at the solution.
-    cost : callable
-        Sum of squares for values of all parameters.
-    """
+    """Part the parameters into those that are determined and those that are not."""
     count = len(fit.free)
     scales = scales_of(fit.free, fit.values)
     lengths = np.linalg.norm(fit.jacobian, axis=0)

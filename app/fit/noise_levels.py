@@ -40,17 +40,7 @@ def uniform_field(work: Work, *, value: float, rows: int, columns: int) -> NDArr
 
 
 class NoiseLevels:
-    """The noise that a network predicts for pictures of given levels.
-
-    Parameters
-    ----------
-    engine : Engine
-        Plans the network.
-    plan : Plan
-        The network as it stands, for its source.
-    work : Work
-        Evaluates.
-    """
+    """The noise that a network predicts for pictures of given levels."""
 
     def __init__(self, engine: Engine, plan: Plan, work: Work) -> None:
         self._engine, self._work = engine, work
@@ -128,15 +118,7 @@ class NoiseLevels:
 
 
 class NoiseProblem:
-    """What a network's noise at the levels of a picture is less what was measured there.
-
-    Parameters
-    ----------
-    levels : NoiseLevels
-        Predicts.
-    measured : sequence of LevelVariance
-        Of the pictures.
-    """
+    """What a network's noise at the levels of a picture is less what was measured there."""
 
     def __init__(self, levels: NoiseLevels, measured: Sequence[LevelVariance]) -> None:
         self._levels = levels

@@ -174,10 +174,8 @@ def inner(parameter: FreeParameter) -> tuple[float, ...]:
 # Errors beside a parameter of even effect near 0, by a profile (Bates and Watts 1988, section 6).
 #
 # The derivative of such a parameter, a defocus or a width, vanishes at 0: the linearized model
-# takes
-# the others' errors for those with it at its value. So it is held at several values, as far as
-# the
-# sum of squares allows, and the others are fitted anew beside each.
+# takes the others' errors for those with it at its value. So it is held at several values, as far
+# as the sum of squares allows, and the others are fitted anew beside each.
 
 Matrix = NDArray[np.float64]
 Refit = Callable[[int, float], tuple[Vector, float]]

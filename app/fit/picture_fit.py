@@ -28,11 +28,7 @@ from core.errors import Cancelled, DataError, ImagechainError, UsageError
 from core.evaluation.work import Work
 from core.physics.measurement.edges.edge_line import edge_samples
 from core.physics.measurement.edges.edge_search import find_edges
-from core.physics.measurement.edges.picture_checks import (
-    FoundEdge,
-    missing_samples,
-    why_no_picture,
-)
+from core.physics.measurement.edges.picture_checks import FoundEdge, missing_samples, why_no_picture
 from core.physics.measurement.noise.digitisation import clipped_ends, rounding_step
 from core.physics.measurement.noise.picture_noise import noise_of_picture
 from core.physics.measurement.noise.variance_levels import LevelVariance
@@ -101,18 +97,8 @@ def fit_pictures(
 ) -> FitResult:
     """Fit the free parameters of a planned network.
 
-    Parameters
-    ----------
-    engine, plan, work
-        The network as it stands, and what evaluates it.
-    free : sequence of FreeParameter
-        What is fitted.
-    pictures : FittedPictures
-        What it is fitted to.
-    report : callable
-        Gets the name of what is done next.
-    watch : callable, optional
-        Gets edges, not all of them at first, as the values change.
+    `report` gets the name of what is done next, `watch` edges, not all of them at first, as the
+    values change.
     """
     final = final_image(plan)
     passed = transfer_known(final)
@@ -298,14 +284,8 @@ def edges_in(
 ) -> EdgeChoice:
     """Search for the edges of pictures, and take the samples of the clearest.
 
-    Parameters
-    ----------
-    pictures : sequence of ndarray
-        Samples, shape (rows, columns), finite.
-    clip_levels : tuple of float, optional
-        Lowest and highest number that a sample can have.
-    check : callable
-        Called between steps; may raise to stop.
+    `clip_levels` are the lowest and highest number that a sample can have; `check` may raise to
+    stop.
     """
     usable: list[tuple[float, Patch]] = []
     refused: list[str] = []

@@ -170,12 +170,7 @@ def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
         f"registered with a shift of {how.shift_x:.3f}, {how.shift_y:.3f} samples, a scale of "
         f"{how.scale:.6f}, a gain of {how.gain:.6g} and an offset of {how.offset:.6g}"
     )
-    whole = SceneFit(
-        problem.match.picture,
-        registered,
-        problem.match.noise_sigma,
-        how,
-    )
+    whole = SceneFit(problem.match.picture, registered, problem.match.noise_sigma, how)
     warnings = result.warnings
     if problem.why_after:
         warnings = (
@@ -240,10 +235,7 @@ def _downhill(
     cost = float(residual @ residual)
     for _ in range(_STEPS):
         columns = np.column_stack(
-            [
-                *problem.columns(values, how),
-                *problem.own_columns(values, how),
-            ]
+            [*problem.columns(values, how), *problem.own_columns(values, how)]
         )
         improved = False
         for _ in range(8):
@@ -283,9 +275,8 @@ def _solved(columns: Matrix, residual: Vector, damping: float) -> Vector:
 # A network's scene moved and scaled before anything of the chain has blurred or sampled it.
 #
 # A picture that was sampled cannot be moved by a part of a sample: what has folded below the
-# Nyquist
-# frequency would turn with it the wrong way. So where the chain samples more coarsely than its
-# source, the source is moved, between its fine samples by splines of the fifth order (Unser
+# Nyquist frequency would turn with it the wrong way. So where the chain samples more coarsely than
+# its source, the source is moved, between its fine samples by splines of the fifth order (Unser
 # 1999).
 
 _ORDER = 5

@@ -55,15 +55,7 @@ class Example:
 
 
 def example_of(declared: Declaration, engine: Engine) -> Example:
-    """Run the module's example, and draw it.
-
-    Parameters
-    ----------
-    declared : Declaration
-        The module's.
-    engine : Engine
-        Of the library; what one example has computed serves the next.
-    """
+    """Run the module's example, and draw it."""
     if declared.key in NO_EXAMPLE:
         return Example(reason=NO_EXAMPLE[declared.key])
     network = example_network(declared, engine.library)
@@ -259,12 +251,7 @@ _DARK = re.compile(r"#(?:000000|555555|666666|010203|888888)\b")
 def plot(name: str, width: float, height: float) -> Iterator[tuple[Any, io.StringIO]]:
     """A figure of that size in inches; what is written is a piece of a page.
 
-    Parameters
-    ----------
-    name : str
-        Of the plot; on one page no two plots have the same.
-    width, height : float
-        Inches.
+    On one page no two plots have the same name; the size is in inches.
     """
     mpl = load_matplotlib()
     from matplotlib.backends.backend_svg import FigureCanvasSVG

@@ -70,14 +70,8 @@ def blocks_of(text: str) -> list[Block]:
 def rendered(text: str, modules: Mapping[str, str], figure: Figure) -> Rendered:
     """A page of Markdown.
 
-    Parameters
-    ----------
-    text : str
-        The Markdown; it begins with a title and a paragraph on what the page is about.
-    modules : mapping
-        Address of a module's page by its title.
-    figure : callable
-        The drawing that a block of `figure` names.
+    It begins with a title and a paragraph on what it is about; `modules` has addresses of pages by
+    title, `figure` draws what a block of `figure` names.
     """
     parser = _parser()
     page = Rendered()
@@ -189,10 +183,8 @@ def _fence(figure: Figure) -> Callable[..., str]:
 # Formulas as drawings that stand in a page's text: alike on every machine, with or without fonts.
 #
 # A browser's own mathematics (MathML) takes whatever fonts a machine has, which on many is none
-# that
-# is made for it. Matplotlib typesets the same TeX with fonts of its own, and its outlines are a
-# small
-# drawing in the colour of the text round it.
+# that is made for it. Matplotlib typesets the same TeX with fonts of its own, and its outlines are
+# a small drawing in the colour of the text round it.
 
 EM = 16.0
 """Units of the drawing in one em of the text."""
@@ -212,13 +204,7 @@ class FormulaError(ImagechainError):
 
 @cache
 def formula_svg(tex: str) -> str:
-    """The drawing of a formula, as a piece of a page.
-
-    Parameters
-    ----------
-    tex : str
-        Without dollar signs.
-    """
+    """The drawing of a formula, as a piece of a page."""
     mpl = load_matplotlib()
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextToPath

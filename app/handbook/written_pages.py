@@ -39,32 +39,6 @@ MARK = "handbook.json"
 """A file that only a handbook's folder has."""
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A page in the contents."""
-
-    title: str
-    address: str
-
-
-@dataclass(frozen=True)
-class ShownPart:
-    """A part of the contents."""
-
-    title: str
-    entries: tuple[Entry, ...]
-
-
-@dataclass(frozen=True)
-class Found:
-    """A page as the search knows it: address, title, what it is about, all its words."""
-
-    address: str
-    title: str
-    lead: str
-    text: str
-
-
 def module_address(key: str) -> str:
     """Where a module's page lies, from the handbook's folder."""
     return f"{MODULES}/{key}.html"
@@ -79,18 +53,48 @@ def page_titles() -> dict[str, str]:
     }
 
 
+def find_page(word: str, library: Library) -> tuple[str | None, list[str]]:
+    """Address of the page, or None; and the names by which pages can be named.
+
+    A name or a title comes first, then a title that begins with the word or has it, then the page
+    that has it most often.
+    """
+    titles = {f"{name}.html": title for name, title in page_titles().items()}
+    texts = {
+        f"{name}.html": (PAGES / f"{name}.md").read_text(encoding="utf-8") for name in page_titles()
+    }
+    names = {name: f"{name}.html" for name in page_titles()}
+    for key, module in library.items():
+        declared = declaration(module)
+        address = module_address(key)
+        names[key], titles[address] = address, declared.title
+        parameters = " ".join(f"{p.name} {p.param.text}" for p in declared.parameters)
+        texts[address] = f"{declared.text} {parameters}"
+    wanted = word.casefold().strip()
+    by_name = {name.casefold(): address for name, address in names.items()}
+    by_name |= {title.casefold(): address for address, title in titles.items()}
+    if wanted in by_name:
+        return by_name[wanted], list(names)
+    underlined = wanted.replace(" ", "_").replace("-", "_")
+    if underlined in by_name:
+        return by_name[underlined], list(names)
+    ranked = sorted(
+        titles,
+        key=lambda address: (
+            not titles[address].casefold().startswith(wanted),
+            wanted not in titles[address].casefold(),
+            -texts[address].casefold().count(wanted),
+        ),
+    )
+    best = ranked[0]
+    has = wanted in titles[best].casefold() or wanted in texts[best].casefold()
+    return (best if wanted and has else None), list(names)
+
+
 def handbook_files(
     library: Library, progress: Callable[[str], None] = lambda _: None
 ) -> Iterator[tuple[str, str]]:
-    """Every file of the handbook: its name from the handbook's folder, and its content.
-
-    Parameters
-    ----------
-    library : mapping
-        The modules that have pages.
-    progress : callable
-        Takes the title of the page that is made next.
-    """
+    """Every file of the handbook: its name from the handbook's folder, and its content."""
     declared = [declaration(module) for module in library.values()]
     groups = list(dict.fromkeys(entry.group for entry in declared))
     declared.sort(key=lambda entry: groups.index(entry.group))
@@ -104,7 +108,7 @@ def handbook_files(
         body = page.body + (reference(declared) if name == REFERENCE else "")
         address = f"{name}.html"
         yield address, frame.page(address, "page_frame.html", page.title, body=body)
-        found.append(Found(address, page.title, _plain(page.lead), _plain(page.words)))
+        found.append([address, page.title, _plain(page.lead), _plain(page.words)])
     for entry in declared:
         progress(entry.title)
         shown = module_page(entry, {other.title: f"{other.key}.html" for other in declared})
@@ -123,9 +127,8 @@ def handbook_files(
                 parameters=[(p, p.allowed(), default(p)) for p in entry.parameters],
             ),
         )
-        found.append(Found(address, entry.title, _plain(entry.summary), _plain(shown.words)))
-    rows = [[page.address, page.title, page.lead, page.text] for page in found]
-    yield "words.js", f"const WORDS = {json.dumps(rows, ensure_ascii=False)};\n"
+        found.append([address, entry.title, _plain(entry.summary), _plain(shown.words)])
+    yield "words.js", f"const WORDS = {json.dumps(found, ensure_ascii=False)};\n"
     for name in ("handbook.css", "search.js"):
         yield name, (TEMPLATES / name).read_text(encoding="utf-8")
 
@@ -236,16 +239,15 @@ class _Frame:
         )
         titles = page_titles()
         self._parts = [
-            ShownPart(part.title, tuple(Entry(titles[n], f"{n}.html") for n in part.pages))
-            for part in PARTS
+            (part.title, [(f"{name}.html", titles[name]) for name in part.pages]) for part in PARTS
         ]
         for group, members in groupby(declared, key=lambda entry: entry.group):
-            entries = tuple(Entry(entry.title, module_address(entry.key)) for entry in members)
-            self._parts.append(ShownPart(f"Modules: {group}", entries))
-        self._order = [entry for part in self._parts for entry in part.entries]
+            entries = [(module_address(entry.key), entry.title) for entry in members]
+            self._parts.append((f"Modules: {group}", entries))
+        self._order = [entry for _, entries in self._parts for entry in entries]
 
     def page(self, address: str, template: str, title: str, **values: Any) -> str:
-        place = next(at for at, entry in enumerate(self._order) if entry.address == address)
+        place = next(at for at, entry in enumerate(self._order) if entry[0] == address)
         return self._environment.get_template(template).render(
             title=title,
             address=address,
@@ -278,15 +280,7 @@ def _plain(text: str) -> str:
 
 
 def page_figure(words: str, engine: Engine) -> str:
-    """The drawings, side by side, as a piece of a page.
-
-    Parameters
-    ----------
-    words : str
-        A line for every drawing, as the module's docstring lists them.
-    engine : Engine
-        Of the library.
-    """
+    """The drawings, side by side, as a piece of a page."""
     lines = [line.split(maxsplit=2) for line in words.splitlines() if line.strip()]
     named = [line[1] for line in lines if line[0] == "network"]
     settings = [
@@ -353,15 +347,6 @@ _SYMBOL = re.compile(r"(?<![\w_])([^\W\d_]{1,3})_([^\W_]{1,5})(?![\w_])")
 
 
 @dataclass(frozen=True)
-class ShownFormula:
-    """A formula, drawn, with its words as pieces of a page."""
-
-    drawing: str
-    where: str
-    when: str
-
-
-@dataclass(frozen=True)
 class ModulePage:
     """The parts of the page, as pieces of it."""
 
@@ -369,7 +354,7 @@ class ModulePage:
     paragraphs: tuple[str, ...]
     sources: tuple[str, ...]
     errata: tuple[str, ...]
-    formulas: tuple[ShownFormula, ...]
+    formulas: tuple[tuple[str, str, str], ...]  # a drawing, what stands where, and when it holds
 
     @property
     def words(self) -> str:
@@ -384,12 +369,7 @@ class ModulePage:
 def module_page(declared: Declaration, addresses: Mapping[str, str] = _NONE) -> ModulePage:
     """What stands on the page.
 
-    Parameters
-    ----------
-    declared : Declaration
-        Of the module.
-    addresses : mapping
-        Where the pages of modules lie, from this one, by their titles.
+    `addresses` are those of modules' pages, from this one, by their titles.
     """
     others = {title: at for title, at in addresses.items() if title != declared.title}
     paragraphs, sources, errata = parted(declared.text)
@@ -400,11 +380,7 @@ def module_page(declared: Declaration, addresses: Mapping[str, str] = _NONE) -> 
         tuple(prose(text, names) for text in sources),
         tuple(prose(text, names) for text in errata),
         tuple(
-            ShownFormula(
-                drawn(formula.tex),
-                with_symbols(formula.where, names),
-                prose(formula.when, names),
-            )
+            (drawn(formula.tex), with_symbols(formula.where, names), prose(formula.when, names))
             for formula in declared.formulas
         ),
     )

@@ -134,12 +134,7 @@ class _Version(argparse.Action):
 def parse(argv: list[str]) -> Options:
     """Read the command line.
 
-    Raises
-    ------
-    UsageError
-        If it cannot be carried out.
-    SystemExit
-        After printing the help or version.
+    After printing the help or version it ends by SystemExit.
     """
     if argv[0] == "help":  # as `--help`, of a command where one is named
         argv = [*(word for word in argv[1:2] if word != "help"), "--help"]

@@ -135,6 +135,18 @@ def finite_number(option: str, text: str) -> float:
     return number
 
 
+def low_high(option: str, text: str) -> tuple[float, float]:
+    """Two numbers, ``LOW:HIGH``."""
+    first, colon, last = text.partition(":")
+    try:
+        low, high = float(first), float(last)
+    except ValueError:
+        low = high = math.nan
+    if not (colon and math.isfinite(low) and math.isfinite(high) and low < high):
+        raise UsageError(f"{option}={text:.80}: write NODE.PARAM=LOW:HIGH, LOW below HIGH")
+    return low, high
+
+
 def file_path(option: str, text: str) -> Path:
     """A file or folder."""
     if not text or "\0" in text:

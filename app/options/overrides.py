@@ -65,14 +65,7 @@ def with_final(network: Network, port: str, *, library: Library) -> Network:
 def from_here(value: Any, parameter: Parameter, folder: Path | None = None) -> Any:
     """A file's name with all of its folders; one in a network is relative to the network's folder.
 
-    Parameters
-    ----------
-    value
-        What was typed; it is returned as it is where it names no file.
-    parameter : Parameter
-        What it is for.
-    folder : Path, optional
-        What it is relative to; default the current folder.
+    What names no file is given as it is; the folder is the current one by default.
     """
     if parameter.kind != "path" or not isinstance(value, str) or not value:
         return value

@@ -11,15 +11,7 @@ PATIENCE_S = 0.7
 
 
 class Progress:
-    """Shows which node computes; silent where stderr is no terminal.
-
-    Parameters
-    ----------
-    total : int
-        Number of nodes.
-    time_left : bool
-        Whether the bar shows how long it will take still.
-    """
+    """Shows which node computes; silent where stderr is no terminal."""
 
     def __init__(self, total: int, *, time_left: bool = False) -> None:
         self._total = total
@@ -44,15 +36,9 @@ class Progress:
 
     def __call__(self, node: str | None) -> None:
         """Show that `node` is about to compute."""
-        if not self._wanted:
-            return
         if node:
             self._seen.add(node)
-        if self._bar is None:
-            if time.perf_counter() - self._start < PATIENCE_S:
-                return
-            self._begin()
-        self._bar.update(self._task, completed=len(self._seen), description=node or "")
+        self.reach(len(self._seen), node or "")
 
     def reach(self, done: int, text: str) -> None:
         """Show how many are done, and what comes next."""

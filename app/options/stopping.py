@@ -68,12 +68,9 @@ def stoppable(*, to_the_end: bool = False) -> Iterator[Stop]:
     Yields an event that is set then: code that swallows every exception (a module being imported,
     a callback) may hide the exception from the caller.
 
-    Parameters
-    ----------
-    to_the_end : bool
-        Whether the process ends after it: Ctrl-C then ends what is left of it without output,
-        where Python would print a traceback. A signal to end that comes once more changes nothing:
-        the process is ending, with the exit code of its stop.
+    Where the process ends after it (`to_the_end`), Ctrl-C then ends what is left of it without
+    output, where Python would print a traceback. A signal to end that comes once more changes
+    nothing: the process is ending, with the exit code of its stop.
     """
     stop = Stop()
     previous: dict[signal.Signals, Any] = {}

@@ -5,11 +5,8 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, TextIO
-
-if TYPE_CHECKING:
-    from app.options.command_options import Options
+from collections.abc import Iterator
+from typing import TextIO
 
 
 @contextlib.contextmanager
@@ -48,19 +45,3 @@ def print_error(line: str) -> None:
         print(line, file=sys.stderr, flush=True)
     except (OSError, ValueError):
         discard(sys.stderr)
-
-
-def say(options: Options, *lines: str) -> None:
-    """Print lines for people; none where the result is printed as JSON."""
-    if lines and options.json is not True:
-        print("\n".join(lines), flush=True)
-
-
-def show(options: Options, facts: Callable[[], Any], *lines: str) -> None:
-    """Print the result of a command: as JSON where that is wanted, else in lines."""
-    if options.json is not True:
-        say(options, *lines)
-        return
-    from app.run.readout_tables import json_text
-
-    print(json_text(facts()), end="", flush=True)

@@ -172,16 +172,8 @@ def needed_later(
 ) -> list[Recipe]:
     """What is needed once a network has been evaluated, to hold it until then.
 
-    Parameters
-    ----------
-    plan : Plan
-        The network.
-    ports : iterable of str
-        Those to be written.
-    report : bool
-        Whether a report is to show the pictures, curves and tables as well.
-    in_blocks : bool
-        Whether pictures lie on disk: noises are then not followed through them.
+    With a report also the pictures, curves and tables that it shows; noises are not followed
+    through pictures that lie on disk (`in_blocks`).
     """
     values = [plan.output(port) for port in ports]
     if (final := find_output(plan).port) is not None:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import base64
-import json
+import pickle
 import re
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path, PurePath
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 from app.run.readout_tables import number_text
-from core.errors import UsageError
 
 Kind = Literal["report", "run", "frames", "sweep", "files"]
 REPORT = "report.html"
@@ -73,41 +72,13 @@ class Variant:
 
 def job_text(job: Job) -> str:
     """One line of text from which `read_job` makes the job again."""
-    content: dict[str, Any] = {
-        **vars(job),
-        "folder": str(job.folder),
-        "path": None if job.path is None else str(job.path),
-        "output": str(job.output),
-        "chosen": list(map(str, job.chosen)),
-        "values": list(job.values),
-    }
-    # As ASCII: a path that is no valid Unicode comes back as it was.
-    return json.dumps(content)
+    return base64.b64encode(pickle.dumps(job)).decode()
 
 
 def read_job(text: str) -> Job:
-    """The job of a line of text."""
-    try:
-        content = json.loads(text)
-        return _job(content)
-    except (ValueError, TypeError, LookupError, AttributeError) as error:
-        raise UsageError(f"no job is written there: {error}") from None
-
-
-def _job(content: Mapping[str, Any]) -> Job:
-    if content["kind"] not in get_args(Kind):
-        raise ValueError(f"kind = {content['kind']!r:.80}")
-    path = content["path"]
-    return Job(
-        **{
-            **content,
-            "folder": Path(content["folder"]),
-            "path": None if path is None else Path(path),
-            "output": Path(content["output"]),
-            "chosen": tuple(map(Path, content["chosen"])),
-            "values": tuple(content["values"]),
-        }
-    )
+    """The job of a line of text, which whoever started this process has written."""
+    job: Job = pickle.loads(base64.b64decode(text))
+    return job
 
 
 def _apart(names: list[str]) -> list[str]:
@@ -158,52 +129,24 @@ class Result:
     previews: tuple[Preview, ...] = ()  # small pictures of the first runs
 
 
-def step_line(step: Step) -> str:
-    """The line of a step."""
-    return _MARK + json.dumps({"share": step.share, "doing": step.doing})
-
-
-def result_line(result: Result) -> str:
-    """The line of a result."""
-    content = {
-        "runs": result.runs,
-        "failures": result.failures,
-        "warnings": result.warnings,
-        "page": None if result.page is None else str(result.page),
-        "previews": [
-            (preview.name, base64.b64encode(preview.png).decode()) for preview in result.previews
-        ],
-    }
-    return _MARK + json.dumps(content)
+def message_line(message: Step | Result) -> str:
+    """The line of a step, or of the result."""
+    return _MARK + base64.b64encode(pickle.dumps(message)).decode()
 
 
 def read_message(line: str) -> Step | Result | None:
-    """What a line says; None for a line of somebody else's, such as a library's."""
+    """What a line says; None for a line of somebody else's, such as a library's, or a torn one."""
     if not line.startswith(_MARK):
         return None
     try:
-        content = json.loads(line.removeprefix(_MARK))
-        if "share" in content:
-            return Step(float(content["share"]), str(content["doing"]))
-        return Result(
-            int(content["runs"]),
-            tuple((str(name), str(why)) for name, why in content["failures"]),
-            tuple(map(str, content["warnings"])),
-            None if content["page"] is None else Path(content["page"]),
-            tuple(Preview(name, base64.b64decode(png)) for name, png in content["previews"]),
-        )
-    except (ValueError, TypeError, LookupError):
+        message: Step | Result = pickle.loads(base64.b64decode(line.removeprefix(_MARK)))
+    except (ValueError, EOFError, pickle.UnpicklingError):
         return None
+    return message
 
 
 class Steps:
-    """Counts what is done of a run, in parts of some weight; may be called from any thread.
-
-    Parameters
-    ----------
-    write : callable
-        Takes a `Step`, ten times a second at most.
-    """
+    """Counts what is done of a run, in parts of some weight; may be called from any thread."""
 
     def __init__(self, write: Callable[[Step], object]) -> None:
         self._write = write

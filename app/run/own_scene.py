@@ -113,20 +113,8 @@ def with_own_scene(
 ) -> SceneReplaced:
     """The network with a picture in the place of its scene; wires and layout stay.
 
-    Parameters
-    ----------
-    network : Network
-        A document, or one whose macros have been written out.
-    own : OwnScene
-        The picture.
-    library : mapping
-        Modules by key.
-    plan : Plan
-        The network planned, its macros written out.
-    node : str, optional
-        The scene; needed where the network has several.
-    stored : str, optional
-        The picture's file as the network is to name it; its whole path by default.
+    `node` is needed where the network has several scenes; `stored` is the file's name in the
+    network, its whole path by default.
     """
     own.check()
     name = _chosen(network, library, node, own.option)

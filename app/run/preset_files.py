@@ -176,21 +176,7 @@ def remove_set(name: str, module: str, folder: Path) -> None:
 def given(
     name: str, values: Mapping[str, Any], node: Node, declared: Declaration, where: str
 ) -> Operation:
-    """What gives a node the parameters of a set, and all others their defaults.
-
-    Parameters
-    ----------
-    name : str
-        The set's name.
-    values : mapping
-        The set.
-    node : Node
-        The node as it is.
-    declared : Declaration
-        Its module.
-    where : str
-        The node's name in the whole network.
-    """
+    """What gives a node the parameters of a set, and all others their defaults."""
     check_plain(values, name)
     steps: list[Operation] = []
     for key in {**values, **node.params}:

@@ -42,6 +42,15 @@ def number_text(value: Any) -> str:
     return str(value)
 
 
+def exact(value: Any) -> str:
+    """A value in full, as tables have it; nothing where there is none."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return repr(float(value)) if isinstance(value, float) else str(value)
+
+
 def sized(value: Any, unit: str) -> tuple[Any, str]:
     """A value in the size of its unit that data sheets use (25 mK, 4 ms, 7 Me-), in four digits."""
     if isinstance(value, int | float) and value:

@@ -147,16 +147,8 @@ def responses_along(
 ) -> LineResponses:
     """Evaluate every stage of the chain along a line; no plane is ever built.
 
-    Parameters
-    ----------
-    chain : Chain
-        The stages.
-    work : Work
-        The evaluation.
-    angle_deg : float
-        From the xi axis (0°) towards the eta axis (90°).
-    samples : int, optional
-        Points of the line; as many as the longer axis of the spectrum has, if not given.
+    The angle is from the xi axis (0°) towards the eta axis (90°); the line has as many points as
+    the longer axis of the spectrum, if not given.
     """
     grid = chain.grid
     if grid is None:
@@ -188,11 +180,7 @@ def responses_along(
             products.append(_product(SYSTEM, "Total with electronics", both, frequency))
     beside = along(chain.beside)
     return LineResponses(
-        frequency,
-        (*before, *later),
-        tuple(beside),
-        tuple(products),
-        tuple(failed.values()),
+        frequency, (*before, *later), tuple(beside), tuple(products), tuple(failed.values())
     )
 
 

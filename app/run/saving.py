@@ -51,22 +51,17 @@ _CURVES = (CSV, *(file_format for file_format in WRITTEN if file_format.stores_f
 
 def check_suffix(port: str, value: Any, path: Path) -> None:
     """Refuse a file format that cannot hold what the port carries."""
-    allowed: tuple[Format, ...] = SAVED
+    allowed: tuple[Format, ...] = (*SAVED, ENVI_FRAMES, ZARR) if isinstance(value, Image) else SAVED
     if isinstance(value, Table | Context):
         allowed = _TABLES
     elif isinstance(value, Curve):
         allowed = _CURVES
-    for kind, words in ((ENVI_FRAMES, "pictures and their bands"), (ZARR, "pictures")):
-        if kind.matches(path):
-            if isinstance(value, Image):
-                if kind is ZARR:
-                    check_zarr(path)
-                return
-            ends = " ".join(kind.suffixes)
-            raise UsageError(f"--save {port}={path}: {words} alone are written as {ends}")
     if not any(file_format.matches(path) for file_format in allowed):
+        what = f"{'an' if value.port_type[0] in 'aeiou' else 'a'} {value.port_type}"
         words = " ".join(suffixes(*allowed))
-        raise UsageError(f"--save {port}={path}: a {value.port_type} is written as {words}")
+        raise UsageError(f"--save {port}={path}: {what} is written as {words}")
+    if ZARR.matches(path):
+        check_zarr(path)
 
 
 def save_value(

@@ -92,10 +92,7 @@ def command(module: str, *words: str) -> list[str]:
 def environment(variables: Mapping[str, str] | None = None) -> dict[str, str]:
     """Environment of a child as a user would have it, but able to find our packages.
 
-    Parameters
-    ----------
-    variables : mapping, optional
-        What it is to have otherwise; default this process's.
+    It has the variables given instead of this process's.
     """
     root = str(Path(__file__).resolve().parents[2])
     known = dict(os.environ if variables is None else variables)

@@ -36,12 +36,7 @@ class Staging:
     Used as a context manager: whatever was not committed is gone at its end. What a killed process
     left behind is removed by the next one that writes beside it.
 
-    Parameters
-    ----------
-    folder : Path or None
-        The one folder that may be missing still; it is made when the files are put in place.
-    inputs : iterable of Path
-        Files that no output may replace.
+    `folder` alone may be missing still; no output may replace one of the `inputs`.
     """
 
     def __init__(self, folder: Path | None, inputs: Iterable[Path] = ()) -> None:

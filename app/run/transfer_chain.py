@@ -165,14 +165,4 @@ def _unconnected(plan: Plan, output: Output, sources: tuple[str, ...]) -> Chain:
     missing = output.missing or f"no Back Transform leads to the output, {output.port}"
     if grid is None:
         missing = "the network has no transfer function"
-    return Chain(
-        output.port,
-        sources,
-        grid,
-        None,
-        tuple(stages),
-        (),
-        (),
-        missing,
-        output.choices,
-    )
+    return Chain(output.port, sources, grid, None, tuple(stages), (), (), missing, output.choices)

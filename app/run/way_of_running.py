@@ -116,21 +116,7 @@ def blocks_of(
     report: bool,
     scratch: Path,
 ) -> Iterator[BlockRun | None]:
-    """What a run in blocks keeps on disk, as long as it is open; None for a run in memory.
-
-    Parameters
-    ----------
-    way : WayOfRunning
-        The way chosen.
-    engine, plan, policy
-        What is run.
-    ports : sequence of str
-        Ports that are saved.
-    report : bool
-        Whether a report is written.
-    scratch : Path
-        Folder of the scratch files.
-    """
+    """What a run in blocks keeps on disk, as long as it is open; None for a run in memory."""
     if not way.in_blocks or way.memory_bytes is None:
         yield None
         return

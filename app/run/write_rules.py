@@ -190,10 +190,7 @@ class WriteRules:
         They are recorded before, too: a process that is killed meanwhile leaves files that are
         known, whether they are the old ones or the new ones.
 
-        Returns
-        -------
-        str
-            Why they could not be recorded; empty where they were.
+        Gives why they could not be recorded; empty where they were.
         """
         try:
             new = {target: fingerprint(file) for target, file in staging.guarded()}
@@ -235,16 +232,7 @@ def write_rules(
 ) -> WriteRules:
     """The rules of a run.
 
-    Parameters
-    ----------
-    place, output
-        The network, and the folder of the run's own files.
-    named : bool
-        Whether the user has named that folder.
-    allowed : sequence of Path
-        Folders of ``--allow-writes-to``.
-    given : iterable of str
-        Nodes whose file the user has named.
+    `named`: the user has named the output folder; `given`: nodes whose file the user has named.
     """
     for folder in allowed:
         if not os.path.isdir(folder):  # noqa: PTH112, as Path's raises for a long name

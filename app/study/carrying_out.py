@@ -118,22 +118,9 @@ def carry_out(
 ) -> StudyRows:
     """Compute the points that are not done yet, and write the output when all are.
 
-    Parameters
-    ----------
-    study : Study
-        What is wanted.
-    workers : Workers
-        Who computes.
-    output : Path, optional
-        The file of the rows; beside it a journal keeps those that are done until it is written.
-    fresh : bool
-        Whether rows that an earlier, unfinished study has left there are thrown away.
-    reached : callable, optional
-        Called with the number of points that are done.
-    cancel : threading.Event, optional
-        Set to stop.
-    also : callable, optional
-        Called with the rows once the output is written, before the journal goes.
+    Beside `output` a journal keeps the rows that are done until it is written; `fresh` throws away
+    those of an earlier study. `reached` gets the number of points done, `also` the rows before the
+    journal goes.
     """
     workers.check()
     if output is None:

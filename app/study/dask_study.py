@@ -33,23 +33,7 @@ def cluster_rows(
     tls: Sequence[str] = (),
     cancel: threading.Event | None = None,
 ) -> Generator[list[Row]]:
-    """The rows of points, batch by batch; the first, empty one when the scheduler answers.
-
-    Parameters
-    ----------
-    setting : Setting
-        The study.
-    key : str
-        Its content key.
-    tasks : sequence of Task
-        The points, in order.
-    scheduler : str or distributed.Client
-        The address of a scheduler, or a client of one.
-    tls : sequence of str
-        Files of the authority, the certificate and the key; or none.
-    cancel : threading.Event, optional
-        Set to stop.
-    """
+    """The rows of points, batch by batch; the first, empty one when the scheduler answers."""
     with _silent(), _connected(scheduler, tls) as client:
         yield []
         rows = _Rows(client, setting, key, tasks)
@@ -307,15 +291,7 @@ _WEIGHT = 0.3  # of the newest batch in the mean
 
 
 class Lanes:
-    """A stretch of the points for each worker; who has come to its end takes half of another's.
-
-    Parameters
-    ----------
-    tasks : sequence of Task
-        The points in the order in which they repeat least.
-    workers : int
-        How many there are.
-    """
+    """A stretch of the points for each worker; who has come to its end takes half of another's."""
 
     def __init__(self, tasks: Sequence[Task], workers: int) -> None:
         each = -(-len(tasks) // workers) or 1

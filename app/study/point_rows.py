@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from app.options.option_values import Save
 from app.run.output import source_images
@@ -34,8 +34,7 @@ Task = tuple[int, tuple[Any, ...], tuple[str, ...]]
 """A point's place, its values, and the files that it saves."""
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """What a study has of a point."""
 
     place: int  # of the point, from 0 on
@@ -64,14 +63,7 @@ class Setting:
 class RowMaker:
     """Makes the rows of a study, one after the other, over a store of its own.
 
-    Parameters
-    ----------
-    setting : Setting
-        The study.
-    library : Library
-        The modules.
-    share : int
-        How many processes share the machine's memory.
+    `share` processes share the machine's memory.
     """
 
     def __init__(self, setting: Setting, library: Library, share: int = 1) -> None:

@@ -11,19 +11,8 @@ from app.options.option_values import save_target, study_path, summary_path
 from app.run.shipped import find_network
 from app.study.carrying_out import StudyRows, Workers, carry_out
 from app.study.study_journal import check_installed
-from app.study.study_points import (
-    Axis,
-    Point,
-    files_axis,
-    grid_axis,
-    grid_points,
-    latin_points,
-    listed_points,
-    span_axis,
-    values_axis,
-)
-from app.study.study_request import make_study
-from core.errors import UsageError
+from app.study.study_points import GRID, Values
+from app.study.study_request import Study, make_study
 from core.evaluation.policy import Policy
 from core.modules.declaration import Library
 from core.network.file import load_network
@@ -31,9 +20,6 @@ from core.network.network import Network
 from core.network.validation import check_network, plain_network
 from nodes.files.common.file_format import CSV
 from nodes.library import standard_library
-
-GRID, LATIN = "grid", "latin"
-Values = str | Sequence[Any]
 
 
 def run_study(
@@ -98,76 +84,62 @@ def run_study(
         A row for each point, in order; those that failed have an error.
     """
     known = library if library is not None else standard_library()
-    name, place = "", Path(folder or ".")
-    read = [Path(sample)] if CSV.matches(Path(sample)) else []
+    name, place, read = "", Path(folder or "."), []
     if not isinstance(network, Network):
         found = find_network(str(network))
-        name, place = found.name, found.folder
-        read.append(found.path)
+        name, place, read = found.name, found.folder, [found.path]
         network = load_network(found.path, library=known)
     plain = plain_network(network, library=known)
     check_network(plain, library=known)
     path = None if output is None else study_path("--output", str(output))
-    if path is not None:
-        check_installed(path)
-    study = make_study(
-        plain,
-        name=plain.name or name,
-        folder=place,
-        library=known,
-        overs=[files_axis(f"{k}={v}", plain, library=known) for k, v in (over or {}).items()],
-        sampling=lambda: sampled(plain, vary or {}, str(sample), points, library=known),
-        figures=figures,
-        saves=[save_target(f"{port}={pattern}") for port, pattern in (saves or {}).items()],
-        policy=policy or Policy(),
-    )
     pages = [summary_path("--summary", str(page)) for page in summaries]
-    study.check_places([*([] if path is None else [path]), *pages], read)
+    study = checked_study(
+        plain, name=plain.name or name, folder=place, library=known, vary=vary or {},
+        over=[f"{k}={v}" for k, v in (over or {}).items()], sample=str(sample), points=points,
+        figures=figures, policy=policy or Policy(), read=read, output=path, summaries=pages,
+        saves=[save_target(f"{port}={pattern}") for port, pattern in (saves or {}).items()],
+    )  # fmt: skip
+    workers = Workers(jobs, scheduler, memory_bytes=memory_bytes)
+    if workers.warning:
+        warnings.warn(workers.warning, UserWarning, stacklevel=2)
+    return carried_out(study, workers, output=path, summaries=pages, fresh=fresh)
+
+
+def checked_study(
+    network: Network,
+    *,
+    read: Sequence[Path],
+    output: Path | None,
+    summaries: Sequence[Path],
+    sample: str,
+    **wanted: Any,
+) -> Study:
+    """A study whose files can be written: those `read` are no outputs; else as `make_study`."""
+    if output is not None:
+        check_installed(output)
+    study = make_study(network, sample=sample, **wanted)
+    listed = [Path(sample)] if CSV.matches(Path(sample)) else []
+    study.check_places([*filter(None, [output]), *summaries], [*read, *listed])
+    return study
+
+
+def carried_out(
+    study: Study,
+    workers: Workers,
+    *,
+    output: Path | None,
+    summaries: Sequence[Path],
+    **how: Any,
+) -> StudyRows:
+    """The rows, written with their summaries; else as `carry_out`."""
 
     def summarise(rows: StudyRows) -> None:
         from app.study.study_drawing import write_summary
 
-        for page in pages:
+        for page in summaries:
             write_summary(rows, page)
 
-    workers = Workers(jobs, scheduler, memory_bytes=memory_bytes)
-    if workers.warning:
-        warnings.warn(workers.warning, UserWarning, stacklevel=2)
-    rows = carry_out(study, workers, output=path, fresh=fresh, also=summarise)
-    if path is None:
+    rows = carry_out(study, workers, output=output, also=summarise, **how)
+    if output is None:
         summarise(rows)
     return rows
-
-
-def sampled(
-    network: Network,
-    vary: Mapping[str, Values],
-    sample: str,
-    points: int | None,
-    *,
-    library: Library,
-) -> tuple[tuple[Axis, ...], Sequence[Point]]:
-    """The axes and points of ``vary`` and ``sample``."""
-    if points is not None and sample != LATIN:
-        raise UsageError(f"--points {points}: only --sample latin draws points")
-    if sample in (GRID, LATIN):
-        of_text = grid_axis if sample == GRID else span_axis
-        axes = tuple(
-            of_text(f"{label}={values}", network, library=library)
-            if isinstance(values, str)
-            else values_axis(label, values, network, library=library)
-            for label, values in vary.items()
-        )
-        if sample == GRID:
-            return axes, grid_points(axes)
-        if points is None or not axes:
-            raise UsageError(
-                "--sample latin: give --points N, how many to draw, and --vary NODE.PARAM=FROM:TO, "
-                "from where"
-            )
-        return latin_points(axes, points, network.seed)
-    if vary:
-        raise UsageError(f"--vary {next(iter(vary)):.80}: the points are those of {sample:.120}")
-    if not CSV.matches(Path(sample)):
-        raise UsageError(f"--sample {sample:.120}: write grid, latin, or the name of a .csv file")
-    return listed_points(Path(sample), network, library=library)

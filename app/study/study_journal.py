@@ -18,6 +18,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from app.run.readout_tables import exact
 from app.study.point_rows import Row
 from core.atomic import atomic_file, no_regular_file, write_bytes, write_text
 from core.errors import FileError, UsageError, how_to_install
@@ -37,16 +38,7 @@ class Journal:
 
     Used as a context manager. It holds a lock, so that two studies do not write one output.
 
-    Parameters
-    ----------
-    output : Path
-        The file that the study is to write.
-    key : str
-        Content key of the study.
-    points : int
-        How many rows there will be.
-    fresh : bool
-        Whether what an earlier study has left is thrown away.
+    `fresh` throws away what an earlier study has left.
     """
 
     def __init__(self, output: Path, key: str, points: int, *, fresh: bool = False) -> None:
@@ -87,7 +79,7 @@ class Journal:
     def add(self, rows: Iterable[Row]) -> None:
         """Keep rows; each is whole in the file, or not there."""
         new = [row for row in rows if row.place not in self.rows]
-        self._write(b"".join(_line(_entry(row)) for row in new))
+        self._write(b"".join(_line(row) for row in new))
         self.rows.update((row.place, row) for row in new)
         if time.monotonic() > self._flushed + _FLUSH_S:
             os.fsync(self._descriptor)
@@ -163,16 +155,11 @@ class Journal:
             self._lock = None
 
 
-def _entry(row: Row) -> list[Any]:
-    return [row.place, list(row.figures), row.key, row.seconds, row.error, list(row.warnings)]
-
-
 def _row(entry: Any) -> Row | None:
     if not isinstance(entry, list) or len(entry) not in (5, 6):
         return None
-    # Journals of earlier versions have no warnings.
-    place, figures, key, seconds, error, warnings = entry if len(entry) == 6 else [*entry, ()]
-    return Row(place, tuple(figures), key, seconds, error, tuple(warnings))
+    row = Row(*entry)  # journals of earlier versions have no warnings
+    return row._replace(figures=tuple(row.figures), warnings=tuple(row.warnings))
 
 
 def _line(entry: Any) -> bytes:
@@ -232,7 +219,7 @@ class Column:
     def typed(self) -> list[Any]:
         """The values in that type."""
         kind = self.kind
-        make = _text if kind is str else kind
+        make = exact if kind is str else kind
         return [None if value is None else make(value) for value in self.values]
 
 
@@ -260,15 +247,7 @@ def write_columns(columns: Sequence[Column], path: Path, title: str) -> None:
 def csv_of(columns: Sequence[Column]) -> str:
     """The columns with a line of names and units on top; what is not there is empty."""
     heads = [column.head for column in columns]
-    return csv_lines([heads, *zip(*(map(_text, column.values) for column in columns), strict=True)])
-
-
-def _text(value: Any) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return repr(value) if isinstance(value, float) else str(value)
+    return csv_lines([heads, *zip(*(map(exact, column.values) for column in columns), strict=True)])
 
 
 def _write_parquet(columns: Sequence[Column], path: Path, title: str) -> None:

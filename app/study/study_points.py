@@ -24,12 +24,51 @@ from core.modules.declaration import Library
 from core.modules.parameters import Parameter, plain
 from core.names import shown, shown_path
 from core.network.network import Network
+from nodes.files.common.file_format import CSV
 from nodes.files.common.table_cells import plain_cell
 
 MOST_POINTS = 1_000_000
 _MOST_BYTES = 1 << 27  # of a list: a hundred for each point; its cells take ten times as much
 Point = tuple[Any, ...]
 """A value for each axis."""
+
+
+GRID, LATIN = "grid", "latin"
+Values = str | Sequence[Any]
+
+
+def sampled(
+    network: Network,
+    vary: Mapping[str, Values],
+    sample: str,
+    points: int | None,
+    *,
+    library: Library,
+) -> tuple[tuple[Axis, ...], Sequence[Point]]:
+    """The axes and points of ``vary`` and ``sample``."""
+    if points is not None and sample != LATIN:
+        raise UsageError(f"--points {points}: only --sample latin draws points")
+    if sample in (GRID, LATIN):
+        of_text = grid_axis if sample == GRID else span_axis
+        axes = tuple(
+            of_text(f"{label}={values}", network, library=library)
+            if isinstance(values, str)
+            else values_axis(label, values, network, library=library)
+            for label, values in vary.items()
+        )
+        if sample == GRID:
+            return axes, grid_points(axes)
+        if points is None or not axes:
+            raise UsageError(
+                "--sample latin: give --points N, how many to draw, and --vary NODE.PARAM=FROM:TO, "
+                "from where"
+            )
+        return latin_points(axes, points, network.seed)
+    if vary:
+        raise UsageError(f"--vary {next(iter(vary)):.80}: the points are those of {sample:.120}")
+    if not CSV.matches(Path(sample)):
+        raise UsageError(f"--sample {sample:.120}: write grid, latin, or the name of a .csv file")
+    return listed_points(Path(sample), network, library=library)
 
 
 def grid_points(axes: Sequence[Axis]) -> tuple[Point, ...]:

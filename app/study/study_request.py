@@ -6,7 +6,7 @@ import itertools
 import os
 import re
 import string
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -19,7 +19,17 @@ from app.run.saving import check_suffix, is_cube
 from app.run.staging import Staging, check_folder
 from app.study.point_rows import NetworkKeys, Setting, file_stamp, input_paths
 from app.study.study_journal import SUFFIX
-from app.study.study_points import MOST_POINTS, OVER, Axis, Point, grid_points, order_of
+from app.study.study_points import (
+    MOST_POINTS,
+    OVER,
+    Axis,
+    Point,
+    Values,
+    files_axis,
+    grid_points,
+    order_of,
+    sampled,
+)
 from app.tradeoff.tradeoff_figures import Figure, chosen_figures
 from app.tradeoff.tradeoff_results import with_value
 from app.tradeoff.values import OPTION
@@ -155,9 +165,6 @@ def _plain_word(value: Any) -> str:
     return str(value)
 
 
-Sampling = Callable[[], tuple[tuple[Axis, ...], Sequence[Point]]]
-
-
 @dataclass(frozen=True)
 class Study:
     """A network, the points it is evaluated at, and what is wanted there."""
@@ -212,15 +219,7 @@ class Study:
         )
 
     def check_places(self, outputs: Sequence[Path], read: Sequence[Path] = ()) -> None:
-        """Refuse files that cannot be written, or would take the place of another.
-
-        Parameters
-        ----------
-        outputs : sequence of Path
-            The files of the rows and their summary.
-        read : sequence of Path
-            Files that are read beside the network's own inputs.
-        """
+        """Refuse files that cannot be written, or would take the place of another."""
         inputs = [*read, *self.inputs]
         with Staging(None, inputs) as staging:
             for path in outputs:
@@ -243,36 +242,17 @@ def make_study(
     name: str,
     folder: Path,
     library: Library,
-    overs: Sequence[Axis],
-    sampling: Sampling,
+    vary: Mapping[str, Values],
+    over: Sequence[str],
+    sample: str,
+    points: int | None,
     figures: Sequence[str],
     saves: Sequence[Save],
     policy: Policy,
 ) -> Study:
-    """A study of every file with every sampled point.
-
-    Parameters
-    ----------
-    network : Network
-        Macros written out, valid.
-    name : str
-        Of the network.
-    folder : Path
-        What file names in it are relative to.
-    library : Library
-        The modules.
-    overs : sequence of Axis
-        Files to go over.
-    sampling : callable
-        Gives the other axes and their points.
-    figures : sequence of str
-        ``NODE.READOUT``; without any, and without files to save, those of most use.
-    saves : sequence of Save
-        Ports, each with the pattern of its files.
-    policy : Policy
-        Precision, tolerance and threads.
-    """
-    drawn, sampled = sampling()
+    """A study of every file with every sampled point."""
+    overs = [files_axis(text, network, library=library) for text in over]
+    drawn, inner_points = sampled(network, vary, sample, points, library=library)
     axes = (*overs, *drawn)
     if not axes:
         raise UsageError(
@@ -283,14 +263,14 @@ def make_study(
         if places.index(places[number]) < number:
             raise UsageError(f"{axis.label} varies twice: vary another parameter")
     across = grid_points(overs)
-    if len(across) * len(sampled) > MOST_POINTS:
+    if len(across) * len(inner_points) > MOST_POINTS:
         raise UsageError(
-            f"the study would have {len(across)} × {len(sampled)} points, at most {MOST_POINTS} "
-            "are allowed"
+            f"the study would have {len(across)} × {len(inner_points)} points, at most "
+            f"{MOST_POINTS} are allowed"
         )
-    points = tuple((*outer, *inner) for outer, inner in itertools.product(across, sampled))
+    every = tuple((*outer, *inner) for outer, inner in itertools.product(across, inner_points))
     chosen = () if saves and not figures else chosen_figures(figures, network, library)
-    first = _first_plan(network, folder, library, places, points[0])
+    first = _first_plan(network, folder, library, places, every[0])
     _check_saves(saves, first, network, library)
     patterns = tuple(save_pattern(save, axes) for save in saves)
     return Study(
@@ -299,10 +279,10 @@ def make_study(
         folder,
         library,
         axes,
-        points,
+        every,
         tuple(_with_unit(figure, first) for figure in chosen),
         patterns,
-        file_names(patterns, axes, points) if patterns else [],
+        file_names(patterns, axes, every) if patterns else [],
         policy,
     )
 

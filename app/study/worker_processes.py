@@ -41,21 +41,7 @@ def process_rows(
     jobs: int,
     cancel: threading.Event | None = None,
 ) -> Generator[list[Row]]:
-    """The rows of points as they come; the first, empty list when a process is ready.
-
-    Parameters
-    ----------
-    setting : Setting
-        The study.
-    library : Library
-        The modules.
-    tasks : sequence of Task
-        The points, in order.
-    jobs : int
-        How many processes.
-    cancel : threading.Event, optional
-        Set to stop.
-    """
+    """The rows of points as they come; the first, empty list when a process is ready."""
     jobs = min(jobs, len(tasks))
     points, answers = _Points(tasks, jobs), _Answers()
     first = pickle.dumps((setting, jobs, _needed(library, setting.network)))
@@ -186,7 +172,7 @@ class _Worker(threading.Thread):
         try:
             self._send(pickle.dumps(batch))
             while len(rows) < len(batch):
-                new = [Row(*row) for row in self._received()]
+                new = self._received()
                 rows += new
                 self._answers.put(new)
         except (EOFError, OSError, pickle.UnpicklingError):

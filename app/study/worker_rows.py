@@ -11,11 +11,10 @@ import time
 import warnings
 from typing import Any, BinaryIO
 
-from app.study.point_rows import Row, RowMaker, Setting, Task
+from app.study.point_rows import RowMaker, Setting, Task
 from core.errors import Cancelled, UsageError
 from core.modules.declaration import Library
 
-Plain = tuple[Any, ...]
 _NAME = "imagechain_studies"
 _MOST = 2  # studies that a worker of a cluster remembers
 _TELL_S = 0.1  # a message costs as much as a tenth of a quick point
@@ -48,7 +47,7 @@ def main() -> None:
         while (batch := received.get()) is not None:
             rows, sent = [], time.monotonic()
             for task in batch:
-                rows.append(plain_row(maker.row(task, cancel)))
+                rows.append(maker.row(task, cancel))
                 if time.monotonic() > sent + _TELL_S:
                     answers.write(pickle.dumps(rows))
                     rows, sent = [], time.monotonic()
@@ -73,20 +72,8 @@ def _listen(requests: BinaryIO, received: queue.SimpleQueue[Any], cancel: thread
         received.put(error)
 
 
-def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> list[Plain]:
-    """Make rows on a worker of a Dask cluster, by its own engine and store for this study.
-
-    Parameters
-    ----------
-    setting : bytes
-        The study, pickled.
-    key : str
-        Its content key.
-    tasks : list of Task
-        The points.
-    share : int
-        How many share the machine's memory.
-    """
+def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> list[tuple[Any, ...]]:
+    """Make rows on a worker of a Dask cluster, by its own engine and store for this study."""
     from distributed import get_worker
 
     from app.options.command_options import version
@@ -102,18 +89,13 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
                 "one version"
             )
         makers[thread] = RowMaker(wanted, _all_modules(), share)
-    return [plain_row(makers[thread].row(task)) for task in tasks]
+    return [tuple(makers[thread].row(task)) for task in tasks]
 
 
 def _all_modules() -> Library:
     from nodes.library import standard_library  # which takes as long as all else at the start
 
     return standard_library()
-
-
-def plain_row(row: Row) -> Plain:
-    """A row as it is sent."""
-    return row.place, row.figures, row.key, row.seconds, row.error, row.warnings
 
 
 def _makers(worker: Any, key: str) -> dict[int, RowMaker]:

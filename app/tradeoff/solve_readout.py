@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.options.option_values import low_high
 from core.errors import UsageError
 from core.modules.parameters import Parameter
 from core.physics.numerics import brent_root
@@ -58,21 +59,8 @@ def solve(
 ) -> Solution:
     """Look along the range for changes of sign, and close in on the one nearest to the present.
 
-    Parameters
-    ----------
-    evaluate : callable
-        The read-out at a value of the parameter; None where there is none.
-    wanted : float
-        What it is to be.
-    places : SearchRange
-        Where to look.
-    present : float or None
-        Of several solutions, the one nearest to this value is taken.
-
-    Returns
-    -------
-    Solution
-        Found by Brent's method, to 1e-13 of the parameter; of whole numbers by halving.
+    `evaluate` gives the read-out, None where there is none; of several solutions the one nearest to
+    `present` is found, by Brent's method to 1e-13 of the parameter, of whole numbers by halving.
     """
     seen: list[Sample] = []
     edges: list[Edge] = []
@@ -245,7 +233,7 @@ def search_range(parameter: Parameter, present: object, given: str, *, option: s
         raise UsageError(f"{option}: {parameter.name} is {parameter.allowed()}, no number to solve")
     whole = parameter.kind == "integer"
     if given:
-        low, high = _given(given, option)
+        low, high = low_high(option, given)
         return SearchRange(low, high, low > 0 and high / low >= _LOG_FROM, whole)
     bound_low, bound_high = parameter.param.low, parameter.param.high
     now = float(present) if isinstance(present, int | float) and present else 1.0
@@ -259,14 +247,3 @@ def search_range(parameter: Parameter, present: object, given: str, *, option: s
     low = min(high * _SMALLEST, abs(now) * 1e-3)
     zero = not parameter.param.above and not (parameter.empty and parameter.param.zero_is_empty)
     return SearchRange(low, high, True, zero=zero)
-
-
-def _given(text: str, option: str) -> tuple[float, float]:
-    first, colon, last = text.partition(":")
-    try:
-        low, high = float(first), float(last)
-    except ValueError:
-        low = high = math.nan
-    if not (colon and math.isfinite(low) and math.isfinite(high) and low < high):
-        raise UsageError(f"{option}={text:.80}: write NODE.PARAM=LOW:HIGH, LOW below HIGH")
-    return low, high

@@ -10,7 +10,7 @@ from app.report.blocks import Block, Drawn, Grid, Heading
 from app.report.drawing.picture_drawing import COLOURS, figure
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
-from app.run.readout_tables import columns, number_text, without_rounding
+from app.run.readout_tables import columns, exact, number_text, without_rounding
 from app.tradeoff.tradeoff_figures import Figure
 from app.tradeoff.tradeoff_results import Results, shown_value
 from app.tradeoff.values import Variation, is_number
@@ -213,7 +213,7 @@ def csv_text(results: Results) -> str:
             point.reasons[f.text] for f in results.figures if f.text in point.reasons
         )
         notes = ("; ".join(reasons), "; ".join(point.warnings))
-        lines.append([*(_exact(value) for value in values), *notes])
+        lines.append([*(exact(value) for value in values), *notes])
     return csv_lines(lines)
 
 
@@ -252,10 +252,7 @@ def _variation(varied: Variation) -> dict[str, Any]:
 
 def _axis_column(axis: Variation, results: Results, number: int) -> list[str]:
     values = [(point.value, curve.second)[number] for curve, point in results.rows()]
-    return [
-        *(axis.node, axis.parameter.name, axis.unit),
-        *(shown_value(value) for value in values),
-    ]
+    return [*(axis.node, axis.parameter.name, axis.unit), *(shown_value(value) for value in values)]
 
 
 def _cell(value: float | None, unit: str) -> str:
@@ -266,11 +263,3 @@ def _fits(block: Sequence[Sequence[str]], width: int | None) -> bool:
     if width is None:
         return True
     return sum(max(map(len, column)) + _GAP for column in block) - _GAP <= width
-
-
-def _exact(value: Any) -> Any:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return repr(value) if isinstance(value, float) else value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -49,15 +49,6 @@ class TradeOff:
         """Evaluate value by value; what the parameter does not touch is made once.
 
         A value at which the network, or a figure, cannot be evaluated leaves a gap with its reason.
-
-        Parameters
-        ----------
-        engine : Engine
-            Plans and evaluates.
-        plan : Plan
-            The network as it stands.
-        work : Work
-            The evaluation, over a store that keeps what the values have in common.
         """
         evaluator = PointEvaluator(engine, plan, [(self.node, self.parameter)], self.figures)
         for value in self.values:
@@ -87,6 +78,15 @@ class Results:
     figures: tuple[Figure, ...]  # the figures shown
     curves: tuple[Curve, ...]  # one, or one for each value of the second parameter
     present: Any = None  # the value in the network as it stands
+
+    def why_nothing(self) -> str | None:
+        """Why no point has a figure that is shown, as far as known; None where one has."""
+        if any(f.text in point.figures for f in self.figures for _, point in self.rows()):
+            return None
+        gaps = [reason for _, reason in self.failures()]
+        # The default figures had no value, so none is left.
+        gaps = gaps or [r for _, point in self.rows() for r in point.reasons.values()]
+        return gaps[0] if gaps else ""
 
     def failures(self) -> list[tuple[str, str]]:
         """Where the network or a figure fails, and why; in words."""
@@ -153,17 +153,6 @@ class PointEvaluator:
 
     Each point is planned from the one before: nodes whose parameters are as they were keep their
     plans, and what these have computed is in the engine's store.
-
-    Parameters
-    ----------
-    engine : Engine
-        Plans and evaluates, over a store that keeps what points have in common.
-    plan : Plan
-        The network as it stands.
-    targets : sequence of (node, parameter)
-        What is varied.
-    figures : sequence of Figure
-        The figures of each point.
     """
 
     def __init__(
@@ -207,15 +196,8 @@ class PointEvaluator:
     ) -> tuple[str, ...]:
         """What the nodes warn of at a planned point, one line each.
 
-        Parameters
-        ----------
-        plan : Plan
-            The point.
-        work : Work, optional
-            For warnings that look at samples: those are given where the figures, or what is read
-            also, take the same samples, whatever the store still holds. None without it.
-        also : iterable of Recipe
-            What is read beside the figures.
+        Those that look at samples come with `work`, where the figures, or what is read `also`, take
+        the same samples, whatever the store still holds.
         """
         lines = []
         read: set[str] | None = None
@@ -260,6 +242,44 @@ class PointEvaluator:
 
 
 _ABSENT = object()
+
+
+def trade_off(
+    engine: Engine,
+    plan: Plan,
+    work: Work,
+    varied: Variation,
+    second: Variation | None,
+    figures: tuple[Figure, ...],
+    *,
+    name: str,
+    by_default: bool,
+    reached: Callable[[int], object],
+) -> Results:
+    """Evaluate a planned network at every value; of default figures those that change are shown.
+
+    A value at which the network, or a figure, cannot be evaluated leaves a gap with its reason.
+    `reached` is called after each point, with how many there are.
+    """
+    axes = [varied] if second is None else [second, varied]
+    targets = [(axis.node, axis.parameter.name) for axis in axes]
+    evaluator = PointEvaluator(engine, plan, targets, figures)
+    curves: list[Curve] = []
+    count = 0
+    for place in (None,) if second is None else second.values:
+        points: list[Point] = []
+        for value in varied.values:
+            work.check()
+            found = evaluator.at((value,) if second is None else (place, value), work)
+            points.append(Point(value, found.values, found.reasons, found.warnings))
+            count += 1
+            reached(count)
+        curves.append(Curve(place, tuple(points)))
+    if by_default:
+        figures = changing_figures([f for f in figures if f.text != varied.text], curves)
+    default = None if varied.parameter.required else varied.parameter.default
+    present = plan.node(varied.node).node.params.get(varied.parameter.name, default)
+    return Results(name, varied, second, figures, tuple(curves), present)
 
 
 def with_value(network: Network, engine: Engine, node: str, parameter: str, value: Any) -> Network:

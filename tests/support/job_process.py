@@ -12,7 +12,7 @@ from child_process import PATIENCE_S
 def started(job):
     """Its process, which has been given the job; it is stopped at the end."""
     with subprocess.Popen(
-        command("app.command.job.run_job"),
+        command("app.command.run_job"),
         env=environment(),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,

@@ -271,7 +271,7 @@ class RunProcess(QObject):
 
     def start(self) -> None:
         """Begin."""
-        program, *words = command("app.command.job.run_job")
+        program, *words = command("app.command.run_job")
         self._process.start(program, words)
         self._process.write((job_text(self._job) + "\n").encode("ascii"))
 

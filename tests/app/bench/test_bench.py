@@ -112,10 +112,6 @@ def test_bad_words(words, told, fails, steady):
     assert told in fails("bench", "--quick", *words)
 
 
-def test_same_file_twice(fails, steady):
-    assert "two outputs" in fails("bench", "--json", "b", "--html", "b")
-
-
 def test_in_this_process(capsys, steady, monkeypatch, tmp_path):
     """With the environment it wants it does not start itself again."""
     monkeypatch.chdir(tmp_path)

@@ -86,10 +86,7 @@ USAGE = {
         ["run", "net.json", "--output-dir", ".", "--save", "blur.mtf=mtf.csv"],
         "two outputs are to go to mtf.csv",
     ),
-    "long folder": (
-        ["run", "net.json", "--output-dir", "a" * 300],
-        "cannot write to " + "a" * 300,
-    ),
+    "long folder": (["run", "net.json", "--output-dir", "a" * 300], "cannot write to " + "a" * 300),
     "long folder, seen from the root": (
         ["run", "net.json", "--output-dir", "a/" * 2045],
         "a/a: File name too long; nothing was written",

@@ -189,12 +189,6 @@ def test_a_failed_run_leaves_everything_as_it_was(fails, imagechain, write, smal
     assert "missing" in line
 
 
-def test_shipped_network_by_name(imagechain_process, tmp_path):
-    done = imagechain_process("run", "first_steps")
-    assert (done.returncode, done.stderr) == (0, "")
-    assert (tmp_path / "first_steps-output/final.png").is_file()
-
-
 def test_stderr_is_silent_with_warnings_on(imagechain_process, write, small):
     small["nodes"]["scene"]["params"] |= {"kind": "uniform"}
     done = imagechain_process("run", write(small), "--set", "blur.sigma_x_mrad=1e6")

@@ -164,13 +164,6 @@ def test_usage(words, told, fails):
     assert told in fails("tradeoff", "net.json", *words)
 
 
-def test_help_tells_the_options(imagechain):
-    told = imagechain("tradeoff", "--help").stdout
-    for word in ("--vary", "FROM:TO:COUNT", "--figure", "total.mtf_nyquist_x", "--output", "--set"):
-        assert word in told
-    assert "tradeoff" in imagechain("--help").stdout
-
-
 def test_stopped_in_the_middle_it_leaves_nothing(tmp_path):
     words = ["tradeoff", "net.json", "--set", "scene.width=2048", "--set", "scene.height=2048"]
     words += ["--vary", "scene.temperature_K=290:310:1000", NER, "--output", "a.csv"]

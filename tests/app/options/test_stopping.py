@@ -99,7 +99,7 @@ before(app.command.run, "evaluate")
     assert names(tmp_path) == ["net.json"]
 
 
-@pytest.mark.parametrize("late", ["app.command.run, 'print_summary'", "app.run.staging, '_put'"])
+@pytest.mark.parametrize("late", ["app.command.run, 'summary'", "app.run.staging, '_put'"])
 def test_a_stop_once_files_appear_comes_too_late(late, disturbed, tmp_path):
     done = disturbed(f"before({late})")
     assert (done.returncode, done.stderr) == (0, "")

@@ -8,13 +8,7 @@ from fnmatch import fnmatch
 
 import pytest
 
-from app.run.preset_files import (
-    own_presets,
-    placed,
-    preset_of,
-    save_preset,
-    shipped_presets,
-)
+from app.run.preset_files import own_presets, placed, preset_of, save_preset, shipped_presets
 from app.run.shipped import find_network
 from child_process import ROOT
 from core.chain.engine import Engine

@@ -107,8 +107,7 @@ def test_a_disk_that_is_full(frames, noisy, tmp_path):
         ),
         (
             ("--save", "electronics.table=f.bsq"),
-            "--save electronics.table=f.bsq: pictures and their bands alone are written as .bsq "
-            ".img",
+            "--save electronics.table=f.bsq: a table is written as .csv",
         ),
         (
             ("--frames", "2", "--save", "electronics.image=f.bsq", "--save", "scene.image=f.bsq"),

@@ -120,8 +120,3 @@ def test_the_report_tells_what_a_region_saved(imagechain, tmp_path):
     (fact,) = [each for each in report["skipped"]["back"] if each["kind"] == "region"]
     assert fact["share"] == 1  # the final picture is made whole in any case
     assert "pictures beyond a region" not in (tmp_path / "r.html").read_text()
-
-
-def test_help_tells_of_it(imagechain):
-    told = " ".join(imagechain("run", "--help").stdout.split())
-    assert "NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE" in told

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from app.run.output import ending_images
@@ -17,8 +19,6 @@ def chain_of(document):
 
 
 def plan_of(document):
-    import json
-
     library = standard_library()
     plan = Engine(library).plan(parse_network(json.dumps(document), library=library))
     assert not plan.errors()
@@ -36,10 +36,7 @@ def test_a_plain_chain(small):
 
 def test_only_combined_pixels_count_as_such(small):
     del small["nodes"]["pixels"], small["links"][-1]
-    small["nodes"]["grabber"] = {
-        "module": "interpolate",
-        "params": {"width": 24, "height": 20},
-    }
+    small["nodes"]["grabber"] = {"module": "interpolate", "params": {"width": 24, "height": 20}}
     small["links"].append(["back.image", "grabber.image"])
     chain = chain_of(small)
     assert chain.final == "grabber.image"
@@ -116,8 +113,6 @@ def test_a_network_without_pictures():
 
 def test_a_network_under_construction_has_its_chain_up_to_the_fault(small):
     """Nodes of unknown modules, with values not allowed, or not wired yet are no stages."""
-    import json
-
     small["nodes"] |= {
         "star": {"module": "starlight"},
         "wrong": {"module": "write_image", "params": {"format": "gif"}},

@@ -13,7 +13,6 @@ import pytest
 
 from app.command import run as app_run
 from app.command.cli import main
-from app.options.command_options import parse
 from app.run import write_rules
 from app.run.shipped import find_network
 from app.run.staging import Staging
@@ -433,12 +432,6 @@ def test_check_lists_what_run_writes(network, run, tmp_path):
 @pytest.mark.parametrize("words", [("nothing",), ("nets/net.json",), ("",)])
 def test_a_folder_to_allow_must_be_there(words, network, refused):
     assert "--allow-writes-to" in refused(network("a.tif"), "--allow-writes-to", *words)
-
-
-def test_the_options_are_those_of_run_and_check():
-    for command in ("run", "check"):
-        found = parse([command, "x", "--allow-writes-to", "a", "--allow-writes-to", "b"])
-        assert found.allowed == (Path("a"), Path("b"))
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/fd"), reason="a system without /dev/fd")  # noqa: PTH110

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 
 import pytest
 
@@ -41,7 +40,7 @@ def test_rows_of_a_journal_without_warnings_still_count(kept):
     head, *lines = path.read_text().splitlines()
     old = [json.loads(line.partition(" ")[2])[:5] for line in lines]
     path.write_bytes(f"{head}\n".encode() + b"".join(map(_line, old)))
-    assert rows(output) == {row.place: replace(row, warnings=()) for row in ROWS[:3]}
+    assert rows(output) == {row.place: row._replace(warnings=()) for row in ROWS[:3]}
 
 
 def test_wherever_it_is_cut_whole_rows_stay_and_the_rest_can_be_added(kept):

@@ -11,7 +11,6 @@ import pytest
 
 from app.options.option_values import save_target
 from app.study.dask_study import Lanes
-from app.study.run_study import sampled
 from app.study.study_journal import Column, write_columns
 from app.study.study_points import (
     files_axis,
@@ -20,6 +19,7 @@ from app.study.study_points import (
     listed_points,
     natural,
     order_of,
+    sampled,
 )
 from app.study.study_request import file_names, save_pattern
 from core.errors import FileError, ImagechainError

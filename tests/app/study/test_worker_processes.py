@@ -279,8 +279,4 @@ def test_nothing_else_starts_a_python():
         if any(word in file.read_text(encoding="utf-8") for word in starts)
     }
     # The benchmark runs what `own_process` gives; own_packages looks at its own process.
-    assert places == {
-        "app/run/shipped.py",
-        "app/bench/timing.py",
-        "imagechain/own_packages.py",
-    }
+    assert places == {"app/run/shipped.py", "app/bench/timing.py", "imagechain/own_packages.py"}

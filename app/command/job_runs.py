@@ -11,36 +11,28 @@ from pathlib import Path, PurePath
 
 import numpy as np
 
-from app.command.run import (
-    KEPT_BYTES,
-    Stage,
-    input_files,
-    policy_of,
-    sink_files,
-    with_options,
-)
-from app.command.tradeoff import present_value, write_results
+from app.command.results import write_content
+from app.command.run import KEPT_BYTES, Stage, input_files, policy_of, with_options
+from app.command.tradeoff import trade_off_content
 from app.options.command_options import Options
 from app.options.option_values import Assignment, Save
 from app.options.overrides import named_parameter
 from app.options.stopping import too_late
-from app.report import write_report
-from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
+from app.run.evaluation import Evaluation, TimedWork, planned
 from app.run.job import FRAMES, REPORT, Job, Preview, Result, Steps, Variant
 from app.run.output import find_output
 from app.run.readout_tables import warning_lines
 from app.run.saving import encode_png, grey_levels, robust_limits
 from app.run.shipped import Place
-from app.run.staging import Staging, check_folder, existing_folder, real_target
-from app.run.way_of_running import blocks_of, way_of_running
+from app.run.staging import Staging, check_folder, real_target
+from app.run.way_of_running import way_of_running
 from app.run.write_rules import WriteRecord, WriteRules, read_record
 from app.tradeoff.tradeoff_figures import default_figures
-from app.tradeoff.tradeoff_results import Curve, Results, TradeOff, changing_figures, shown_value
+from app.tradeoff.tradeoff_results import shown_value, trade_off
 from app.tradeoff.values import Variation
 from core.atomic import write_text
 from core.chain.engine import Engine
 from core.chain.realize import realize
-from core.chain.skipped import skips
 from core.errors import ImagechainError, InputError, UsageError
 from core.evaluation.store import Store
 from core.modules.declaration import Library, declaration
@@ -59,17 +51,7 @@ _HOW_TO_ALLOW = "choose the file by Browse… on its control panel, or another o
 
 
 def carry_out(job: Job, cancel: threading.Event | None, steps: Steps) -> Result:
-    """Make all that a job asks for.
-
-    Parameters
-    ----------
-    job : Job
-        What to do.
-    cancel : threading.Event, optional
-        Set to stop before the next node.
-    steps : Steps
-        Takes how far it is.
-    """
+    """Make all that a job asks for."""
     library = standard_library()
     path = job.path if job.path is not None else job.folder / UNSAVED
     place = Place(path, path.stem)
@@ -141,25 +123,15 @@ class _Running:
         made = _Made()
         self.steps.expect(2)
         self.steps.part("", nodes=len(plan.nodes))
+
+        def look(evaluation: Evaluation) -> None:
+            made.look("", evaluation)
+            self.steps.part("writing the report")
+
         with Staging(None, [self.place.path, *input_files(plan, plan.folder)]) as staging:
-            staging.claim(file)
             work = self._work(engine)
-            scratch = existing_folder(file.parent)
-            with (
-                blocks_of(
-                    way, engine, plan, work.policy, ports=(), report=True, scratch=scratch
-                ) as work.blocks,
-                work.hold(needed_later(plan, (), report=True, in_blocks=way.in_blocks)),
-            ):
-                evaluation = evaluate(engine, plan, work, plan.folder)
-                evaluation.seconds["total"] = time.perf_counter() - start
-                evaluation.way.update(way.facts(work.blocks))
-                sink_files(evaluation)  # made as a run does, which counts what was left out
-                skipped = skips(plan, work)
-                self.steps.part("writing the report")
-                staging.write(file, partial(write_report, evaluation, skipped))
-                made.look("", evaluation)
-                made.done("", evaluation)
+            stage = Stage(file.parent, staging, self._rules(), look=look, way=way, only_report=True)
+            made.done("", stage.prepare(engine, plan, work, options, start=start)[0])
             work.check()
             too_late(self.cancel)
             staging.commit()
@@ -243,25 +215,25 @@ class _Running:
         varied = Variation(node, parameter, job.values, job.log)
         plan, work = engine.plan(network, folder=self.place.folder), self._work(engine)
         figures = default_figures(network, self.library)
-        points = []
         shown = [f"{varied.text} = {shown_value(value, varied.unit)}" for value in job.values]
-        self.steps.part(f"figures at {shown[0]}", nodes=len(plan.nodes), weight=weight)
-        for point in TradeOff(node, name, job.values, figures).points(engine, plan, work):
-            points.append(point)
-            if len(points) < len(shown):
-                doing = f"figures at {shown[len(points)]}"
+
+        def reach(count: int) -> None:
+            if count < len(shown):
+                doing = f"figures at {shown[count]}"
                 self.steps.part(doing, nodes=len(plan.nodes), weight=weight)
-        curves = (Curve(None, tuple(points)),)
-        figures = changing_figures([each for each in figures if each.text != varied.text], curves)
-        present = present_value(plan, varied)
-        results = Results(network.name or self.place.name, varied, None, figures, curves, present)
-        if not any(figure.text in point.figures for figure in figures for point in points):
+
+        reach(0)
+        name = network.name or self.place.name
+        results = trade_off(
+            engine, plan, work, varied, None, figures, name=name, by_default=True, reached=reach
+        )
+        if (why := results.why_nothing()) is not None:
             if job.pictures:
                 return None  # there are the pictures
-            why = next(iter(results.failures()), ("", ""))[1]
             raise UsageError(f"no value of {varied.text} gives a figure{why and f': {why}'}")
         for file in (TRADE_OFF_PAGE, TRADE_OFF_TABLE):
-            staging.write(job.output / file, partial(write_results, results))
+            content = trade_off_content(results, Path(file))
+            staging.write(job.output / file, partial(write_content, content=content))
         return job.output / TRADE_OFF_PAGE
 
     def _with(self, network: Network, options: Options) -> Network:

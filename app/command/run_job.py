@@ -1,4 +1,4 @@
-"""A background run of the editor, in a process of its own: ``python -m app.command.job.run_job``.
+"""A background run of the editor, in a process of its own: ``python -m app.command.run_job``.
 
 The job comes as one line on standard input, which stays open: its end, by whatever end of the
 editor, stops the run. Standard output has lines of progress and the result, standard error one line
@@ -33,8 +33,8 @@ def main() -> int:
 
 
 def _carry_out(stop: Stop) -> None:
-    from app.command.job.job_runs import carry_out
-    from app.run.job import Steps, read_job, result_line, step_line
+    from app.command.job_runs import carry_out
+    from app.run.job import Steps, message_line, read_job
 
     with contextlib.suppress(AttributeError, OSError):
         os.nice(_NICE)
@@ -45,8 +45,8 @@ def _carry_out(stop: Stop) -> None:
         with contextlib.suppress(OSError):  # nobody reads it any more: the input's end stops it
             print(line, flush=True)
 
-    result = carry_out(read_job(text), stop, Steps(lambda step: write(step_line(step))))
-    write(result_line(result))
+    result = carry_out(read_job(text), stop, Steps(lambda step: write(message_line(step))))
+    write(message_line(result))
 
 
 def _stop_at_end_of_input(stop: Stop) -> None:

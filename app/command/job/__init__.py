@@ -1,1 +1,0 @@
-"""A run in a process of its own, started by the editor."""
