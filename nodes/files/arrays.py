@@ -10,13 +10,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any, BinaryIO, Literal
+from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.atomic import atomic_file, write_text
-from core.chain.results import CurveData
 from core.errors import DataError, FileError
 from core.scratch import Empty
 from nodes.files.common.file_format import CSV
@@ -30,6 +29,9 @@ from nodes.files.common.picture_info import (
 from nodes.files.common.size_limits import oversized, refuse_oversized, refuse_oversized_text
 from nodes.files.common.stored_bytes import stored_bytes
 from nodes.files.common.table_cells import csv_lines, line_refused
+
+if TYPE_CHECKING:
+    from core.chain.results import CurveData
 
 # numpy evaluates the header as a Python literal, and lets pass whatever that raises.
 _HEADER_FAULTS = (
