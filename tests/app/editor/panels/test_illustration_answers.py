@@ -9,9 +9,8 @@ from app.editor.panels.illustrations.exit_pupil_illustration import PupilQuery
 from app.editor.panels.illustrations.sampling_illustration import SamplingQuery, footprint_of
 from app.editor.panels.illustrations.shrinking import shrunk
 from app.editor.panels.illustrations.thumbnail_illustration import ThumbnailQuery
-from app.editor.panels.illustrations.transfer_query import TransferQuery, half_contrast
+from app.editor.panels.illustrations.transfer_query import TransferQuery
 from app.editor.panels.illustrations.wavefront import open_share, wavefront_of
-from core.errors import ImagechainError, UnconnectedError
 from core.modules.declaration import NodeContext
 from core.network.network import Network, Node
 from core.physics.optics.pupil_shapes import PupilShape
@@ -111,23 +110,6 @@ def test_turbidity_is_shown_down_to_where_light_is_scattered_aside():
     np.testing.assert_allclose(lines.x.values[~beyond], expected, rtol=1e-9)
 
 
-def test_a_disabled_node_has_no_curve():
-    network = sensor("jitter_mtf")
-    nodes = {**network.nodes, "node": Node("node", "jitter_mtf", disabled=True)}
-    assert answer(TransferQuery("node"), Network(nodes=nodes, links=network.links)) is None
-
-
-def test_what_is_not_connected_is_an_error():
-    with pytest.raises(UnconnectedError, match="context is not connected"):
-        answer(TransferQuery("node"), Network(nodes={"node": Node("node", "jitter_mtf")}))
-
-
-def test_half_contrast_lies_between_two_points():
-    assert half_contrast(np.array([0.0, 1.0, 2.0]), np.array([1.0, 0.7, 0.2])) == pytest.approx(1.4)
-    assert half_contrast(np.array([0.0, 1.0]), np.array([1.0, -0.9])) is None
-    assert half_contrast(np.array([0.0, 1.0]), np.array([0.0, 0.0])) is None
-
-
 def test_the_geometry_of_the_inframetrics():
     context = answer(SamplingQuery("init"), sensor("jitter_mtf", init=INFRAMETRICS))
     footprint = footprint_of(context)
@@ -221,12 +203,6 @@ def test_a_thumbnail_has_the_picture_s_extremes_and_its_black_and_white():
     assert wide == 3 * high <= 320
     assert set(np.unique(found.grey[:, [0, -1]])) == {0, 255}
     assert found.low < found.high
-
-
-def test_a_file_that_is_not_there_is_an_error(tmp_path):
-    network = Network(nodes={"node": Node("node", "read_image", {"path": "gone.tif"})})
-    with pytest.raises(ImagechainError, match=r"gone\.tif"):
-        answer(ThumbnailQuery("node"), network, tmp_path)
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (7, 5), (640, 640), (641, 3), (1, 5000), (2047, 999)])

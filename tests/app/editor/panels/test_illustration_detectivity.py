@@ -8,7 +8,6 @@ from scipy import constants, integrate
 
 from app.editor.panels.illustrations.electronics_illustration import DetectivityQuery
 from app.run.shipped import shipped_networks
-from core.errors import ParameterError
 from core.network.file import load_network
 from core.network.network import Network, Node
 from illustration_hands import INFRAMETRICS, LIBRARY, answer, sensor
@@ -105,8 +104,3 @@ def test_a_manual_detector_has_no_curve():
     assert found.peak is None
     assert not found.values.size
     assert found.band_d_star == 2e10
-
-
-def test_a_value_that_is_not_allowed_is_an_error():
-    with pytest.raises(ParameterError, match="bits"):
-        loose(bits=25)

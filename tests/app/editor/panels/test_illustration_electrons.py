@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from PySide6.QtGui import QColor, QImage
 
-from app.editor.panels.illustrations.focal_plane_illustration import ElectronBudget, ElectronsQuery
+from app.editor.panels.illustrations.focal_plane_illustration import ElectronsQuery
 from app.editor.theme import DARK
-from illustration_hands import IllustrationBench, answer, sensor, told
+from illustration_hands import answer, sensor, told
 
 EXPECTED = {  # camera_values.json, camera-shared-0
     "signal_e": 453078.91635770707839, "well_fill_percent": 6.472555947967243977,
@@ -24,13 +24,6 @@ PARAMS = {
     "integration_time_s": 0.004, "optics_transmission": 0.765, "quantum_efficiency": 0.7,
     "read_noise_e": 400, "full_well_e": 7e6, "bits": 14,
 }  # fmt: skip
-
-
-@pytest.fixture
-def bench(qtbot, session, tmp_path):
-    made = IllustrationBench(qtbot, session, tmp_path)
-    yield made
-    made.close()
 
 
 def camera(scene=None, **params):
@@ -89,10 +82,3 @@ def test_without_a_well_or_a_warm_scene_it_says_what_there_is(bench):
     words = told(bench.show(camera(visible, photon_weighting="source", integration_time_s=1e-6)))
     assert " K" not in words
     assert "; SNR " in words
-
-
-@pytest.mark.parametrize("well", [None, 0.5, 1.0])
-def test_the_fill_is_all_electrons_over_the_well(well):
-    sources = {"scene": 3.0, "optics": 1.0, "housing": 0.0, "dark": 0.5}
-    budget = ElectronBudget(sources, {"shot": 2.1}, 2.1, well and 9 * well, None, None, None)
-    assert budget.fill == (well and 0.5 / well)

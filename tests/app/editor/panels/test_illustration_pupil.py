@@ -6,14 +6,7 @@ import pytest
 from app.editor.evaluation.queries import Answer
 from core.editing.operations import set_parameter
 from core.errors import DataError
-from illustration_hands import IllustrationBench, grey_pixels, sensor, told
-
-
-@pytest.fixture
-def bench(qtbot, session, tmp_path):
-    made = IllustrationBench(qtbot, session, tmp_path)
-    yield made
-    made.close()
+from illustration_hands import grey_pixels, sensor, told
 
 
 def test_an_answer_that_comes_late_does_not_hide_what_the_document_says(bench):

@@ -14,17 +14,10 @@ from core.network.file import load_network
 from core.network.network import Link, Node
 from cube_files import C1_UM, C2_UM
 from cube_network import write_cube_network
-from illustration_hands import LIBRARY, IllustrationBench, answer, sensor, told
+from illustration_hands import LIBRARY, answer, sensor, told
 
 QE = "wavelength_um,qe\n3.0,0.4\n4.0,0.8\n5.0,0.2\n"
 SCENE = {"cut_on_um": 3.0, "cut_off_um": 5.0, "width": 16, "height": 16}
-
-
-@pytest.fixture
-def bench(qtbot, session, tmp_path):
-    made = IllustrationBench(qtbot, session, tmp_path)
-    yield made
-    made.close()
 
 
 @pytest.fixture

@@ -28,7 +28,6 @@ from core.modules.declaration import Module, declaration
 from core.network.network import Network, Node
 from illustration_hands import (
     LIBRARY,
-    IllustrationBench,
     Paints,
     grey_pixels,
     illustration_of,
@@ -83,13 +82,6 @@ EDITS = {
 def edit_of(key):
     """Its row, else the first setting of its example on top of the defaults."""
     return EDITS.get(key) or ({}, *next(iter(EXAMPLES[key].items())))
-
-
-@pytest.fixture
-def bench(qtbot, session, tmp_path):
-    made = IllustrationBench(qtbot, session, tmp_path)
-    yield made
-    made.close()
 
 
 def network_of(key, params):
@@ -219,18 +211,6 @@ def test_it_goes_with_its_panel(qtbot, session, bench, tmp_path, key):
     bench.settle()
     let_go()
     assert kept() is None
-
-
-def test_it_asks_only_while_it_is_to_be_seen(qtbot, session, bench):
-    widget = bench.show(network_of("jitter_mtf", {}))
-    before = told(widget)
-    widget.hide()
-    session.do(set_parameter("node", "sigma_mrad", 1.0))
-    bench.settle()
-    assert widget.accessibleDescription() == before
-    widget.show()
-    bench.settle()
-    assert told(widget) != before
 
 
 def test_without_a_worker_it_says_so(bench):

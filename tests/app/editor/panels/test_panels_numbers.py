@@ -10,14 +10,9 @@ from PySide6.QtTest import QTest
 
 from app.editor.number_text import number_of, numbers_of, shown_figure, shown_number
 from app.editor.panels.fields.number import Scale, scale_of
-from app.editor.panels.panel_area import PanelArea
-from app.editor.session import Session
-from core.editing.document import Document
-from core.editing.operations import set_parameter
 from core.errors import ParameterError
 from core.modules.declaration import declaration
 from core.modules.parameters import Param, Parameter
-from core.network.network import Network
 from panel_hands import LIBRARY, NUMBERS, drop, field_of, panel_area, type_in
 
 ANY = Parameter("x", "number", 0.0, (), False, Param("any number", unit="m"))
@@ -179,29 +174,3 @@ def test_a_step_keeps_the_digits_that_were_typed(qtbot, session):
     assert field.edit.text() == "1.2845"  # a hundredth of 0 … 5
     QTest.keyClick(field.edit, Qt.Key.Key_PageDown)
     assert field.edit.text() == "0.7845"
-
-
-@given(value=FINITE)
-def test_a_field_shows_any_number_without_changing_it(shared_field, value):
-    session, field = shared_field
-    session.do(set_parameter("node", "scale", value))
-    position = session.document.history.position
-    assert float(field.edit.text()) == session.network.nodes["node"].params["scale"]
-    field.edit.setFocus()
-    QTest.keyClick(field.edit, Qt.Key.Key_Return)
-    field.slider.setFocus()
-    assert session.document.history.position == position
-
-
-@pytest.fixture(scope="module")
-def shared_field(qapp):
-    """One field for many numbers."""
-    session = Session(LIBRARY)
-    session.open(Document(Network(), library=LIBRARY))
-    area = PanelArea(session, None)
-    drop(session, "noise_file")
-    area.show()
-    yield session, area.panels["node"].body.sections.field("scale")
-    area.close()
-    area.deleteLater()
-    session.deleteLater()

@@ -20,16 +20,9 @@ from app.run.shipped import sound_part
 from app.run.transfer_chain import find_chain
 from core.chain.results import CurveData, Series
 from core.errors import ImagechainError
-from viewer_bench import ViewerBench
 
+NETWORK = "inframetrics"
 SIGMA = 0.02  # jitter of the Inframetrics network, mrad
-
-
-@pytest.fixture
-def bench(qtbot, opened):
-    made = ViewerBench(qtbot, opened("inframetrics"))
-    yield made
-    made.close()
 
 
 def curves(bench, angle=0.0, plan=None):

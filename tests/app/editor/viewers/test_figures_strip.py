@@ -14,14 +14,8 @@ from core.network.network import Link, Node
 from editor_queries import Asking, Gate
 from viewer_bench import ViewerBench, is_freed
 
+NETWORK = "inframetrics"
 NAMES = [name for name, _ in ELECTRONICS_FIGURES]
-
-
-@pytest.fixture
-def bench(qtbot, opened):
-    made = ViewerBench(qtbot, opened("inframetrics"))
-    yield made
-    made.close()
 
 
 @pytest.fixture
@@ -81,21 +75,18 @@ def test_follows_edits(bench, strip):
     assert strip.text("snr") == f"{truth['snr']:.4g}"
 
 
-def test_without_electronics_there_are_dashes(bench, strip):
-    bench.do(Remove(("electronics",)))
+@pytest.mark.parametrize(
+    ("edit", "why"),
+    [
+        (Remove(("electronics",)), "Electronics & Noise"),
+        (set_node_field("electronics", "disabled", True), ""),
+        (set_parameter("electronics", "material", "manual"), "d_star"),
+    ],
+)
+def test_where_there_are_no_figures_dashes_say_why(bench, strip, edit, why):
+    bench.do(edit)
     assert {strip.text(name) for name in NAMES} == {"—"}
-    assert "Electronics & Noise" in strip.label("snr").toolTip()
-
-
-def test_a_disabled_electronics_has_no_figures(bench, strip):
-    bench.do(set_node_field("electronics", "disabled", True))
-    assert {strip.text(name) for name in NAMES} == {"—"}
-
-
-def test_why_there_are_none_is_told(bench, strip):
-    bench.do(set_parameter("electronics", "material", "manual"))
-    assert {strip.text(name) for name in NAMES} == {"—"}
-    assert "d_star" in strip.label("snr").toolTip()
+    assert why in strip.label("snr").toolTip()
 
 
 def second(bench):
@@ -172,14 +163,6 @@ def test_a_figure_of_like_length_lays_nothing_out_anew(bench, strip, qtbot):
     assert laid_out(0.01) == 0
     needed = QFontMetricsF(label.font()).horizontalAdvance("12.33 ms")
     assert needed <= label.sizeHint().width() < needed + 2
-
-
-def test_asks_only_while_visible(bench, strip):
-    strip.hide()
-    bench.settle()
-    del bench.answers[:]
-    bench.do(set_parameter("electronics", "amplifier_snr", 40.0))
-    assert not bench.answers
 
 
 def test_another_document(bench, strip, opened):

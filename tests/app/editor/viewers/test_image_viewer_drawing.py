@@ -6,29 +6,18 @@ import pytest
 from PySide6.QtCore import QEvent, QObject, QPointF
 from PySide6.QtGui import QImage
 
-from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.pixels.grey_levels import NAMES, Spread, colour_table, grey_levels
 from app.editor.viewers.pixels.picture_query import Picture
 from core.editing.operations import set_parameter
 from core.errors import ImagechainError
 from nodes.files.read import read_pixels
-from viewer_bench import ViewerBench
 
-FINAL = "back.image"
-
-
-@pytest.fixture
-def bench(qtbot, opened):
-    made = ViewerBench(qtbot, opened("first_steps"))
-    yield made
-    made.close()
+NETWORK, FINAL = "first_steps", "back.image"
 
 
 @pytest.fixture
-def viewer(bench):
-    made = ImageViewer(bench.session, bench.evaluator, 1)
-    made.look_at(FINAL)
-    return bench.show(made)
+def viewer(image_viewer):
+    return image_viewer(FINAL)
 
 
 def shown(viewer):

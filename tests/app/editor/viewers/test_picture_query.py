@@ -171,11 +171,6 @@ def test_the_key_tells_whether_the_picture_would_change(bench):
     assert alone.key(bench.changed("jitter", "sigma_mrad", 0.1)) == alone.key(bench.plan)
 
 
-def test_a_want_is_a_picture_of_a_pass_that_previews_may_answer():
-    assert (PictureQuery.urgency, PictureQuery.from_preview) == (0, True)
-    assert hash(PictureQuery("a.image")) == hash(PictureQuery("a.image"))
-
-
 @pytest.mark.parametrize(
     ("params", "grey"),
     [

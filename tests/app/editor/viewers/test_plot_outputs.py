@@ -7,28 +7,19 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QStyleOptionToolButton
 
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.plot_viewer import PlotViewer
 from core.chain.results import CurveData, TableData, TableRow
 from core.editing.operations import Rename
-from viewer_bench import ViewerBench
 from window_hands import CTRL, KEY, give_focus
 
+NETWORK = "noise_budget"
 LEFT = Qt.MouseButton.LeftButton
 
 
 @pytest.fixture
-def bench(qtbot, opened):
-    made = ViewerBench(qtbot, opened("noise_budget"))
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def viewer(bench):
-    viewer = bench.show(PlotViewer(bench.session, bench.evaluator))
-    viewer.look_at("budget.noise")
+def viewer(bench, plot_viewer):
+    plot_viewer.look_at("budget.noise")
     bench.settle()
-    return viewer
+    return plot_viewer
 
 
 def buttons(viewer):

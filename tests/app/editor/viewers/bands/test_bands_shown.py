@@ -35,10 +35,8 @@ def bench(qtbot, session, library, cube, tmp_path):
 
 
 @pytest.fixture
-def viewer(bench):
-    made = ImageViewer(bench.session, bench.evaluator, 1)
-    made.look_at(READ)
-    return bench.show(made, 640, 480)
+def viewer(image_viewer):
+    return image_viewer(READ, 640, 480)
 
 
 def choose(viewer, bench, shown):

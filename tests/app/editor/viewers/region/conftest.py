@@ -2,23 +2,12 @@
 
 import pytest
 
-from app.editor.viewers.picture.image_viewer import ImageViewer
 from region_hands import PictureHand
-from viewer_bench import ViewerBench
 
 
 @pytest.fixture
-def bench(qtbot, opened):
-    made = ViewerBench(qtbot, opened("measured_mtf"))
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def viewer(bench):
-    made = ImageViewer(bench.session, bench.evaluator, 1)
-    made.look_at("electronics.image")
-    return bench.show(made, 900, 700)
+def viewer(image_viewer):
+    return image_viewer("electronics.image", 900, 700)
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from core.editing.operations import Remove, Rename, set_parameter
 from core.network.linked_values import expression
 from region_hands import PictureHand, framed, stored, undo_steps
 
-INPUT = "electronics.image"
+NETWORK, INPUT = "measured_mtf", "electronics.image"
 KEY = Qt.Key
 SHIFT, CTRL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
 AS_SHIPPED = (96, 32, 64, 192)  # of a picture of 256 × 256

@@ -11,7 +11,7 @@ from core.editing.operations import Add, Placed, Remove, set_node_field, set_par
 from core.network.network import Link, Node
 from region_hands import framed, stored
 
-INPUT = "electronics.image"
+NETWORK, INPUT = "measured_mtf", "electronics.image"
 KEY = Qt.Key
 AS_SHIPPED = (96, 32, 64, 192)  # of a picture of 256 × 256
 
