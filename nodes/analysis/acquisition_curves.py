@@ -173,11 +173,7 @@ def acquisition(
         )
     range_m = farthest * np.arange(1, _POINTS + 1) / _POINTS
     return Acquisition(
-        range_m,
-        tuple(johnson(n50, range_m) for n50 in task.n50),
-        ttp(range_m),
-        half,
-        ttp_half,
+        range_m, tuple(johnson(n50, range_m) for n50 in task.n50), ttp(range_m), half, ttp_half
     )
 
 

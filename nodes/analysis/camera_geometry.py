@@ -238,8 +238,7 @@ class CameraSettings(Module):
         float | None, Param("focal length", unit="mm", low=0, slider=(10, 1000))
     ] = None
     velocity_m_per_s: Annotated[
-        float | None,
-        Param("flight over the ground; empty: lines join at nadir", unit="m/s", low=0),
+        float | None, Param("flight over the ground; empty: lines join at nadir", unit="m/s", low=0)
     ] = None
     line_rate_Hz: Annotated[
         float | None, Param("lines a second; empty: lines join at nadir", unit="Hz", low=0)
@@ -385,8 +384,7 @@ class CameraGeometry(
     )
 
     interpolation: Annotated[
-        Between,
-        Param("between the scene's samples: level areas, straight, or parabolas"),
+        Between, Param("between the scene's samples: level areas, straight, or parabolas")
     ] = "area"
     strips: Annotated[
         int, Param("strips a footprint is cut into where it lies askew", low=1, high=64)

@@ -122,10 +122,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             "and eye",
             when="TTP",
         ),
-        Formula(
-            r"P=\frac{r^E}{1+r^E},\quad r=\frac{V}{V_{50}},\quad E=1.51+0.24\,r",
-            when="TTP",
-        ),
+        Formula(r"P=\frac{r^E}{1+r^E},\quad r=\frac{V}{V_{50}},\quad E=1.51+0.24\,r", when="TTP"),
     )
 
     model: Annotated[
@@ -208,8 +205,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         ),
     ] = 6.0  # fmt: skip
     ttp_threshold: Annotated[
-        TtpForm,
-        Param("TTP: threshold of eye and MRTD, or the published one through MTF and noise"),
+        TtpForm, Param("TTP: threshold of eye and MRTD, or the published one through MTF and noise")
     ] = "mrtd"
     v50: Annotated[
         float,

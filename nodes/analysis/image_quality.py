@@ -31,13 +31,7 @@ from core.physics.acquisition.giqe import (
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.factors import Grid
 from nodes.analysis.lineage import ImageNoise, NoiseOf, transfer_of
-from nodes.analysis.lineage.line_transfer import (
-    HORIZONTAL,
-    VERTICAL,
-    Line,
-    Stage,
-    stage_along,
-)
+from nodes.analysis.lineage.line_transfer import HORIZONTAL, VERTICAL, Line, Stage, all_along
 from nodes.analysis.threshold_curves import Unseen, unseen
 from nodes.shared.context_defaults import given, with_interval
 from nodes.shared.module_ports import table_figure
@@ -104,8 +98,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
 
     range_m: Annotated[
-        float | None,
-        Param("range to the ground; empty: that of Init & Trans", unit="m", low=0),
+        float | None, Param("range to the ground; empty: that of Init & Trans", unit="m", low=0)
     ] = None
     off_nadir_deg: Annotated[
         float,
@@ -203,11 +196,7 @@ def edge_quality(work: Work, *, stages: tuple[Stage, ...], grid: Grid) -> EdgeQu
     for line, sample_mrad in ((HORIZONTAL, grid.interval_x_mrad), (VERTICAL, grid.interval_y_mrad)):
 
         def mtf(frequency: Vector, line: Line = line) -> Vector:
-            total = np.ones(len(frequency))
-            for stage in stages:
-                work.check()
-                total = total * stage_along(work, stage, "mtf", line, frequency)
-            return total
+            return all_along(work, stages, line, frequency)
 
         results.append(
             (
@@ -222,11 +211,7 @@ def edge_quality(work: Work, *, stages: tuple[Stage, ...], grid: Grid) -> EdgeQu
 
 @ends_lineage
 def signal_over_noise(
-    work: Work,
-    seen: ImageNoise,
-    *levels: LevelChange,
-    gain: float | None,
-    gain_before: float,
+    work: Work, seen: ImageNoise, *levels: LevelChange, gain: float | None, gain_before: float
 ) -> float | Unseen:
     """Mean of the scene's share of the picture over the temporal noise; infinite without noise."""
     seen.require_known()

@@ -76,10 +76,7 @@ def by_view_angle(
         "Line by line less whole image",
         "view angle from nadir (°)",
         "difference (% of range)",
-        (
-            Series("largest", angles, largest * percent),
-            Series("rms", angles, rms * percent),
-        ),
+        (Series("largest", angles, largest * percent), Series("rms", angles, rms * percent)),
     )
 
 
@@ -223,15 +220,13 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         Param("distance of scan lines on the ground", unit="m", low=0, slider=(0.1, 10)),
     ] = None
     altitude_m: Annotated[
-        float | None,
-        Param("altitude; empty: of Init & Trans", unit="m", low=0, slider=(10, 10000)),
+        float | None, Param("altitude; empty: of Init & Trans", unit="m", low=0, slider=(10, 10000))
     ] = None
     method: Annotated[
         Method, Param("planar factors: blended from a few intervals, or summed for each")
     ] = "nodes"
     nodes: Annotated[
-        int | None,
-        Param("intervals to blend; empty: by tolerance", low=0, high=MOST_NODES),
+        int | None, Param("intervals to blend; empty: by tolerance", low=0, high=MOST_NODES)
     ] = None
     tolerance: Annotated[
         float, Param("largest error of the transfer function by blending", low=0, high=1)

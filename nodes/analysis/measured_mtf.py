@@ -230,8 +230,7 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     ] = 0
     region_y: Annotated[int, Param("first row of the region", unit="px", low=0, slider=_PIXELS)] = 0
     region_width: Annotated[
-        int | None,
-        Param("columns; empty: to the picture's end", unit="px", low=0, slider=_PIXELS),
+        int | None, Param("columns; empty: to the picture's end", unit="px", low=0, slider=_PIXELS)
     ] = None
     region_height: Annotated[
         int | None, Param("rows; empty: to the picture's end", unit="px", low=0, slider=_PIXELS)

@@ -26,6 +26,7 @@ from nodes.analysis.lineage.line_transfer import (
     VERTICAL,
     Line,
     Stage,
+    all_along,
     stage_along,
 )
 
@@ -200,17 +201,8 @@ def thresholds(
     return Thresholds(frequency, mtf_x, mtf_y, horizontal, vertical, both_frequency, both)
 
 
-def _along(work: Work, stages: tuple[Stage, ...], line: Line, frequency: Vector) -> Vector:
-    """The whole sensor's transfer function on an axis, signed."""
-    total = np.ones(len(frequency))
-    for stage in stages:
-        work.check()
-        total = total * stage_along(work, stage, "mtf", line, frequency)
-    return total
-
-
 def _to_first_zero(work: Work, stages: tuple[Stage, ...], line: Line, frequency: Vector) -> Vector:
-    """The same, zero from the first zero of any factor on: two may share one between samples."""
+    """All stages, zero from the first zero of any factor on: two may share one between samples."""
     total, passed = np.ones(len(frequency)), np.ones(len(frequency), bool)
     for stage in stages:
         for factor in stage.factors:
@@ -268,8 +260,8 @@ def mdtd_curve(
     mdtd = mdtd_K(
         size_mrad=size,
         frequency=frequency,
-        mtf_x=_along(work, stages, HORIZONTAL, frequency),
-        mtf_y=_along(work, stages, VERTICAL, frequency),
+        mtf_x=all_along(work, stages, HORIZONTAL, frequency),
+        mtf_y=all_along(work, stages, VERTICAL, frequency),
         noise=noise,
         snr_threshold=observer.snr_threshold,
         noise_bandwidth_x_cyc_per_mrad=grid.nyquist_x,

@@ -111,8 +111,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         float | None, Param("custom optical depth τ; empty: from coefficients", low=0)
     ] = None
     turbidity_cutoff_cyc_per_mrad: Annotated[
-        float,
-        Param("cutoff, particle radius over wavelength", unit="cyc/mrad", low=0, above=True),
+        float, Param("cutoff, particle radius over wavelength", unit="cyc/mrad", low=0, above=True)
     ] = 0.001
     particle_radius_um: Annotated[
         float | None,
@@ -126,9 +125,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     absorption_per_km: Annotated[
         float,
         Param(
-            "of no effect: absorption dims and does not blur: Atmospheric Path",
-            unit="1/km",
-            low=0,
+            "of no effect: absorption dims and does not blur: Atmospheric Path", unit="1/km", low=0
         ),
     ] = 0.0
     scattering_per_km: Annotated[

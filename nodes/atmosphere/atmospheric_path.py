@@ -68,8 +68,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     formulas = (
         Formula(
-            r"L'=\tau\,L+L_{path}",
-            where="τ: transmission; L_path: radiance of the air, W/m²/sr",
+            r"L'=\tau\,L+L_{path}", where="τ: transmission; L_path: radiance of the air, W/m²/sr"
         ),
         Formula(
             r"\tau=e^{-\beta R},\quad L_{path}=(1-\tau)\,L_B(T_{air})",

@@ -82,8 +82,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         float, Param("of the air in the sun's way, from the zenith", low=0, high=1e3, slider=(0, 2))
     ] = 0.0
     sky: Annotated[
-        float,
-        Param("radiance of the sky", unit="W/m²/sr/µm", low=0, high=1e12, slider=(0, 200)),
+        float, Param("radiance of the sky", unit="W/m²/sr/µm", low=0, high=1e12, slider=(0, 200))
     ] = 0.0
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None

@@ -28,10 +28,7 @@ class ChargeEffMTF(
             "the detectors",
             when="exact",
         ),
-        Formula(
-            r"H=e^{-N(1-\varepsilon)(1-\cos w)}",
-            when="published, leading",
-        ),
+        Formula(r"H=e^{-N(1-\varepsilon)(1-\cos w)}", when="published, leading"),
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:

@@ -29,14 +29,8 @@ class ChargeEffPhase(
             "the detectors",
             when="exact",
         ),
-        Formula(
-            r"\theta=-N(1-\varepsilon)(w-\sin w)",
-            when="published",
-        ),
-        Formula(
-            r"\theta=-N(1-\varepsilon)\,\sin w",
-            when="leading",
-        ),
+        Formula(r"\theta=-N(1-\varepsilon)(w-\sin w)", when="published"),
+        Formula(r"\theta=-N(1-\varepsilon)\,\sin w", when="leading"),
     )
 
     def run(self, context: Context, phase: Phase, here: NodeContext) -> PtfOutputs:

@@ -27,7 +27,6 @@ from nodes.detector.focal_plane_figures import (
 )
 from nodes.detector.focal_plane_panel import FocalPlanePanel
 from nodes.detector.spectral_response import counted_photons, radiance_per_photon
-from nodes.shared.deviates import unit_deviates
 from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import table_figure
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, Band, alike, unit_caution
@@ -123,18 +122,16 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             figures, levels, collection=collection, reading=reading, area_cm2=self.area_cm2(context)
         )
 
-        def deviates(name: str, *, fixed: bool = False) -> Recipe:
-            stream = self.stream(here, name, fixed=fixed)
-            return here.step(unit_deviates, stream=stream, shape=image.shape)
-
         mean = here.step(steps.expected_electrons, light, levels)
-        patterns = [deviates("prnu", fixed=True)] if self.prnu_percent else []
-        patterns += [deviates("dsnu", fixed=True)] if self.dsnu_e else []
+        patterns = (
+            [self.deviates(here, "prnu", image.shape, fixed=True)] if self.prnu_percent else []
+        )
+        patterns += [self.deviates(here, "dsnu", image.shape, fixed=True)] if self.dsnu_e else []
         spread = {"prnu_percent": self.prnu_percent, "dsnu_e": self.dsnu_e}
         collected = here.step(
             steps.collected,
             mean,
-            deviates("shot"),
+            self.deviates(here, "shot", image.shape),
             *patterns,
             frames=self.frames_averaged,
             **spread,
@@ -144,7 +141,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             steps.read_out,
             self._bent(collected, levels, here),
             here.step(clipping_level, levels, reading=reading),
-            *([deviates("read")] if self.read_noise_e else []),
+            *([self.deviates(here, "read", image.shape)] if self.read_noise_e else []),
             sigma_e=self.read_noise_e / self.frames_averaged**0.5,
             **well,
         )
@@ -308,9 +305,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     temporal_noise_e = _figure("temporal_noise_e", "e-", "Shot, read and rounding together.")
     fixed_pattern_e = _figure("fixed_pattern_e", "e-", "PRNU and DSNU.")
     responsivity_e_per_K = _figure(
-        "responsivity_e_per_K",
-        "e-/K",
-        "Electrons per kelvin of the scene, if it is warm.",
+        "responsivity_e_per_K", "e-/K", "Electrons per kelvin of the scene, if it is warm."
     )
     netd_K = _figure("netd_K", "K", "Temporal noise over responsivity, if it is warm.")
     snr = _figure("snr", "", "Signal over temporal noise.")

@@ -206,9 +206,7 @@ def bent_level(
 ) -> LevelChange:
     """The change by a response that is not straight."""
     slope = bent_slope(
-        electrons=levels.total_e,
-        full_well_e=full_well_e,
-        nonlinearity_percent=nonlinearity_percent,
+        electrons=levels.total_e, full_well_e=full_well_e, nonlinearity_percent=nonlinearity_percent
     )
     return LevelChange(slope, levels.total_e, levels.signal_e * slope)
 
@@ -281,12 +279,7 @@ def clipping_level(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> L
 
 @ends_lineage
 def figures(
-    work: Work,
-    levels: ElectronLevels,
-    *,
-    collection: Collection,
-    reading: ReadOut,
-    area_cm2: float,
+    work: Work, levels: ElectronLevels, *, collection: Collection, reading: ReadOut, area_cm2: float
 ) -> TableData:
     """All figures at the mean of the picture, in the order of the panel."""
     total, frames = levels.total_e, reading.frames

@@ -60,8 +60,7 @@ class FocalPlanePanel(SeededModule):
         float, Param("electrons per photon within the band", low=0, high=1, above=True)
     ] = 0.7
     response: Annotated[
-        Path | None,
-        Param("CSV of µm and quantum efficiency, in place of the number, or empty"),
+        Path | None, Param("CSV of µm and quantum efficiency, in place of the number, or empty")
     ] = None
     cut_on_um: Annotated[
         float | None,

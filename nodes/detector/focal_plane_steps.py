@@ -280,13 +280,7 @@ def _bad(
 
 
 def _bad_part(
-    work: Work,
-    region: Region,
-    picture: Recipe,
-    bad: Recipe,
-    levels: Recipe,
-    *,
-    hot_e: float | None,
+    work: Work, region: Region, picture: Recipe, bad: Recipe, levels: Recipe, *, hot_e: float | None
 ) -> Array:
     pixels: BadPixels = work.value(bad)
     inside = BadPixels(_within(pixels.dead, region), _within(pixels.hot, region))

@@ -16,7 +16,7 @@ from core.chain.results import TableData, TableRow
 from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
+from core.evaluation.recipes import Recipe, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Caution, Section
@@ -27,14 +27,8 @@ from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
 from core.transfer.factors import Separable
 from nodes.shared.context_defaults import given, given_band, with_interval
-from nodes.shared.deviates import (
-    SEED_SECTIONS,
-    SeededModule,
-    flicker_deviates,
-    unit_deviates,
-    waves_of_all_frames,
-)
-from nodes.shared.factors import separable
+from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates, waves_of_all_frames
+from nodes.shared.factors import separable, transfers
 from nodes.shared.module_ports import CutOff, CutOn, LongestPeriod, table_figure
 from nodes.shared.shared_warnings import apart_from_context, band_caution, unit_caution
 from nodes.shared.steps import difference, filtered_lines
@@ -91,8 +85,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         float, Param("F-number of that NETD", low=0.1, high=1000, slider=(0.5, 4))
     ] = 1.0
     reference_K: Annotated[
-        float,
-        Param("background of that NETD", unit="K", low=1, high=1e4, slider=(250, 350)),
+        float, Param("background of that NETD", unit="K", low=1, high=1e4, slider=(250, 350))
     ] = 300.0
     reference_integration_time_s: Annotated[
         float | None,
@@ -171,7 +164,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             flicker = flicker_sigma(
                 white_sigma=white, corner_Hz=self.corner_Hz, band=self._flicker_band()
             )
-        grid = with_interval(image, context).grid()
         factors = self._along_the_scan(context, here)
         slow = self._lagging(self._scanned(image, context, factors, here), here)
         made = self._uneven(slow, image, band, here)
@@ -187,12 +179,12 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             kept=self._kept(),
         )
         noise = here.step(difference, made, slow)
-        mtf, ptf = (tuple(f for f in factors if f.part == part) for part in ("mtf", "ptf"))
+        mtf, ptf = transfers(factors, with_interval(image, context), self.title)
         return BolometerOutputs(
             image=image.with_recipe(made),
             noise=image.with_recipe(noise),
-            mtf=Transfer(grid, "mtf", mtf, label=self.title, pixel_mrad=image.pixel_mrad),
-            ptf=Transfer(grid, "ptf", ptf, label=self.title, pixel_mrad=image.pixel_mrad),
+            mtf=mtf,
+            ptf=ptf,
             table=Table(table),
         )
 
@@ -259,7 +251,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         self, picture: Recipe, image: Image, band: tuple[float, float], here: NodeContext
     ) -> Recipe:
         fields = [
-            self._deviates(name, image, here, fixed=True)
+            self.deviates(here, name, image.shape, fixed=True)
             for name, size in (("response", self.response_percent), ("offset", self.offset_mK))
             if size
         ]
@@ -276,7 +268,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     def _noisy(
         self, picture: Recipe, image: Image, white: float, flicker: float, here: NodeContext
     ) -> Recipe:
-        fields = [self._deviates("white", image, here)] if white else []
+        fields = [self.deviates(here, "white", image.shape)] if white else []
         if flicker:
             stream, band = self.stream(here, "1/f", fixed=True), self._flicker_band()
             waves = waves_of_all_frames(stream=stream, shape=image.shape, band=band, node=here.node)
@@ -294,10 +286,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         if not fields:
             return picture
         return here.step(with_temporal_noise, picture, *fields, white=white, flicker=flicker)
-
-    def _deviates(self, name: str, image: Image, here: NodeContext, *, fixed: bool = False) -> Step:
-        stream = self.stream(here, name, fixed=fixed)
-        return here.step(unit_deviates, stream=stream, shape=image.shape)
 
     @warning
     def unit(self, image: Image) -> Caution | None:

@@ -28,7 +28,7 @@ from core.physics.detector.focal_plane_array import (
     two_point_offset,
 )
 from core.physics.radiometry.planck import band_radiance
-from nodes.shared.deviates import SEED_SECTIONS, SeededModule, unit_deviates
+from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.module_ports import table_figure
 from nodes.shared.steps import even
 
@@ -149,8 +149,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         )
         offset = here.step(offset_map, low, gain, two=two)
         if self.drift_K:
-            stream = self.stream(here, "drift", fixed=True)
-            deviates = here.step(unit_deviates, stream=stream, shape=image.shape)
+            deviates = self.deviates(here, "drift", image.shape, fixed=True)
             offset = here.step(drifted, offset, low, high, deviates, share=self._drift_share())
         made = here.step(
             corrected,
@@ -186,10 +185,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         )
 
     pattern_low = table_figure(
-        "pattern_low",
-        "",
-        "Spread of pixels on the cooler reference, uncorrected.",
-        unit_of="image",
+        "pattern_low", "", "Spread of pixels on the cooler reference, uncorrected.", unit_of="image"
     )
     pattern_high = table_figure(
         "pattern_high",

@@ -174,10 +174,7 @@ class SpectralResponse(
             return Step.of(_number, made.inputs[1])
         assert isinstance(outputs.image.bands, AttenuatedBands)
         return Step.of(
-            _share,
-            image.bands.means(),
-            weights=image.bands.whole,
-            gain=outputs.image.bands.gain,
+            _share, image.bands.means(), weights=image.bands.whole, gain=outputs.image.bands.gain
         )
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Literal, NamedTuple
 
 from core.chain.band_stack import BandStack, Row
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
-from core.evaluation.recipes import Step
+from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Caution, Offer, Section
 from core.modules.parameters import Formula, Param
@@ -25,18 +26,14 @@ from core.physics.noise.noise_equivalent import detector_area_cm2
 from core.physics.radiometry.spectra import MANUAL, MATERIALS_BY_REGION
 from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
-from nodes.electronics.detector_figures import (
-    Detector,
-    detector_figures,
-    figures,
-)
+from nodes.electronics.detector_figures import Detector, detector_figures, figures
 from nodes.input_output.sample_unit import radiance_caution
 from nodes.shared.context_defaults import given_band, of_context, with_interval
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
-from nodes.shared.factors import separable
+from nodes.shared.factors import separable, transfers
 from nodes.shared.module_ports import CutOff, CutOn, table_figure
 from nodes.shared.shared_warnings import apart_caution, band_caution, is_radiance, unit_caution
-from nodes.shared.steps import picture_range
+from nodes.shared.steps import difference, filtered_lines, picture_range
 
 _MATERIALS = tuple(
     (region, (*(material.name for material in materials), MANUAL))
@@ -108,8 +105,7 @@ class ElectronicsNoise(
         Param("detector material, for D*"),
     ] = "HgCdTe"
     d_star: Annotated[
-        float | None,
-        Param("D* typed in, in place of the material's", unit="cm √Hz/W", low=0),
+        float | None, Param("D* typed in, in place of the material's", unit="cm √Hz/W", low=0)
     ] = None
     optics_transmission: Annotated[
         float, Param("transmission of the optics", low=0, high=1, above=True)
@@ -223,7 +219,6 @@ class ElectronicsNoise(
 
     def run(self, image: Image, context: Context, here: NodeContext) -> ElectronicsOutputs:
         """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
-        node = here.node
         image = summed_within(image, self.cut_on_um, self.cut_off_um)
         seen = here.step(picture_range, image.recipe)
         detector = self._detector(context)
@@ -238,38 +233,65 @@ class ElectronicsNoise(
             variability_percent=self.noise_variability_percent,
         )
         image = with_interval(image, context)
-        plan = steps.NoisePlan(
-            image,
-            context.platform,
-            node,
-            lambda name, fixed: self.stream(here, name, fixed=fixed),
-        )
-        filters = self._pre_amplifier(image, context)
-        post = self._post_filter(context)
+        filters, post = self._pre_amplifier(image, context), self._post_filter(context)
 
-        variability = self.noise_variability_percent
-        field = plan.detector_noise(known, variability)
-        errors = (self.gain_percent, self.bias_percent, self.gain_model)
-        detected = plan.detected(image.recipe, seen, known, variability, *errors)
-        filtered = plan.filter(detected, filters, context.edges)
-        amplified = filtered
+        def filtered(picture: Recipe, factors: tuple[Separable, ...]) -> Recipe:
+            plain = tuple(replace(f, label="", node=None) for f in factors)
+            how = {"grid": image.grid(), "edges": context.edges, "label": "Electronics"}
+            return here.step(filtered_lines, picture, factors=plain, **how) if plain else picture
+
+        rms = {"variability_percent": self.noise_variability_percent}
+        noise = [known, self.deviates(here, "detector", image.shape)]
+        if self.noise_variability_percent:
+            noise.append(self._pattern("variability", image, context, here))
+        if self.gain_percent or self.bias_percent or self.gain_model == "literal":
+            detected = here.step(
+                steps.read_out,
+                image.recipe,
+                seen,
+                *(self._pattern(name, image, context, here) for name in ("gain", "bias")),
+                *noise,
+                **rms,
+                gain_percent=self.gain_percent,
+                bias_percent=self.bias_percent,
+                model=self.gain_model,
+            )
+        else:
+            detected = here.step(steps.with_detector_noise, image.recipe, *noise, **rms)
+        amplified = filtered(detected, filters)
         if self.amplifier_snr is not None:
-            amplified = plan.amplifier_noise(filtered, table)
-        shaped = plan.filter(amplified, post, context.edges)
-        clean = plan.filter(plan.filter(image.recipe, filters, context.edges), post, context.edges)
-        final = plan.quantized(shaped, self.bits, *self._range()) if self.bits else shaped
+            deviates = self.deviates(here, "amplifier", image.shape)
+            amplified = here.step(steps.with_amplifier_noise, amplified, table, deviates)
+        shaped = filtered(amplified, post)
+        clean = filtered(filtered(image.recipe, filters), post)
+        final = self._quantized(shaped, here) if self.bits else shaped
 
-        grid, all_filters = image.grid(), (*filters, *post)
-        parts = {p: tuple(f for f in all_filters if f.part == p) for p in ("mtf", "ptf")}
+        mtf, ptf = transfers((*filters, *post), image, self.title)
         return ElectronicsOutputs(
             image=image.with_recipe(final),
-            noise=image.with_recipe(plan.difference(shaped, clean)),
-            detector_noise=image.with_recipe(field),
-            quantization_error=image.with_recipe(plan.difference(final, shaped)),
-            mtf=Transfer(grid, "mtf", parts["mtf"], label=self.title, pixel_mrad=image.pixel_mrad),
-            ptf=Transfer(grid, "ptf", parts["ptf"], label=self.title, pixel_mrad=image.pixel_mrad),
+            noise=image.with_recipe(here.step(difference, shaped, clean)),
+            detector_noise=image.with_recipe(here.step(steps.detector_noise, *noise, **rms)),
+            quantization_error=image.with_recipe(here.step(difference, final, shaped)),
+            mtf=mtf,
+            ptf=ptf,
             table=Table(here.step(steps.with_quantization, table, final, shaped)),
         )
+
+    def _pattern(self, name: str, image: Image, context: Context, here: NodeContext) -> Step:
+        """Deviates of the detectors, constant along the direction of collection."""
+        shapes = {"line": (1, 1), "push": (1, image.columns)}
+        if context.platform not in shapes:
+            return self.deviates(here, name, image.shape, fixed=True)
+        drawn = self.deviates(here, name, shapes[context.platform], fixed=True)
+        return here.step(steps.in_double, drawn)
+
+    def _quantized(self, picture: Recipe, here: NodeContext) -> Recipe:
+        """The picture in 2^bits levels over the range, by default its own."""
+        low, high = self._range()
+        if low is not None and high is not None:
+            return here.step(steps.quantized, picture, bits=self.bits, limits=(low, high))
+        limits = here.step(steps.value_range, picture, low=low, high=high)
+        return here.step(steps.quantized, picture, limits, bits=self.bits)
 
     @warning
     def band(self, image: Image) -> Caution | None:

@@ -20,18 +20,9 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.noise.flicker_noise import (
-    FlickerBand,
-    flicker_band,
-    flicker_sigma,
-)
+from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma
 from core.physics.noise.noise_components import COMPONENTS
-from nodes.shared.deviates import (
-    SEED_SECTIONS,
-    SeededModule,
-    flicker_deviates,
-    unit_deviates,
-)
+from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates
 from nodes.shared.module_ports import LongestPeriod, NoiseOutputs
 
 Array = NDArray[Any]
@@ -92,8 +83,7 @@ class Noise3DSource(
               slider=(0, 10)),
     ] = 0.0  # fmt: skip
     frame_rate_Hz: Annotated[
-        float,
-        Param("frame rate, for 1/f noise", unit="Hz", low=1e-6, high=1e9, slider=(1, 120)),
+        float, Param("frame rate, for 1/f noise", unit="Hz", low=1e-6, high=1e9, slider=(1, 120))
     ] = 30.0
     longest_period_s: LongestPeriod = 60.0
 
@@ -125,9 +115,8 @@ class Noise3DSource(
             size = getattr(self, f"sigma_{name}")
             if not size:
                 continue
-            stream = self.stream(here, f"sigma_{name}", fixed=name in _FIXED)
             shape = (rows if "v" in name else 1, columns if "h" in name else 1)
-            fields.append(here.step(unit_deviates, stream=stream, shape=shape))
+            fields.append(self.deviates(here, f"sigma_{name}", shape, fixed=name in _FIXED))
             names.append(name)
             sizes.append(size)
         if self.corner_Hz:
@@ -217,12 +206,7 @@ def _sum(
 
 
 def _components(
-    at: AtStep,
-    image: Recipe,
-    noise: Recipe,
-    *,
-    names: tuple[str, ...],
-    sigmas: tuple[float, ...],
+    at: AtStep, image: Recipe, noise: Recipe, *, names: tuple[str, ...], sigmas: tuple[float, ...]
 ) -> list[Noise]:
     """Of rows and columns all power lies in the waves that do not vary along them."""
     noises = []
@@ -242,12 +226,7 @@ def _components(
 @picture_step(noise=_components)
 @pointwise
 def with_components(
-    work: Work,
-    image: Array,
-    noise: Array,
-    *,
-    names: tuple[str, ...],
-    sigmas: tuple[float, ...],
+    work: Work, image: Array, noise: Array, *, names: tuple[str, ...], sigmas: tuple[float, ...]
 ) -> Array:
     """Picture and noise."""
     return np.add(image, noise, dtype=work.policy.dtype)

@@ -29,12 +29,7 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
     passes the picture on. Source: Tantalo 1996, chapter 3.
     """
 
-    formulas = (
-        Formula(
-            r"L'=L+s\,n",
-            where="n: samples of the file; s: scale",
-        ),
-    )
+    formulas = (Formula(r"L'=L+s\,n", where="n: samples of the file; s: scale"),)
 
     path: Annotated[Path | None, Param("noise file, relative to the network file's folder")] = None
     band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0

@@ -1,9 +1,8 @@
-"""The stages of Electronics & Noise as recipes, and the functions that carry them out."""
+"""The stages of Electronics & Noise as steps."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,131 +11,16 @@ from numpy.typing import NDArray
 
 from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
-from core.chain.random_fields import Stream
 from core.chain.results import TableData, TableRow
 from core.chain.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
-from core.chain.wires import Image, Platform
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.physics.detector.quantization import (
-    apply_gain_bias,
-    quantization_rms,
-    quantize,
-)
-from core.transfer.factors import Edges, Separable
+from core.physics.detector.quantization import apply_gain_bias, quantization_rms, quantize
 from nodes.electronics.detector_figures import DetectorFigures
-from nodes.shared.deviates import unit_deviates
-from nodes.shared.steps import PictureRange, difference, filtered_lines, rounding_noises
+from nodes.shared.steps import PictureRange, rounding_noises
 
 Array = NDArray[Any]
-
-
-@dataclass(frozen=True)
-class NoisePlan:
-    """Plans the stages of one node; unit deviates are values of their own.
-
-    Changing an SNR or a gain therefore draws nothing again.
-    """
-
-    image: Image
-    platform: Platform
-    node: str
-    stream: Callable[[str, bool], Stream]
-
-    def detected(
-        self,
-        picture: Recipe,
-        seen: Recipe,
-        figures: Recipe,
-        variability_percent: float,
-        gain_percent: float,
-        bias_percent: float,
-        model: str,
-    ) -> Recipe:
-        """The picture with each detector's errors of gain and bias, and its noise.
-
-        Gain and bias are constant along the direction of collection.
-        """
-        noise = self._noise_inputs(figures, variability_percent)
-        if gain_percent == 0 and bias_percent == 0 and model != "literal":
-            return Step.of(
-                with_detector_noise,
-                picture,
-                *noise,
-                node=self.node,
-                variability_percent=variability_percent,
-            )
-        return Step.of(
-            read_out,
-            picture,
-            seen,
-            self._pattern("gain"),
-            self._pattern("bias"),
-            *noise,
-            node=self.node,
-            variability_percent=variability_percent,
-            gain_percent=gain_percent,
-            bias_percent=bias_percent,
-            model=model,
-        )
-
-    def detector_noise(self, figures: Recipe, variability_percent: float) -> Recipe:
-        """Noise of rms NER, its rms varied from detector to detector."""
-        inputs = self._noise_inputs(figures, variability_percent)
-        return Step.of(
-            _detector_noise, *inputs, node=self.node, variability_percent=variability_percent
-        )
-
-    def _noise_inputs(self, figures: Recipe, variability_percent: float) -> tuple[Recipe, ...]:
-        inputs = (figures, self._deviates("detector", self.image.shape))
-        return (*inputs, self._pattern("variability")) if variability_percent else inputs
-
-    def amplifier_noise(self, picture: Recipe, table: Recipe) -> Recipe:
-        """The picture with the amplifier's noise."""
-        deviates = self._deviates("amplifier", self.image.shape)
-        return Step.of(with_amplifier_noise, picture, table, deviates, node=self.node)
-
-    def filter(self, picture: Recipe, factors: tuple[Separable, ...], edges: Edges) -> Recipe:
-        """The picture filtered along its lines."""
-        if not factors:
-            return picture
-        grid = self.image.grid()
-        plain = tuple(replace(f, label="", node=None) for f in factors)
-        return Step.of(
-            filtered_lines,
-            picture,
-            node=self.node,
-            factors=plain,
-            grid=grid,
-            edges=edges,
-            label="Electronics",
-        )
-
-    def difference(self, picture: Recipe, other: Recipe) -> Recipe:
-        """Picture less another."""
-        return Step.of(difference, picture, other, node=self.node)
-
-    def _pattern(self, name: str) -> Recipe:
-        rows, columns = self.image.shape
-        shapes = {"line": (1, 1), "push": (1, columns)}
-        if self.platform not in shapes:
-            return self._deviates(name, (rows, columns), fixed=True)
-        drawn = self._deviates(name, shapes[self.platform], fixed=True)
-        return Step.of(in_double, drawn, node=self.node)
-
-    def _deviates(self, name: str, shape: tuple[int, int], *, fixed: bool = False) -> Recipe:
-        stream = self.stream(name, fixed)
-        return Step.of(unit_deviates, node=self.node, stream=stream, shape=shape)
-
-    def quantized(
-        self, picture: Recipe, bits: int, low: float | None, high: float | None
-    ) -> Recipe:
-        """The picture in 2^bits levels over the range, by default its own."""
-        if low is not None and high is not None:
-            return Step.of(quantized, picture, node=self.node, bits=bits, limits=(low, high))
-        limits = Step.of(value_range, picture, node=self.node, low=low, high=high)
-        return Step.of(quantized, picture, limits, node=self.node, bits=bits)
 
 
 @ends_lineage
@@ -262,7 +146,7 @@ def _pattern_power(
 
 
 def _shape_of(pattern: Recipe) -> tuple[int, int]:
-    """Shape of the unit deviates, as `NoisePlan` plans them: one for each detector."""
+    """Shape of the unit deviates, one for each detector."""
     assert isinstance(pattern, Step)
     if pattern.inputs:  # in double
         return _shape_of(*pattern.inputs)
@@ -309,7 +193,7 @@ def read_out(
         mean_radiance=seen.mean,
         model=model,
     )
-    read += _detector_noise(work, figures, *deviates, variability_percent=variability_percent)
+    read += detector_noise(work, figures, *deviates, variability_percent=variability_percent)
     return read
 
 
@@ -335,13 +219,13 @@ def with_detector_noise(
     variability_percent: float,
 ) -> Array:
     """The picture with the noise of detectors alone."""
-    noise = _detector_noise(work, figures, *deviates, variability_percent=variability_percent)
+    noise = detector_noise(work, figures, *deviates, variability_percent=variability_percent)
     return np.asarray(picture + noise)
 
 
 @ends_lineage
 @pointwise
-def _detector_noise(
+def detector_noise(
     work: Work,
     figures: DetectorFigures,
     deviates: Array,
@@ -349,6 +233,7 @@ def _detector_noise(
     *,
     variability_percent: float,
 ) -> Array:
+    """Noise of rms NER, its rms varied from detector to detector."""
     sigma: Any = figures.ner
     if pattern is not None:
         # A spread wide enough to turn a deviation negative is still a spread: take its size.

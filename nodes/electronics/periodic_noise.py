@@ -60,8 +60,7 @@ class PeriodicNoise(
         float, Param("frequency of the modulation along", unit="cyc/mrad", slider=(-1, 1))
     ] = 0.0
     modulation_phase_deg: Annotated[
-        float,
-        Param("phase of the modulation at the first sample", unit="deg", slider=(-180, 180)),
+        float, Param("phase of the modulation at the first sample", unit="deg", slider=(-180, 180))
     ] = 0.0
 
     illustration = "sinusoid"

@@ -29,13 +29,7 @@ from nodes.files.headers.envi_cube import (
     weighted_sums,
 )
 from nodes.files.headers.envi_header import read_layout
-from nodes.input_output.source_file import (
-    HeldSamples,
-    Missing,
-    Source,
-    Stamp,
-    check_unchanged,
-)
+from nodes.input_output.source_file import HeldSamples, Missing, Source, Stamp, check_unchanged
 
 Array = NDArray[Any]
 Interval = tuple[float, float]
@@ -299,12 +293,7 @@ def _refuse_not_finite(samples: Array, top: int, file: Path) -> None:
 @in_blocks(_is_file)
 @ends_lineage
 def _sums(
-    work: Work,
-    *fills: Array,
-    cube: Cube,
-    places: tuple[int, ...],
-    weights: Rows,
-    missing: Missing,
+    work: Work, *fills: Array, cube: Cube, places: tuple[int, ...], weights: Rows, missing: Missing
 ) -> Array:
     return _made_sums(work, fills, cube, places, weights, missing)
 
@@ -312,12 +301,7 @@ def _sums(
 @in_blocks(_is_file)
 @source_step(area_means=False)  # a scene in a file or an array may be blurred by anything
 def _sum(
-    work: Work,
-    *fills: Array,
-    cube: Cube,
-    places: tuple[int, ...],
-    weights: Row,
-    missing: Missing,
+    work: Work, *fills: Array, cube: Cube, places: tuple[int, ...], weights: Row, missing: Missing
 ) -> Array:
     """One weighted sum of a cube's bands."""
     return np.asarray(_made_sums(work, fills, cube, places, (weights,), missing)[0])

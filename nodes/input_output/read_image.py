@@ -98,12 +98,10 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     offset: Annotated[float, Param("what is added after scaling, in the unit")] = 0.0
     unit: Annotated[str, Param("unit of the samples after scaling")] = DEFAULT_UNIT
     fov_x_deg: Annotated[
-        float | None,
-        Param("field of view across", unit="deg", low=0, high=180, below=True),
+        float | None, Param("field of view across", unit="deg", low=0, high=180, below=True)
     ] = None
     fov_y_deg: Annotated[
-        float | None,
-        Param("field of view along", unit="deg", low=0, high=180, below=True),
+        float | None, Param("field of view along", unit="deg", low=0, high=180, below=True)
     ] = None
     cut_on_um: Annotated[float | None, Param("shortest wavelength", unit="µm", low=0)] = None
     cut_off_um: Annotated[float | None, Param("longest wavelength", unit="µm", low=0)] = None

@@ -93,13 +93,10 @@ def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUni
             stored = radiance_unit(info.unit)
         except DataError as error:
             raise FileError(f"{info.path}: {error.message}; or give unit and scale") from error
-        if chosen and (own is None) != (stored is None):
+        if chosen and (own and own.name) != (stored and stored.name):
             allowed = f"a unit of the same kind as {info.unit}, in which the file is; or give scale"
             raise ParameterError("unit", typed, allowed)
-        if not chosen or own is None or stored is None or own.name == stored.name:
-            return stored
-        allowed = f"a unit of the same kind as {info.unit}, in which the file is; or give scale"
-        raise ParameterError("unit", typed, allowed)
+        return stored
     _refuse_unnamed(info, named=chosen or scale != 1.0)
     if own is None or own.spectral:
         return own
@@ -145,11 +142,7 @@ _REMEDY = "give the samples' unit, such as K or DN, or the scale that makes W/mÂ
 @in_blocks()
 @ends_lineage
 def radiance_caution(
-    work: Work,
-    samples: NDArray[Any],
-    *,
-    band_um: tuple[float, float] | None,
-    unit_stated: bool,
+    work: Work, samples: NDArray[Any], *, band_um: tuple[float, float] | None, unit_stated: bool
 ) -> Caution | None:
     """Samples in W/mÂ²/sr that cannot be radiance of a scene, or look like temperatures.
 

@@ -82,12 +82,10 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
     width: Annotated[int, Param("samples across", low=1, high=65536, slider=(16, 2048))] = 512
     height: Annotated[int, Param("samples along", low=1, high=65536, slider=(16, 2048))] = 512
     fov_x_deg: Annotated[
-        float | None,
-        Param("field of view across", unit="deg", low=0, high=180, below=True),
+        float | None, Param("field of view across", unit="deg", low=0, high=180, below=True)
     ] = 30.0
     fov_y_deg: Annotated[
-        float | None,
-        Param("field of view along", unit="deg", low=0, high=180, below=True),
+        float | None, Param("field of view along", unit="deg", low=0, high=180, below=True)
     ] = 30.0
     cut_on_um: Annotated[float, Param("shortest wavelength", unit="µm", low=0, above=True)] = 8.0
     cut_off_um: Annotated[float, Param("longest wavelength", unit="µm", low=0, above=True)] = 12.0

@@ -43,10 +43,7 @@ Files = list[tuple[Path, Callable[[Path], None]]]
 
 _BY_SUFFIX = "by_suffix"
 _CUBE = "envi"
-_FLOATS: dict[str, np.dtype[Any]] = {
-    "float": np.dtype(np.float32),
-    "double": np.dtype(np.float64),
-}
+_FLOATS: dict[str, np.dtype[Any]] = {"float": np.dtype(np.float32), "double": np.dtype(np.float64)}
 
 
 class WriteImage(

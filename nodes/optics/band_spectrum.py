@@ -143,6 +143,5 @@ def one_wavelength_caution(response: Path | None, one: bool) -> Caution | None:
     if response is None or not one:
         return None
     return Caution(
-        "the response is not used: one wavelength stands for the band",
-        "take more wavelengths",
+        "the response is not used: one wavelength stands for the band", "take more wavelengths"
     )

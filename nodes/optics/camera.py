@@ -48,10 +48,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             r"F=\frac{f}{D},\quad\mathrm{IFOV}=\frac{p}{f},\quad\mathrm{FOV}=\frac{Np}{f}",
             where="f: focal length, D: aperture, mm; p: pitch, µm; N: pixels; angles in mrad",
         ),
-        Formula(
-            r"\mathrm{GSD}=\frac{p}{f}\,R",
-            where="R: range",
-        ),
+        Formula(r"\mathrm{GSD}=\frac{p}{f}\,R", where="R: range"),
     )
 
     pixels_x: Annotated[

@@ -37,13 +37,7 @@ from nodes.optics.band_spectrum import (
 from nodes.shared.context_defaults import given_band
 from nodes.shared.factors import OtfOutputs, otf_outputs
 from nodes.shared.module_ports import Apply, CutOff, CutOn, LightingSource, NyquistReadouts
-from nodes.shared.shared_warnings import (
-    F_NUMBER_NEAR,
-    Band,
-    apart_caution,
-    first,
-    middle_caution,
-)
+from nodes.shared.shared_warnings import F_NUMBER_NEAR, Band, apart_caution, first, middle_caution
 
 Number = Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
 
@@ -124,8 +118,7 @@ class DiffractionMTF(
         ),
     ] = 0.0
     defocus_waves: Annotated[
-        float,
-        Param("defocus at the rim, W20", unit="waves", low=-20, high=20, slider=(-2, 2)),
+        float, Param("defocus at the rim, W20", unit="waves", low=-20, high=20, slider=(-2, 2))
     ] = 0.0
     rms_wavefront_waves: Annotated[
         float, Param("wavefront error of any shape, rms", unit="waves", low=0, high=0.18,
@@ -146,11 +139,7 @@ class DiffractionMTF(
     )
 
     def run(
-        self,
-        context: Context,
-        magnitude: Magnitude,
-        here: NodeContext,
-        phase: Phase | None = None,
+        self, context: Context, magnitude: Magnitude, here: NodeContext, phase: Phase | None = None
     ) -> OtfOutputs:
         """Plan the OTF."""
         band, aperture = self._band(context), self.aperture_of(context)

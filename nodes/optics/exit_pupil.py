@@ -215,12 +215,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         )
 
     def _pupil(
-        self,
-        samples: Step,
-        rows: int,
-        columns: int,
-        shape: PupilShape | None,
-        radius: float | None,
+        self, samples: Step, rows: int, columns: int, shape: PupilShape | None, radius: float | None
     ) -> Pupil:
         return Pupil(
             samples,

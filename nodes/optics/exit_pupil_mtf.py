@@ -91,8 +91,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         int, Param("wavelengths over the band; 1 is the band's mean", low=1, high=256)
     ] = 1
     weighting: Annotated[
-        Weighting,
-        Param("wavelengths count all alike, as in 1996, by photons, or by energy"),
+        Weighting, Param("wavelengths count all alike, as in 1996, by photons, or by energy")
     ] = "uniform"
     source_K: LightingSource = None
     response: DetectorResponse = None

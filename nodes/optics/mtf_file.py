@@ -115,11 +115,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     )
 
     def run(
-        self,
-        context: Context,
-        magnitude: Magnitude,
-        here: NodeContext,
-        phase: Phase | None = None,
+        self, context: Context, magnitude: Magnitude, here: NodeContext, phase: Phase | None = None
     ) -> OtfOutputs:
         """Plan the blur, and the shift where phases are known."""
         blur: tuple[Factor, ...] = ()

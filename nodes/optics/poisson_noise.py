@@ -137,12 +137,7 @@ def published_noise(
     share = percent / 100.0
     if events_are_few(image, share=share, sigma_px=sigma_px):
         return displaced_events(
-            image,
-            stream,
-            share=share,
-            sigma_px=sigma_px,
-            for_each=work.for_each,
-            empty=work.empty,
+            image, stream, share=share, sigma_px=sigma_px, for_each=work.for_each, empty=work.empty
         )
     # One array serves as local mean, means and counts in turn.
     local = local_mean(work, image, sigma_px=sigma_px)

@@ -12,12 +12,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.optics.psf_otf import (
-    PointSpread,
-    coarseness,
-    edge_share,
-    sampled_psf_otf,
-)
+from core.physics.optics.psf_otf import PointSpread, coarseness, edge_share, sampled_psf_otf
 from core.transfer.factors import Factor, Law, Planar
 from nodes.files.read import check_finite
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
@@ -96,11 +91,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     )
 
     def run(
-        self,
-        context: Context,
-        magnitude: Magnitude,
-        here: NodeContext,
-        phase: Phase | None = None,
+        self, context: Context, magnitude: Magnitude, here: NodeContext, phase: Phase | None = None
     ) -> OtfOutputs:
         """Plan the OTF."""
         blur: tuple[Factor, ...] = ()

@@ -54,12 +54,7 @@ def edge_fraction(
 
 
 def half_plane_coverage(
-    x_edges: FloatArray,
-    y_edges: FloatArray,
-    *,
-    normal_x: float,
-    normal_y: float,
-    offset: float,
+    x_edges: FloatArray, y_edges: FloatArray, *, normal_x: float, normal_y: float, offset: float
 ) -> FloatArray:
     """Share of each sample inside the half plane normal_x·x + normal_y·y > offset, (rows, columns).
 

@@ -340,13 +340,7 @@ def draw_ground(drawing: Drawing) -> None:
 
 
 def draw_tree(
-    drawing: Drawing,
-    *,
-    x: float,
-    y: float,
-    radius: tuple[float, float],
-    foot: float,
-    seed: int,
+    drawing: Drawing, *, x: float, y: float, radius: tuple[float, float], foot: float, seed: int
 ) -> None:
     """A tree: its shadow, trunk, and a crown of many leafy tufts, cooler towards the sky."""
     wide, tall = radius
@@ -405,11 +399,7 @@ def draw_car(drawing: Drawing, *, left: float, foot: float, body: str, running: 
     )
     drawing.paint_box(body, at(0.43), up(0.97), at(0.455), up(0.58))
     drawing.paint_trapezoid(
-        body,
-        top=up(0.62),
-        low=up(0.42),
-        top_span=(at(0.04), at(0.93)),
-        low_span=(at(0.0), at(1.0)),
+        body, top=up(0.62), low=up(0.42), top_span=(at(0.04), at(0.93)), low_span=(at(0.0), at(1.0))
     )
     drawing.paint_box(body, at(0.0), up(0.42), at(1.0), up(0.14))
     if running:

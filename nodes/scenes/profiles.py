@@ -54,11 +54,7 @@ def band(low: float, high: float) -> Profile:
     return Profile(low, high, lambda e: e)
 
 
-def steps(
-    starts: npt.ArrayLike,
-    ends: npt.ArrayLike,
-    values: npt.ArrayLike = 1.0,
-) -> Profile:
+def steps(starts: npt.ArrayLike, ends: npt.ArrayLike, values: npt.ArrayLike = 1.0) -> Profile:
     """`values` on disjoint intervals in increasing order, 0 between them."""
     begin = np.asarray(starts, dtype=np.float64)
     end = np.asarray(ends, dtype=np.float64)

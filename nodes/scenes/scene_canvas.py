@@ -287,11 +287,7 @@ class Ellipses:
     """Ellipses with axes along x and y."""
 
     def __init__(
-        self,
-        centre_x: FloatArray,
-        centre_y: FloatArray,
-        radius_x: FloatArray,
-        radius_y: FloatArray,
+        self, centre_x: FloatArray, centre_y: FloatArray, radius_x: FloatArray, radius_y: FloatArray
     ) -> None:
         self._shapes = np.array([centre_x, centre_y, radius_x, radius_y])
         self._low_x, self._high_x = centre_x - radius_x, centre_x + radius_x

@@ -161,3 +161,10 @@ class SeededModule(Module):
         if self.seed_mode == "typed":
             return Stream(seed=self.seed, node="", field=field, fixed=fixed)
         return Stream(seed=here.seed, node=here.noise or here.node, field=field, fixed=fixed)
+
+    def deviates(
+        self, here: NodeContext, field: str, shape: tuple[int, int], *, fixed: bool = False
+    ) -> Step:
+        """Standard normal deviates of one noise field: an edit of its size draws none again."""
+        stream = self.stream(here, field, fixed=fixed)
+        return here.step(unit_deviates, stream=stream, shape=shape)

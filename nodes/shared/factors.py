@@ -58,6 +58,21 @@ def passed_factors(image: Image) -> list[Factor]:
     return factors
 
 
+def transfers(factors: Sequence[Factor], image: Image, label: str) -> tuple[Transfer, Transfer]:
+    """MTF and PTF of what filters a picture itself, to look at."""
+    mtf, ptf = (
+        Transfer(
+            image.grid(),
+            part,
+            tuple(factor for factor in factors if factor.part == part),
+            label=label,
+            pixel_mrad=image.pixel_mrad,
+        )
+        for part in ("mtf", "ptf")
+    )
+    return mtf, ptf
+
+
 # What a module with an OTF delivers: both halves of the spectrum, and the OTF to look at.
 
 

@@ -89,7 +89,4 @@ def rounding_noises(at: AtStep, step: float) -> list[Noise]:
     if stirring < (_STILL * step) ** 2:
         return [at.known("quantization")]
     temporal, fixed = rounding_variances(step=step, noise_variance=stirring)
-    return [
-        at.white("quantization", temporal),
-        at.white("quantization", fixed, temporal=False),
-    ]
+    return [at.white("quantization", temporal), at.white("quantization", fixed, temporal=False)]

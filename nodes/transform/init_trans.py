@@ -67,12 +67,10 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
     fill_x: Annotated[float | None, Param("fill factor across; empty: 1", low=0, high=1)] = 1.0
     fill_y: Annotated[float | None, Param("fill factor along; empty: 1", low=0, high=1)] = 1.0
     fov_x_deg: Annotated[
-        float | None,
-        Param("field of view across", unit="deg", low=0, high=180, below=True),
+        float | None, Param("field of view across", unit="deg", low=0, high=180, below=True)
     ] = None
     fov_y_deg: Annotated[
-        float | None,
-        Param("field of view along", unit="deg", low=0, high=180, below=True),
+        float | None, Param("field of view along", unit="deg", low=0, high=180, below=True)
     ] = None
     platform: Annotated[
         Platform, Param("line scanner, pushbroom line or staring array: how detectors collect")

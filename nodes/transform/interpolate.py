@@ -52,14 +52,8 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
             "the same along",
             when="order 1, |d| < 1",
         ),
-        Formula(
-            r"w(d)=\frac{3}{2}|d|^3-\frac{5}{2}|d|^2+1",
-            when="order 3, |d| ≤ 1",
-        ),
-        Formula(
-            r"w(d)=-\frac{1}{2}|d|^3+\frac{5}{2}|d|^2-4|d|+2",
-            when="order 3, 1 < |d| < 2",
-        ),
+        Formula(r"w(d)=\frac{3}{2}|d|^3-\frac{5}{2}|d|^2+1", when="order 3, |d| ≤ 1"),
+        Formula(r"w(d)=-\frac{1}{2}|d|^3+\frac{5}{2}|d|^2-4|d|+2", when="order 3, 1 < |d| < 2"),
     )
 
     width: Annotated[

@@ -3,11 +3,4 @@
 from nodes.analysis.lineage.line_transfer import ImageTransfer, transfer_of
 from nodes.analysis.lineage.noise_lineage import ImageNoise, NoiseOf, NoiseTerm, noise_free
 
-__all__ = [
-    "ImageNoise",
-    "ImageTransfer",
-    "NoiseOf",
-    "NoiseTerm",
-    "noise_free",
-    "transfer_of",
-]
+__all__ = ["ImageNoise", "ImageTransfer", "NoiseOf", "NoiseTerm", "noise_free", "transfer_of"]

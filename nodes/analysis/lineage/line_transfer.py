@@ -91,6 +91,15 @@ def stage_along(work: Work, stage: Stage, part: Part, line: Line, frequency: Vec
     return value
 
 
+def all_along(work: Work, stages: tuple[Stage, ...], line: Line, frequency: Vector) -> Vector:
+    """The MTF of all stages together at points of the line, signed."""
+    total = np.ones(len(frequency))
+    for stage in stages:
+        work.check()
+        total = total * stage_along(work, stage, "mtf", line, frequency)
+    return total
+
+
 def _factor_along(work: Work, factor: Factor, line: Line, frequency: Vector) -> Vector:
     xi, eta = line.across * frequency, line.along * frequency
     if line.along == 0.0:

@@ -13,6 +13,8 @@ from cube_files import band_by_band, centres, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
 
+LIBRARY = standard_library()
+
 INTERVAL = 0.035
 BANDS = 60
 SIZE = (64, 80)
@@ -40,11 +42,6 @@ def network(*, read=(), optics=(), init=(), size=SIZE):
     return nodes, links
 
 
-@pytest.fixture(scope="module")
-def library():
-    return standard_library()
-
-
 @pytest.fixture
 def cube(tmp_path):
     wavelengths, width = centres(BANDS)
@@ -59,23 +56,23 @@ def expected(cube, weights=None):
     return band_by_band(samples, wavelengths, weights, interval_mrad=INTERVAL, aperture_mm=100.0)
 
 
-def delivered(library, folder, *, policy, nodes=None, port="back.image"):
-    bench = NodeBench(library, folder, *(nodes or network()))
+def delivered(folder, *, policy, nodes=None, port="back.image"):
+    bench = NodeBench(LIBRARY, folder, *(nodes or network()))
     work = bench.engine.work(policy)
     return bench.engine.value(bench.plan, port, work), bench, work
 
 
 @pytest.mark.parametrize("order", ["bsq", "bil", "bip"])
-def test_with_tolerance_0_it_is_the_sum_band_by_band(library, tmp_path, cube, order):
+def test_with_tolerance_0_it_is_the_sum_band_by_band(tmp_path, cube, order):
     write_cube(tmp_path, *cube, order=order)
-    made, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0))
+    made, *_ = delivered(tmp_path, policy=Policy("double", 0.0))
     want = expected(cube)
     assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-5])
-def test_a_low_rank_is_within_the_bound_that_is_stated(library, tmp_path, cube, tolerance):
-    made, bench, work = delivered(library, tmp_path, policy=Policy("double", tolerance))
+def test_a_low_rank_is_within_the_bound_that_is_stated(tmp_path, cube, tolerance):
+    made, bench, work = delivered(tmp_path, policy=Policy("double", tolerance))
     want = expected(cube)
     rank = bench.port("back.image").recipe.rank(work)
     samples = cube[0]
@@ -87,8 +84,8 @@ def test_a_low_rank_is_within_the_bound_that_is_stated(library, tmp_path, cube, 
     assert np.abs(made - want).max() <= tolerance * np.ptp(want)
 
 
-def test_as_it_is_used_single_precision_is_within_1e_5_of_the_range(library, tmp_path, cube):
-    made, *_ = delivered(library, tmp_path, policy=Policy())
+def test_as_it_is_used_single_precision_is_within_1e_5_of_the_range(tmp_path, cube):
+    made, *_ = delivered(tmp_path, policy=Policy())
     want = expected(cube)
     assert np.abs(made - want).max() <= 1e-5 * np.ptp(want)
 
@@ -98,13 +95,13 @@ def test_as_it_is_used_single_precision_is_within_1e_5_of_the_range(library, tmp
     [(Policy("double", 0.0), 1e-12), (Policy(), 1e-5), (Policy("single", 2e-3), 1e-5)],
     ids=["every band", "as it is used", "few"],
 )
-def test_sixty_bands_of_256_squared(library, tmp_path, policy, allowed):
+def test_sixty_bands_of_256_squared(tmp_path, policy, allowed):
     size, (wavelengths, width) = (256, 256), centres(BANDS)
     samples = materials_cube(size, wavelengths, seed=5)
     write_cube(tmp_path, samples, wavelengths, width, kind="f4")
     stored = samples.astype(np.float32).astype(float)
     nodes = network(size=size)
-    made, bench, work = delivered(library, tmp_path, policy=policy, nodes=nodes)
+    made, bench, work = delivered(tmp_path, policy=policy, nodes=nodes)
     want = expected((stored, wavelengths, width))
     error = made - want
     assert np.abs(error).max() <= allowed * np.ptp(want)
@@ -115,11 +112,10 @@ def test_sixty_bands_of_256_squared(library, tmp_path, policy, allowed):
         assert np.sqrt(np.mean(error**2)) <= rank.bound * contrast + 1e-7 * np.ptp(want)
 
 
-def test_pixels_combined_behind_it_are_the_means_of_that_picture(library, tmp_path, cube):
+def test_pixels_combined_behind_it_are_the_means_of_that_picture(tmp_path, cube):
     nodes, links = network()
     nodes["pixels"] = ("combine_pixels", {"factor_x": 4, "factor_y": 2})
     made, *_ = delivered(
-        library,
         tmp_path,
         policy=Policy("double", 0.0),
         nodes=(nodes, [*links, ("back.image", "pixels.image")]),
@@ -129,15 +125,15 @@ def test_pixels_combined_behind_it_are_the_means_of_that_picture(library, tmp_pa
     assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
 
 
-def test_a_part_of_the_picture_is_that_part_of_the_whole(library, tmp_path, cube):
-    whole, bench, _ = delivered(library, tmp_path, policy=Policy())
+def test_a_part_of_the_picture_is_that_part_of_the_whole(tmp_path, cube):
+    whole, bench, _ = delivered(tmp_path, policy=Policy())
     part = bench.engine.work(Policy()).part(bench.port("back.image").recipe, Region(5, 7, 20, 30))
     assert np.array_equal(part, whole[5:25, 7:37])
 
 
-def test_an_interval_within_the_cube_counts_bands_by_their_part(library, tmp_path, cube):
+def test_an_interval_within_the_cube_counts_bands_by_their_part(tmp_path, cube):
     read = {"cut_on_um": 3.5, "cut_off_um": 4.25}
-    made, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0), nodes=network(read=read))
+    made, *_ = delivered(tmp_path, policy=Policy("double", 0.0), nodes=network(read=read))
     samples, wavelengths, width = cube
     low = np.maximum(wavelengths - width / 2, 3.5)
     high = np.minimum(wavelengths + width / 2, 4.25)
@@ -147,13 +143,13 @@ def test_an_interval_within_the_cube_counts_bands_by_their_part(library, tmp_pat
     assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
 
 
-def test_bands_that_do_not_count_choose_no_wavelengths(library, tmp_path, cube):
+def test_bands_that_do_not_count_choose_no_wavelengths(tmp_path, cube):
     nodes, links = network()
     nodes["filter"] = ("spectral_response", {"centre_um": 4.0, "width_um": 0.3})
     links = [*links, ("back.image", "filter.image")]
     policy = Policy("double", 1e-6)
     made, bench, work = delivered(
-        library, tmp_path, policy=policy, nodes=(nodes, links), port="filter.image"
+        tmp_path, policy=policy, nodes=(nodes, links), port="filter.image"
     )
     recipe = bench.port("filter.image").recipe
     rank = next(work.value(one).shares for one in (recipe.inputs[0].filtered_sum.wavelengths,))
@@ -165,34 +161,34 @@ def test_bands_that_do_not_count_choose_no_wavelengths(library, tmp_path, cube):
     assert np.abs(made - want).max() <= 1e-6 * np.ptp(want)
 
 
-def test_missing_samples_are_refused_or_filled_band_by_band(library, tmp_path, cube):
+def test_missing_samples_are_refused_or_filled_band_by_band(tmp_path, cube):
     samples, wavelengths, width = cube
     holed = samples.copy()
     holed[7, 3, 4] = np.nan
     write_cube(tmp_path, holed, wavelengths, width)
     with pytest.raises(DataError, match="row 3, column 4"):
-        delivered(library, tmp_path, policy=Policy())
+        delivered(tmp_path, policy=Policy())
     for missing, value in (("zero", 0.0), ("mean", np.nanmean(holed[7]))):
         filled = holed.copy()
         filled[7, 3, 4] = value
         nodes = network(read={"missing": missing})
-        made, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0), nodes=nodes)
+        made, *_ = delivered(tmp_path, policy=Policy("double", 0.0), nodes=nodes)
         want = expected((filled, wavelengths, width))
         assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
 
 
-def test_a_file_without_wavelengths_is_refused(library, tmp_path):
+def test_a_file_without_wavelengths_is_refused(tmp_path):
     np.save(tmp_path / "plain.npy", np.ones(SIZE))
     nodes = network(read={"path": "plain.npy"})
-    bench = NodeBench(library, tmp_path, *nodes)
+    bench = NodeBench(LIBRARY, tmp_path, *nodes)
     error = bench.error("read")
     assert isinstance(error, FileError)
     assert "wavelengths" in str(error)
 
 
-def test_an_interval_beside_the_cube_is_refused(library, tmp_path, cube):
+def test_an_interval_beside_the_cube_is_refused(tmp_path, cube):
     nodes = network(read={"cut_on_um": 8.0, "cut_off_um": 9.0})
-    error = NodeBench(library, tmp_path, *nodes).error("read")
+    error = NodeBench(LIBRARY, tmp_path, *nodes).error("read")
     assert isinstance(error, ParameterError)
     assert "3.01" in str(error)
 
@@ -201,23 +197,23 @@ def test_an_interval_beside_the_cube_is_refused(library, tmp_path, cube):
     ("unit", "factor"),
     [("W/m^2/sr/um", 1.0), ("W/cm^2/sr/um", 1e-4), ("uW/cm^2/sr/nm", 0.1)],
 )
-def test_units_are_brought_to_one(library, tmp_path, cube, unit, factor):
+def test_units_are_brought_to_one(tmp_path, cube, unit, factor):
     samples, wavelengths, width = cube
     write_cube(tmp_path, factor * samples, wavelengths, width, unit=unit)
-    made, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0), port="read.image")
+    made, *_ = delivered(tmp_path, policy=Policy("double", 0.0), port="read.image")
     want = width * samples.sum(axis=0)
     assert np.abs(made / want - 1.0).max() <= 1e-12
 
 
-def test_a_unit_that_is_not_understood_is_refused_with_those_that_are(library, tmp_path, cube):
+def test_a_unit_that_is_not_understood_is_refused_with_those_that_are(tmp_path, cube):
     write_cube(tmp_path, *cube, unit="flicks/sr/m^2")
-    error = NodeBench(library, tmp_path, *network()).error("read")
+    error = NodeBench(LIBRARY, tmp_path, *network()).error("read")
     assert isinstance(error, FileError)
     assert "flicks" in str(error)
     assert "W/m²/sr" in str(error)
 
 
-def test_later_frames_of_a_moving_picture_go_through_a_second_chain(library, tmp_path, cube):
+def test_later_frames_of_a_moving_picture_go_through_a_second_chain(tmp_path, cube):
     nodes, links = network()
     nodes["sight"] = ("line_of_sight", {"rms_x_mrad": 0.3, "frame_rate_Hz": 50.0})
     links = [link for link in links if not link[1].startswith("back.")]
@@ -235,7 +231,7 @@ def test_later_frames_of_a_moving_picture_go_through_a_second_chain(library, tmp
     nodes["pixels"] = ("combine_pixels", {"factor_x": 3, "factor_y": 2})  # not a whole number
     nodes["again"] = ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0})
     nodes["end"] = ("back_transform", {})
-    bench = NodeBench(library, tmp_path, nodes, links)
+    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
     work = bench.engine.work(Policy("double", 0.0))
     first, last = bench.port("pixels.image"), bench.port("end.image")
     assert last.bands.count == BANDS
@@ -247,14 +243,12 @@ def test_later_frames_of_a_moving_picture_go_through_a_second_chain(library, tmp
 
 
 @pytest.mark.parametrize("optics", [{}, {"defocus_waves": 0.1}])
-def test_many_wavelengths_are_summed_in_several_passes(
-    library, tmp_path, cube, monkeypatch, optics
-):
+def test_many_wavelengths_are_summed_in_several_passes(tmp_path, cube, monkeypatch, optics):
     nodes = network(optics=optics)
-    whole, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0), nodes=nodes)
+    whole, *_ = delivered(tmp_path, policy=Policy("double", 0.0), nodes=nodes)
     samples = SIZE[0] * SIZE[1]
     monkeypatch.setattr("core.chain.filtered_sum.SAMPLES_AT_ONCE", 7 * samples)
-    bench = NodeBench(library, tmp_path, *nodes)
+    bench = NodeBench(LIBRARY, tmp_path, *nodes)
     work, sizes = bench.engine.work(Policy("double", 0.0)), []
     compute = type(work)._compute
     monkeypatch.setattr(
@@ -269,8 +263,8 @@ def test_many_wavelengths_are_summed_in_several_passes(
 
 
 @pytest.mark.parametrize("index", [0, 23, 59])
-def test_a_band_alone_is_filtered_once_at_its_own_wavelength(library, tmp_path, cube, index):
-    bench = NodeBench(library, tmp_path, *network())
+def test_a_band_alone_is_filtered_once_at_its_own_wavelength(tmp_path, cube, index):
+    bench = NodeBench(LIBRARY, tmp_path, *network())
     work = bench.engine.work(Policy("double", 1e-2))
     band = bench.port("back.image").bands.band(index)
     assert len(band.rank(work).chosen) == 1

@@ -10,6 +10,8 @@ from cube_files import C1_UM, C2_UM, PHOTON_J_UM, band_by_band, centres, materia
 from node_bench import NodeBench
 from nodes.library import standard_library
 
+LIBRARY = standard_library()
+
 SIZE = (32, 40)
 INTERVAL = 0.035
 BANDS = 40
@@ -25,18 +27,13 @@ PLANE = {"integration_time_s": TIME_S, "quantum_efficiency": 0.6, "units": "elec
 PER_PHOTON = TIME_S * (PITCH_UM * 1e-6) ** 2 * np.pi / (4 * F_NUMBER**2 + 1)
 
 
-@pytest.fixture(scope="module")
-def library():
-    return standard_library()
-
-
 @pytest.fixture
 def cube():
     wavelengths, width = centres(BANDS)
     return materials_cube(SIZE, wavelengths), wavelengths, width
 
 
-def bench(library, folder, *, plane=(), read=(), optics=True):
+def bench(folder, *, plane=(), read=(), optics=True):
     fov = {
         "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[1])),
         "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[0])),
@@ -62,7 +59,7 @@ def bench(library, folder, *, plane=(), read=(), optics=True):
         ]
         behind = "optics"
     links += [(f"{behind}.magnitude", "back.magnitude"), (f"{behind}.phase", "back.phase")]
-    return NodeBench(library, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes, links)
 
 
 def by_hand(cube, efficiency, *, low=3.0, high=5.0, steps=20001):
@@ -76,19 +73,19 @@ def by_hand(cube, efficiency, *, low=3.0, high=5.0, steps=20001):
     return np.array(weights)
 
 
-def test_the_mean_is_the_sum_of_every_bands_photons(library, tmp_path, cube):
+def test_the_mean_is_the_sum_of_every_bands_photons(tmp_path, cube):
     write_cube(tmp_path, *cube)
-    made = bench(library, tmp_path).readouts("plane")["signal_e"]
+    made = bench(tmp_path).readouts("plane")["signal_e"]
     weights = 0.6 * cube[1] * cube[2] / PHOTON_J_UM
     want = PER_PHOTON * np.dot(weights, cube[0].mean(axis=(1, 2)))
     assert made == pytest.approx(want, rel=1e-12)
 
 
-def test_a_response_and_a_filter_weight_every_band(library, tmp_path, cube):
+def test_a_response_and_a_filter_weight_every_band(tmp_path, cube):
     write_cube(tmp_path, *cube)
     (tmp_path / "qe.csv").write_text("3.0,0.2\n3.6,0.8\n4.4,0.7\n5.0,0.1\n")
     plane = {"response": "qe.csv", "cut_on_um": 3.42, "cut_off_um": 4.61}
-    made = bench(library, tmp_path, plane=plane).readouts("plane")["signal_e"]
+    made = bench(tmp_path, plane=plane).readouts("plane")["signal_e"]
     weights = by_hand(
         cube,
         lambda um: np.interp(um, [3.0, 3.6, 4.4, 5.0], [0.2, 0.8, 0.7, 0.1]),
@@ -99,9 +96,9 @@ def test_a_response_and_a_filter_weight_every_band(library, tmp_path, cube):
     assert made == pytest.approx(want, rel=1e-6)  # of the fine sum at the filter's edges
 
 
-def test_every_band_is_blurred_at_its_own_wavelength_before_it_is_counted(library, tmp_path, cube):
+def test_every_band_is_blurred_at_its_own_wavelength_before_it_is_counted(tmp_path, cube):
     write_cube(tmp_path, *cube)
-    there = bench(library, tmp_path)
+    there = bench(tmp_path)
     # What is there without noise: the node's electrons less its noise.
     made = there.value("plane.electrons") - there.value("plane.noise")
     weights = PER_PHOTON * 0.6 * cube[1] * cube[2] / PHOTON_J_UM
@@ -110,22 +107,22 @@ def test_every_band_is_blurred_at_its_own_wavelength_before_it_is_counted(librar
 
 
 @pytest.mark.parametrize("unit", ["W/cm^2/sr/um", "uW/cm^2/sr/nm", "photons/s/cm^2/sr/um"])
-def test_units_of_the_same_scene_give_the_same_electrons(library, tmp_path, cube, unit):
+def test_units_of_the_same_scene_give_the_same_electrons(tmp_path, cube, unit):
     samples, wavelengths, width = cube
     first = tmp_path / "watts"
     first.mkdir()
     write_cube(first, *cube)
-    want = bench(library, first).readouts("plane")["signal_e"]
+    want = bench(first).readouts("plane")["signal_e"]
     factor = {"W/cm^2/sr/um": 1e-4, "uW/cm^2/sr/nm": 0.1}.get(unit)
     if factor is None:
         factor = (1e-4 * wavelengths / PHOTON_J_UM)[:, np.newaxis, np.newaxis]
     second = tmp_path / "other"
     second.mkdir()
     write_cube(second, samples * factor, wavelengths, width, unit=unit)
-    assert bench(library, second).readouts("plane")["signal_e"] == pytest.approx(want, rel=1e-12)
+    assert bench(second).readouts("plane")["signal_e"] == pytest.approx(want, rel=1e-12)
 
 
-def test_the_responsivity_is_the_difference_that_a_kelvin_makes(library, tmp_path):
+def test_the_responsivity_is_the_difference_that_a_kelvin_makes(tmp_path):
     wavelengths, width = centres(400)
 
     def body(kelvin):
@@ -135,7 +132,7 @@ def test_the_responsivity_is_the_difference_that_a_kelvin_makes(library, tmp_pat
     electrons = {}
     for kelvin in (299.95, 300.0, 300.05):
         write_cube(tmp_path, *body(kelvin))
-        electrons[kelvin] = bench(library, tmp_path, optics=False).readouts("plane")
+        electrons[kelvin] = bench(tmp_path, optics=False).readouts("plane")
     want = (electrons[300.05]["signal_e"] - electrons[299.95]["signal_e"]) / 0.1
     made = electrons[300.0]["responsivity_e_per_K"]
     assert made == pytest.approx(want, rel=5e-6)  # of the bands, and of the difference
@@ -144,22 +141,22 @@ def test_the_responsivity_is_the_difference_that_a_kelvin_makes(library, tmp_pat
     assert electrons[300.0]["netd_K"] == pytest.approx(noise / made, rel=1e-12)
 
 
-def test_given_in_radiance_the_mean_is_that_of_the_scene(library, tmp_path, cube):
+def test_given_in_radiance_the_mean_is_that_of_the_scene(tmp_path, cube):
     write_cube(tmp_path, *cube)
-    there = bench(library, tmp_path, plane={"units": "radiance"})
+    there = bench(tmp_path, plane={"units": "radiance"})
     want = cube[2] * cube[0].sum(axis=0).mean()
     assert there.value("plane.image").mean() == pytest.approx(want, rel=1e-3)  # of the shot noise
 
 
-def test_a_filter_beside_all_bands_is_refused(library, tmp_path, cube):
+def test_a_filter_beside_all_bands_is_refused(tmp_path, cube):
     write_cube(tmp_path, *cube)
-    error = bench(library, tmp_path, plane={"cut_on_um": 8.0, "cut_off_um": 9.0}).error("plane")
+    error = bench(tmp_path, plane={"cut_on_um": 8.0, "cut_off_um": 9.0}).error("plane")
     assert isinstance(error, ParameterError)
     assert "3 to 5 µm" in str(error)
 
 
-def test_bands_that_are_no_radiance_are_refused(library, tmp_path, cube):
+def test_bands_that_are_no_radiance_are_refused(tmp_path, cube):
     write_cube(tmp_path, *cube, unit="reflectance")
-    error = bench(library, tmp_path).error("plane")
+    error = bench(tmp_path).error("plane")
     assert isinstance(error, DataError)
     assert "no radiance" in str(error)

@@ -9,6 +9,8 @@ from cube_files import C1_UM, C2_UM, PHOTON_J_UM, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
 
+LIBRARY = standard_library()
+
 SIZE = (6, 7)
 LOW, HIGH = 3.7, 4.8
 PITCH_UM, F_NUMBER, TIME_S, QE = 15.0, 4.0, 0.004, 0.7
@@ -30,11 +32,6 @@ RESPONSES = {
 }
 
 
-@pytest.fixture(scope="module")
-def library():
-    return standard_library()
-
-
 def planck(um, kelvin):
     return C1_UM / um**5 / np.expm1(C2_UM / um / kelvin)
 
@@ -53,7 +50,7 @@ def electrons(law, kelvin, *, parts=((LOW, HIGH),)):
     return PER_PHOTON * total / PHOTON_J_UM
 
 
-def figures(library, folder, read, response, plane=()):
+def figures(folder, read, response, plane=()):
     (folder / "r.csv").write_text("3.5,0.1\n4,1\n5,0.3\n")
     nodes = {
         "read": ("read_image", {"fov_x_deg": 0.1, "fov_y_deg": 0.1, **read}),
@@ -85,7 +82,7 @@ def figures(library, folder, read, response, plane=()):
         ("plane.image", "merit.image"),
         ("init.context", "merit.context"),
     ]
-    there = NodeBench(library, folder, nodes, links)
+    there = NodeBench(LIBRARY, folder, nodes, links)
     return there.readouts("plane"), there.readouts("merit")
 
 
@@ -104,36 +101,34 @@ def expected_netd(law, parts=((LOW, HIGH),)):
 
 
 @pytest.mark.parametrize("name", RESPONSES)
-def test_a_warm_band_behind_a_response_has_the_electrons_and_netd_of_its_black_body(
-    library, tmp_path, name
-):
+def test_a_warm_band_behind_a_response_has_the_electrons_and_netd_of_its_black_body(tmp_path, name):
     params, law = RESPONSES[name]
     um = fine(LOW, HIGH)
     np.save(tmp_path / "scene.npy", np.full(SIZE, (HIGH - LOW) * planck(um, 300.0).mean()))
     read = {"path": "scene.npy", "cut_on_um": LOW, "cut_off_um": HIGH}
-    made, _ = figures(library, tmp_path, read, params)
+    made, _ = figures(tmp_path, read, params)
     assert made["signal_e"] == pytest.approx(electrons(law, 300.0), rel=2e-6)  # of the fine sums
     assert made["netd_K"] == pytest.approx(expected_netd(law), rel=2e-6)
 
 
 @pytest.mark.parametrize("name", RESPONSES)
-def test_a_cube_behind_a_response_has_them_too(library, tmp_path, name):
+def test_a_cube_behind_a_response_has_them_too(tmp_path, name):
     params, law = RESPONSES[name]
-    made, merit = figures(library, tmp_path, cube(tmp_path, [(LOW, HIGH)]), params)
+    made, merit = figures(tmp_path, cube(tmp_path, [(LOW, HIGH)]), params)
     assert made["signal_e"] == pytest.approx(electrons(law, 300.0), rel=2e-5)  # of the bands
     assert made["netd_K"] == pytest.approx(expected_netd(law), rel=2e-5)
     assert merit["netd_K"] == pytest.approx(expected_netd(law), rel=2e-5)
 
 
-def test_light_in_the_gaps_of_a_cube_is_no_part_of_its_temperature(library, tmp_path):
+def test_light_in_the_gaps_of_a_cube_is_no_part_of_its_temperature(tmp_path):
     parts = [(3.7, 4.0), (4.5, 4.8)]
-    made, _ = figures(library, tmp_path, cube(tmp_path, parts), {})
+    made, _ = figures(tmp_path, cube(tmp_path, parts), {})
     want = expected_netd(np.ones_like, parts)
     assert made["signal_e"] == pytest.approx(electrons(np.ones_like, 300.0, parts=parts), rel=2e-5)
     assert made["netd_K"] == pytest.approx(want, rel=2e-5)
 
 
-def test_reflected_light_behind_a_response_is_counted_by_its_source(library, tmp_path):
+def test_reflected_light_behind_a_response_is_counted_by_its_source(tmp_path):
     low, high = 0.5, 0.9
     um = fine(low, high)
     law = np.interp(um, [0.5, 0.6, 0.9], [0.0, 1.0, 0.2])
@@ -160,6 +155,6 @@ def test_reflected_light_behind_a_response_is_counted_by_its_source(library, tmp
         ("filter.image", "plane.image"),
         ("init.context", "plane.context"),
     ]
-    made = NodeBench(library, tmp_path, nodes, links).readouts("plane")["signal_e"]
+    made = NodeBench(LIBRARY, tmp_path, nodes, links).readouts("plane")["signal_e"]
     want = PER_PHOTON * 20.0 * np.mean(law * light * um) / np.mean(light) / PHOTON_J_UM
     assert made == pytest.approx(want, rel=2e-6)

@@ -10,13 +10,10 @@ from cube_files import C1_UM, C2_UM, centres, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
 
+LIBRARY = standard_library()
+
 SIZE = (24, 20)
 FOV = {"fov_x_deg": 1.0, "fov_y_deg": 1.2}
-
-
-@pytest.fixture(scope="module")
-def library():
-    return standard_library()
 
 
 def planck(um, kelvin):
@@ -31,9 +28,9 @@ def gaussian(um, centre, width):
     return np.exp(-4 * np.log(2) * ((um - centre) / width) ** 2)
 
 
-def bench(library, folder, params, *, read):
+def bench(folder, params, *, read):
     nodes = {"read": ("read_image", {**FOV, **read}), "filter": ("spectral_response", params)}
-    return NodeBench(library, folder, nodes, [("read.image", "filter.image")])
+    return NodeBench(LIBRARY, folder, nodes, [("read.image", "filter.image")])
 
 
 @pytest.fixture
@@ -45,7 +42,7 @@ def cube(tmp_path):
 
 
 @pytest.mark.parametrize("shape", ["rectangle", "gaussian", "file"])
-def test_every_band_counts_by_its_mean_response(library, tmp_path, cube, shape):
+def test_every_band_counts_by_its_mean_response(tmp_path, cube, shape):
     samples, wavelengths, width = cube
     (tmp_path / "r.csv").write_text("3.1,0.1\n3.7,1\n4.45,0.6\n")
     params = {"shape": shape, "centre_um": 3.93, "width_um": 0.71, "peak": 0.9}
@@ -60,7 +57,7 @@ def test_every_band_counts_by_its_mean_response(library, tmp_path, cube, shape):
         width * law(fine(one - width / 2, one + width / 2, 40_000)).mean() for one in wavelengths
     ]
     want = np.tensordot(weights, samples, 1)
-    there = bench(library, tmp_path, params, read={"path": "cube.img", "bands": "all"})
+    there = bench(tmp_path, params, read={"path": "cube.img", "bands": "all"})
     made = there.value("filter.image")
     assert np.abs(made - want).max() <= 3e-5 * want.max()  # of the fine sums at the edges
     assert there.port("filter.image").bands.count == 20
@@ -70,58 +67,54 @@ def test_every_band_counts_by_its_mean_response(library, tmp_path, cube, shape):
 
 
 @pytest.mark.parametrize("shape", ["rectangle", "gaussian"])
-def test_one_band_counts_by_the_black_body_of_its_mean(library, tmp_path, shape):
+def test_one_band_counts_by_the_black_body_of_its_mean(tmp_path, shape):
     um = fine(8.0, 12.0)
     radiance = planck(um, 305.0).mean() * 4.0
     np.save(tmp_path / "flat.npy", np.full(SIZE, radiance))
     params = {"shape": shape, "centre_um": 9.4, "width_um": 1.3}
     law = np.abs(um - 9.4) <= 0.65 if shape == "rectangle" else gaussian(um, 9.4, 1.3)
     read = {"path": "flat.npy", "cut_on_um": 8.0, "cut_off_um": 12.0}
-    there = bench(library, tmp_path, params, read=read)
+    there = bench(tmp_path, params, read=read)
     body = planck(um, 305.0)
     want = (law * body).sum() / body.sum()
     assert there.readouts("filter")["mean_of_band"] == pytest.approx(want, rel=2e-6)
     assert there.value("filter.image").mean() == pytest.approx(want * radiance, rel=2e-6)
 
 
-def test_left_empty_it_passes_the_picture_on(library, tmp_path, cube):
-    there = bench(library, tmp_path, {}, read={"path": "cube.img", "bands": "all"})
+def test_left_empty_it_passes_the_picture_on(tmp_path, cube):
+    there = bench(tmp_path, {}, read={"path": "cube.img", "bands": "all"})
     assert there.port("filter.image") is there.port("read.image")
 
 
-def test_a_response_beside_the_band_is_refused(library, tmp_path, cube):
+def test_a_response_beside_the_band_is_refused(tmp_path, cube):
     params = {"centre_um": 9.0, "width_um": 1.0}
-    error = bench(library, tmp_path, params, read={"path": "cube.img", "bands": "all"}).error(
-        "filter"
-    )
+    error = bench(tmp_path, params, read={"path": "cube.img", "bands": "all"}).error("filter")
     assert isinstance(error, ParameterError)
     assert "3 to 5 µm" in str(error)
 
 
-def test_a_source_beside_bands_is_not_used_and_says_so(library, tmp_path, cube):
+def test_a_source_beside_bands_is_not_used_and_says_so(tmp_path, cube):
     params = {"centre_um": 4.0, "width_um": 1.0, "source_K": 400.0}
     read = {"path": "cube.img", "bands": "all"}
-    (caution,) = bench(library, tmp_path, params, read=read).plan.nodes["filter"].warnings
+    (caution,) = bench(tmp_path, params, read=read).plan.nodes["filter"].warnings
     assert "400 K is not used" in caution.message
 
 
-def test_a_file_without_a_path_is_refused(library, tmp_path, cube):
+def test_a_file_without_a_path_is_refused(tmp_path, cube):
     params = {"shape": "file"}
-    error = bench(library, tmp_path, params, read={"path": "cube.img", "bands": "all"}).error(
-        "filter"
-    )
+    error = bench(tmp_path, params, read={"path": "cube.img", "bands": "all"}).error("filter")
     assert isinstance(error, ParameterError)
     assert "path" in str(error)
 
 
-def test_what_knows_no_bands_says_that_it_took_their_sum(library, tmp_path, cube):
+def test_what_knows_no_bands_says_that_it_took_their_sum(tmp_path, cube):
     nodes = {
         "read": ("read_image", {**FOV, "path": "cube.img", "bands": "all"}),
         "sharpen": ("anti_alias", {"factor": 2.0}),
         "kelvin": ("to_temperature", {}),
     }
     links = [("read.image", "sharpen.image"), ("read.image", "kelvin.image")]
-    plan = NodeBench(library, tmp_path, nodes, links).plan
+    plan = NodeBench(LIBRARY, tmp_path, nodes, links).plan
     for name in ("sharpen", "kelvin"):
         texts = [caution.message for caution in plan.nodes[name].warnings]
         assert any("sum of the picture's 20 bands" in text for text in texts), texts
@@ -136,21 +129,19 @@ def test_what_knows_no_bands_says_that_it_took_their_sum(library, tmp_path, cube
     ],
     ids=["no point in the band", "1 at its only point in the band"],
 )
-def test_a_file_counts_between_points_that_lie_beyond_the_band(library, tmp_path, points, law):
+def test_a_file_counts_between_points_that_lie_beyond_the_band(tmp_path, points, law):
     np.save(tmp_path / "one.npy", np.full(SIZE, 2.0))
     (tmp_path / "r.csv").write_text(points)
     read = {"path": "one.npy", "cut_on_um": 3.0, "cut_off_um": 5.0}
-    there = bench(
-        library, tmp_path, {"shape": "file", "path": "r.csv", "source_K": 300.0}, read=read
-    )
+    there = bench(tmp_path, {"shape": "file", "path": "r.csv", "source_K": 300.0}, read=read)
     places = fine(3.0, 5.0)
     want = 2.0 * np.average(law(places), weights=planck(places, 300.0))
     np.testing.assert_allclose(there.value("filter.image"), want, rtol=1e-9)
 
 
-def test_a_file_that_is_1_at_both_ends_of_the_band_changes_nothing(library, tmp_path):
+def test_a_file_that_is_1_at_both_ends_of_the_band_changes_nothing(tmp_path):
     np.save(tmp_path / "one.npy", np.full(SIZE, 2.0))
     (tmp_path / "r.csv").write_text("2,1\n6,1\n")
     read = {"path": "one.npy", "cut_on_um": 3.0, "cut_off_um": 5.0}
-    there = bench(library, tmp_path, {"shape": "file", "path": "r.csv"}, read=read)
+    there = bench(tmp_path, {"shape": "file", "path": "r.csv"}, read=read)
     assert there.port("filter.image").recipe is there.port("read.image").recipe

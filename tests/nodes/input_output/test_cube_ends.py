@@ -10,17 +10,14 @@ from cube_files import PHOTON_J_UM, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
 
+LIBRARY = standard_library()
+
 SIZE = (6, 7)
 PITCH_UM, F_NUMBER, TIME_S = 15.0, 2.0, 0.002
 PER_PHOTON = TIME_S * (PITCH_UM * 1e-6) ** 2 * np.pi / (4 * F_NUMBER**2 + 1)
 
 
-@pytest.fixture(scope="module")
-def library():
-    return standard_library()
-
-
-def bench(library, folder, *, read, plane=()):
+def bench(folder, *, read, plane=()):
     nodes = {
         "read": (
             "read_image",
@@ -46,7 +43,7 @@ def bench(library, folder, *, read, plane=()):
         ("read.image", "plane.image"),
         ("init.context", "plane.context"),
     ]
-    return NodeBench(library, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes, links)
 
 
 def flat(*levels):
@@ -54,13 +51,11 @@ def flat(*levels):
 
 
 @pytest.mark.parametrize("unit", ["W/m^2/sr/um", "photons/s/m^2/sr/um"])
-def test_a_band_cut_on_reading_is_counted_whole_behind_a_filter_of_the_same_ends(
-    library, tmp_path, unit
-):
+def test_a_band_cut_on_reading_is_counted_whole_behind_a_filter_of_the_same_ends(tmp_path, unit):
     # Bands of 3 to 4 and 4 to 5 µm, of which 3.6 to 4.3 µm are read and let through.
     write_cube(tmp_path, flat(2.0, 5.0), np.array([3.5, 4.5]), 1.0, unit=unit)
     cut = {"cut_on_um": 3.6, "cut_off_um": 4.3}
-    there = bench(library, tmp_path, read=cut, plane=cut)
+    there = bench(tmp_path, read=cut, plane=cut)
     assert there.port("read.image").band_um == pytest.approx((3.6, 4.3), rel=1e-14)
     # 0.4 µm about 3.8 µm, 0.3 µm about 4.15 µm.
     photons = 2.0 * 0.4 + 5.0 * 0.3
@@ -70,11 +65,10 @@ def test_a_band_cut_on_reading_is_counted_whole_behind_a_filter_of_the_same_ends
     assert made == pytest.approx(PER_PHOTON * photons, rel=1e-12)
 
 
-def test_a_cut_band_counts_by_the_response_within_the_cut(library, tmp_path):
+def test_a_cut_band_counts_by_the_response_within_the_cut(tmp_path):
     write_cube(tmp_path, flat(2.0), np.array([3.5]), 1.0)
     (tmp_path / "qe.csv").write_text("3,0\n4,1\n")
     there = bench(
-        library,
         tmp_path,
         read={"cut_on_um": 3.6, "cut_off_um": 4.0},
         plane={"response": "qe.csv"},
@@ -84,12 +78,10 @@ def test_a_cut_band_counts_by_the_response_within_the_cut(library, tmp_path):
 
 
 @pytest.mark.parametrize("cut", [{}, {"cut_on_um": 3.0, "cut_off_um": 4.25}])
-def test_overlapping_bands_without_a_share_of_wavelength_hold_their_own_width(
-    library, tmp_path, cut
-):
+def test_overlapping_bands_without_a_share_of_wavelength_hold_their_own_width(tmp_path, cut):
     # A spectrum of 2 W/m²/sr/µm all over, measured in bands of 1 µm that overlap by half.
     write_cube(tmp_path, flat(2.0, 2.0), np.array([3.5, 4.0]), 1.0, unit="W/m^2/sr")
-    there = bench(library, tmp_path, read=cut)
+    there = bench(tmp_path, read=cut)
     want = 2.0 * ((4.25 if cut else 4.5) - 3.0)
     np.testing.assert_allclose(there.value("read.image"), want, rtol=1e-13)
 
@@ -102,8 +94,8 @@ def test_overlapping_bands_without_a_share_of_wavelength_hold_their_own_width(
         ([3.5, 2e6], 1.0, "band 1 at 2e\\+06 µm reaches from 2e\\+06 to 2e\\+06 µm"),
     ],
 )
-def test_a_band_that_reaches_where_no_light_is_is_refused(library, tmp_path, centres, width, reach):
+def test_a_band_that_reaches_where_no_light_is_is_refused(tmp_path, centres, width, reach):
     write_cube(tmp_path, flat(2.0, 5.0), np.array(centres), width)
-    there = bench(library, tmp_path, read={})
+    there = bench(tmp_path, read={})
     with pytest.raises(FileError, match=reach):
         raise there.error("read")

@@ -10,6 +10,8 @@ from cube_files import C2_UM, centres, disc_otf, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
 
+LIBRARY = standard_library()
+
 INTERVAL = 0.02
 SHAPE = (16, 64)
 APERTURE_MM = 100.0
@@ -26,11 +28,6 @@ KINDS = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def library():
-    return standard_library()
-
-
 @pytest.fixture
 def folder(tmp_path):
     lines = [f"{place}, {value}" for place, value in POINTS]
@@ -39,7 +36,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-def bench(library, folder, key, params, *, read=None, filtered=None):
+def bench(folder, key, params, *, read=None, filtered=None):
     read = {"path": "flat.npy", "cut_on_um": 3.0, "cut_off_um": 5.0} if read is None else read
     fov = {
         "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SHAPE[1])),
@@ -59,7 +56,7 @@ def bench(library, folder, key, params, *, read=None, filtered=None):
     if key == "exit_pupil_mtf":
         nodes["pupil"] = ("exit_pupil", {"size_x": 128, "size_y": 128, "radius": 50})
         links.append(("pupil.pupil", "otf.pupil"))
-    return NodeBench(library, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes, links)
 
 
 def across(there):
@@ -75,38 +72,38 @@ def weighted_otf(xi, light):
 
 
 @pytest.mark.parametrize("key", KINDS)
-def test_a_detectors_response_weights_the_light(library, folder, key):
-    xi, mtf = across(bench(library, folder, key, {"response": "detector.csv"}))
+def test_a_detectors_response_weights_the_light(folder, key):
+    xi, mtf = across(bench(folder, key, {"response": "detector.csv"}))
     want = weighted_otf(xi, BODY * RESPONSE)
     assert np.abs(mtf - want).max() <= (1e-9 if key == "diffraction_mtf" else 2e-5)
     assert np.abs(want - weighted_otf(xi, BODY)).max() > 0.01
 
 
 @pytest.mark.parametrize("key", KINDS)
-def test_a_filter_that_the_picture_has_come_through_counts_too(library, folder, key):
+def test_a_filter_that_the_picture_has_come_through_counts_too(folder, key):
     filtered = {"shape": "file", "path": "detector.csv", "source_K": 300.0}
-    xi, mtf = across(bench(library, folder, key, {}, filtered=filtered))
-    assert np.array_equal(mtf, across(bench(library, folder, key, {"response": "detector.csv"}))[1])
-    both = bench(library, folder, key, {"response": "detector.csv"}, filtered=filtered)
+    xi, mtf = across(bench(folder, key, {}, filtered=filtered))
+    assert np.array_equal(mtf, across(bench(folder, key, {"response": "detector.csv"}))[1])
+    both = bench(folder, key, {"response": "detector.csv"}, filtered=filtered)
     want = weighted_otf(xi, BODY * RESPONSE**2)
     assert np.abs(across(both)[1] - want).max() <= (1e-9 if key == "diffraction_mtf" else 2e-5)
 
 
 @pytest.mark.parametrize("key", KINDS)
-def test_all_alike_but_for_the_response(library, folder, key):
+def test_all_alike_but_for_the_response(folder, key):
     params = {"weighting": "uniform", "response": "detector.csv"}
     filtered = {"shape": "rectangle", "width_um": 0.2, "source_K": 300.0}
-    xi, mtf = across(bench(library, folder, key, params, filtered=filtered))
+    xi, mtf = across(bench(folder, key, params, filtered=filtered))
     assert np.abs(mtf - weighted_otf(xi, RESPONSE)).max() <= 2e-5
 
 
 @pytest.mark.parametrize("key", KINDS)
-def test_of_a_picture_in_bands_the_mean_is_that_of_what_is_counted(library, folder, key):
+def test_of_a_picture_in_bands_the_mean_is_that_of_what_is_counted(folder, key):
     wavelengths, width = centres(6)
     samples = materials_cube(SHAPE, wavelengths)
     write_cube(folder, samples, wavelengths, width)
     read = {"path": "cube.img", "bands": "all"}
-    xi, mtf = across(bench(library, folder, key, {"response": "detector.csv"}, read=read))
+    xi, mtf = across(bench(folder, key, {"response": "detector.csv"}, read=read))
     means = np.array([band.mean() for band in samples])
     light = []
     for mean, wavelength in zip(means, wavelengths, strict=True):
@@ -118,8 +115,8 @@ def test_of_a_picture_in_bands_the_mean_is_that_of_what_is_counted(library, fold
 
 
 @pytest.mark.parametrize("key", KINDS)
-def test_one_wavelength_says_that_nothing_is_weighted(library, folder, key):
-    there = bench(library, folder, key, {"response": "detector.csv", "wavelengths": 1})
+def test_one_wavelength_says_that_nothing_is_weighted(folder, key):
+    there = bench(folder, key, {"response": "detector.csv", "wavelengths": 1})
     (caution,) = there.plan.warnings()
     assert "response is not used" in str(caution)
 
@@ -133,20 +130,20 @@ def test_one_wavelength_says_that_nothing_is_weighted(library, folder, key):
         ("long.csv", "3, 1\n4, 1.5\n", "line 2"),
     ],
 )
-def test_refusals(library, folder, key, name, text, words):
+def test_refusals(folder, key, name, text, words):
     if text is not None:
         (folder / name).write_text(text, encoding="utf-8")
-    (error,) = bench(library, folder, key, {"response": name}).plan.errors()
+    (error,) = bench(folder, key, {"response": name}).plan.errors()
     assert error.node == "otf"
     assert words in str(error)
 
 
-def test_the_readouts_are_of_the_weighted_band(library, folder):
-    there = bench(library, folder, "diffraction_mtf", {"response": "detector.csv"})
+def test_the_readouts_are_of_the_weighted_band(folder):
+    there = bench(folder, "diffraction_mtf", {"response": "detector.csv"})
     readouts = there.engine.readouts(there.plan, "otf", there.engine.work(Policy("double", 0.0)))
     assert readouts["estimated_error"] <= 1e-13
     many = "".join(f"{3 + 0.002 * i}, {0.5 + 0.1 * (i % 3)}\n" for i in range(1001))
     (folder / "many.csv").write_text(many, encoding="utf-8")
-    there = bench(library, folder, "diffraction_mtf", {"response": "many.csv"})
+    there = bench(folder, "diffraction_mtf", {"response": "many.csv"})
     readouts = there.engine.readouts(there.plan, "otf", there.engine.work(Policy("double", 0.0)))
     assert 1e-13 < readouts["estimated_error"] <= 1e-6

@@ -10,14 +10,11 @@ from cube_files import write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
 
+LIBRARY = standard_library()
+
 SIZE = (29, 12)
 INTERVAL = 0.01
 OUTER_MM, INNER_MM = 60.0, 21.0
-
-
-@pytest.fixture(scope="module")
-def library():
-    return standard_library()
 
 
 def overlap(first, second, apart):
@@ -64,7 +61,7 @@ def band_by_band(cube, wavelengths, width):
     ids=["one band", "visible and near infrared", "short waves to medium"],
 )
 def test_every_band_of_reflected_light_is_blurred_at_its_own_wavelength(
-    library, tmp_path, wavelengths, width, weighting
+    tmp_path, wavelengths, width, weighting
 ):
     wavelengths = np.asarray(wavelengths)
     cube = np.random.default_rng(3).uniform(5, 50, (len(wavelengths), *SIZE))
@@ -90,6 +87,6 @@ def test_every_band_of_reflected_light_is_blurred_at_its_own_wavelength(
         ("init.phase", "back.phase"),
         ("optics.magnitude", "back.magnitude"),
     ]
-    made = NodeBench(library, tmp_path, nodes, links).value("back.image")
+    made = NodeBench(LIBRARY, tmp_path, nodes, links).value("back.image")
     want = band_by_band(cube, wavelengths, width)
     assert np.abs(made - want).max() <= 1e-12 * np.abs(want).max()

@@ -17,15 +17,12 @@ from cube_files import (
 from node_bench import NodeBench
 from nodes.library import standard_library
 
+LIBRARY = standard_library()
+
 SIZE = (32, 40)
 INTERVAL = 0.035
 BANDS = 6
 PUPIL = {"size_x": 128, "size_y": 128, "radius": 50}
-
-
-@pytest.fixture(scope="module")
-def library():
-    return standard_library()
 
 
 @pytest.fixture
@@ -36,7 +33,7 @@ def cube(tmp_path):
     return samples, wavelengths, width
 
 
-def bench(library, folder, *, read, pupil=(), otf=()):
+def bench(folder, *, read, pupil=(), otf=()):
     fov = {
         "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[1])),
         "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[0])),
@@ -57,7 +54,7 @@ def bench(library, folder, *, read, pupil=(), otf=()):
         ("otf.magnitude", "back.magnitude"),
         ("otf.phase", "back.phase"),
     ]
-    return NodeBench(library, folder, nodes, links)
+    return NodeBench(LIBRARY, folder, nodes, links)
 
 
 def delivered(there):
@@ -68,8 +65,8 @@ def delivered(there):
 ALL = {"path": "cube.img", "bands": "all"}
 
 
-def test_a_disc_blurs_every_band_as_its_closed_form(library, tmp_path, cube):
-    made = delivered(bench(library, tmp_path, read=ALL))
+def test_a_disc_blurs_every_band_as_its_closed_form(tmp_path, cube):
+    made = delivered(bench(tmp_path, read=ALL))
     weights = np.full(BANDS, cube[2])
     want = band_by_band(cube[0], cube[1], weights, interval_mrad=INTERVAL, aperture_mm=100.0)
     assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
@@ -78,9 +75,9 @@ def test_a_disc_blurs_every_band_as_its_closed_form(library, tmp_path, cube):
 @pytest.mark.parametrize(
     "pupil", [{"defocus_waves": 0.4}, {"zernike_waves": (0, 0, 0, 0, 0, 0, 0.12, 0.05)}]
 )
-def test_a_wavefront_error_counts_by_the_waves_of_every_band(library, tmp_path, cube, pupil):
+def test_a_wavefront_error_counts_by_the_waves_of_every_band(tmp_path, cube, pupil):
     """The same as the sum of pictures of one band, whose waves are those of the whole band."""
-    made = delivered(bench(library, tmp_path, read=ALL, pupil=pupil))
+    made = delivered(bench(tmp_path, read=ALL, pupil=pupil))
     samples, wavelengths, width = cube
     middle = 4.0
     want = 0.0
@@ -93,16 +90,15 @@ def test_a_wavefront_error_counts_by_the_waves_of_every_band(library, tmp_path, 
             for name, value in pupil.items()
         }
         at = {"cut_on_um": float(wavelength), "cut_off_um": float(wavelength)}
-        one = bench(library, tmp_path, read={"path": "one.npy"}, pupil=scaled, otf=at)
+        one = bench(tmp_path, read={"path": "one.npy"}, pupil=scaled, otf=at)
         want = want + width * delivered(one)
     assert np.abs(made - want).max() <= 1e-11 * np.ptp(want)
 
 
 @pytest.mark.parametrize(("weighting", "power"), [("photons", 4), ("energy", 5)])
-def test_wavelengths_of_one_band_count_by_the_light_of_a_body(library, tmp_path, weighting, power):
+def test_wavelengths_of_one_band_count_by_the_light_of_a_body(tmp_path, weighting, power):
     np.save(tmp_path / "flat.npy", np.ones(SIZE))
     there = bench(
-        library,
         tmp_path,
         read={"path": "flat.npy", "cut_on_um": 3.0, "cut_off_um": 5.0},
         otf={"wavelengths": 24, "weighting": weighting, "source_K": 300.0},

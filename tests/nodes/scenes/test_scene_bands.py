@@ -22,39 +22,34 @@ from nodes.scenes.spectral_surfaces import (
 )
 from planck_truth import band_radiance
 
+LIBRARY = standard_library()
+
 DOUBLE = Policy("double", 0.0)
 SIZE = {"width": 83, "height": 61}
 LIGHT = {"temperature_K": 293.15, "delta_K": 6.0}
 
 
-@pytest.fixture(scope="module")
-def library():
-    return standard_library()
-
-
-def scene(library, folder, policy=DOUBLE, **parameters):
+def scene(folder, policy=DOUBLE, **parameters):
     values = {"cut_on_um": 3.4, "cut_off_um": 5.0, **SIZE, **LIGHT, **parameters}
-    bench = NodeBench(library, folder, {"scene": ("test_scene", values)}, [])
+    bench = NodeBench(LIBRARY, folder, {"scene": ("test_scene", values)}, [])
     return bench.port("scene.image"), bench.engine.work(policy)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("bands", [1, 7])
-def test_all_bands_of_grey_surfaces_are_the_scene_without_bands(library, tmp_path, kind, bands):
+def test_all_bands_of_grey_surfaces_are_the_scene_without_bands(tmp_path, kind, bands):
     # Every band holds its own integral of Planck's law, so that nothing is lost between them.
-    made, work = scene(library, tmp_path, kind=kind, bands=bands, emissivity="grey")
-    plain, _ = scene(library, tmp_path, kind=kind)
+    made, work = scene(tmp_path, kind=kind, bands=bands, emissivity="grey")
+    plain, _ = scene(tmp_path, kind=kind)
     assert (made.bands.count, plain.bands) == (bands, None)
     np.testing.assert_allclose(work.value(made.recipe), work.value(plain.recipe), rtol=1e-12)
 
 
 @pytest.mark.parametrize("at_once", [False, True])
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_sum_is_that_of_its_bands_and_means_are_theirs(
-    library, tmp_path, monkeypatch, kind, at_once
-):
+def test_a_sum_is_that_of_its_bands_and_means_are_theirs(tmp_path, monkeypatch, kind, at_once):
     monkeypatch.setattr(draw, "MOST_SAMPLES", 0 if at_once else 10**9)
-    made, work = scene(library, tmp_path, kind=kind, bands=5, sun_elevation_deg=40.0)
+    made, work = scene(tmp_path, kind=kind, bands=5, sun_elevation_deg=40.0)
     weights = ((0.3, 0.0, 2.0, -1.0, 0.25), (1.0, 1.0, 0.5, 0.0, 0.0))
     cube = np.stack([work.value(made.bands.band(index)) for index in range(5)])
     sums = work.value(made.bands.sums(weights))
@@ -62,8 +57,8 @@ def test_a_sum_is_that_of_its_bands_and_means_are_theirs(
     np.testing.assert_allclose(work.value(made.bands.means()), cube.mean(axis=(1, 2)), rtol=1e-12)
 
 
-def test_bands_are_equal_and_fill_the_interval(library, tmp_path):
-    made, _ = scene(library, tmp_path, bands=16)
+def test_bands_are_equal_and_fill_the_interval(tmp_path):
+    made, _ = scene(tmp_path, bands=16)
     centres, widths = np.array(made.bands.centres_um), np.array(made.bands.widths_um)
     np.testing.assert_allclose(widths, 0.1, rtol=1e-12)
     np.testing.assert_allclose(centres, 3.45 + 0.1 * np.arange(16), rtol=1e-12)
@@ -120,7 +115,7 @@ def test_every_surface_has_a_material_and_every_material_a_surface():
         assert all(0.0 <= value <= 1.0 and 0.3 < um <= 14.0 for um, value in spectrum.points)
 
 
-def test_optics_filter_each_band_at_its_wavelength(library, tmp_path):
+def test_optics_filter_each_band_at_its_wavelength(tmp_path):
     size = {"width": 80, "height": 64}
     interval = 0.035
     fov = {
@@ -142,7 +137,7 @@ def test_optics_filter_each_band_at_its_wavelength(library, tmp_path):
         ("optics.magnitude", "back.magnitude"),
         ("optics.phase", "back.phase"),
     ]
-    bench = NodeBench(library, tmp_path, nodes, links)
+    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
     work = bench.engine.work(DOUBLE)
     bands = bench.port("scene.image").bands
     cube = np.stack([work.value(bands.band(index)) for index in range(12)])
