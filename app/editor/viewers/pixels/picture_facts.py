@@ -76,13 +76,7 @@ def identity(value: Any) -> Hashable:
 
 
 def check_is_picture(value: Any, port: str) -> None:
-    """Refuse what has no samples in a plane.
-
-    Raises
-    ------
-    NetworkError
-        Saying what has.
-    """
+    """Refuse what has no samples in a plane."""
     kind = getattr(value, "port_type", None)
     if kind not in PICTURE_TYPES:
         shown = ", ".join(PICTURE_TYPES[:-1])

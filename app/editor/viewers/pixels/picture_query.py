@@ -284,13 +284,7 @@ def _recipes(bands: BandStack, places: tuple[int, ...]) -> tuple[Recipe, ...]:
 
 
 def _less(first: _Source, second: _Source) -> _Source:
-    """The difference of two.
-
-    Raises
-    ------
-    DataError
-        If they do not lie on the same samples.
-    """
+    """The difference of two."""
     a, b = first.facts, second.facts
     if (a.rows, a.columns, a.kind) != (b.rows, b.columns, b.kind):
         raise DataError(

@@ -64,13 +64,7 @@ class FiguresStrip(Viewer):
         return self.label(name).text()
 
     def label(self, name: str) -> ElidedLabel:
-        """Where that is shown.
-
-        Raises
-        ------
-        ValueError
-            It is no figure of the module that is shown.
-        """
+        """Where that is shown."""
         return self._slots[(OUTPUT, *self._names, RUN_TIME).index(name)][1]
 
     def _mark(self, _old: bool = False) -> None:

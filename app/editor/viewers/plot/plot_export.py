@@ -43,15 +43,7 @@ def export(widget: QWidget, data: Data, path: Path) -> None:
 
 
 def export_picture(widget: QWidget, path: Path) -> None:
-    """Write a picture of the widget.
-
-    Raises
-    ------
-    UsageError
-        For a suffix that is of no picture.
-    FileError
-        If the file cannot be written.
-    """
+    """Write a picture of the widget."""
     if PNG.matches(path):
         write_bytes(path, _png(widget))
     elif SVG.matches(path):
