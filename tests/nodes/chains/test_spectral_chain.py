@@ -194,8 +194,7 @@ def test_an_interval_beside_the_cube_is_refused(tmp_path, cube):
 
 
 @pytest.mark.parametrize(
-    ("unit", "factor"),
-    [("W/m^2/sr/um", 1.0), ("W/cm^2/sr/um", 1e-4), ("uW/cm^2/sr/nm", 0.1)],
+    ("unit", "factor"), [("W/m^2/sr/um", 1.0), ("W/cm^2/sr/um", 1e-4), ("uW/cm^2/sr/nm", 0.1)]
 )
 def test_units_are_brought_to_one(tmp_path, cube, unit, factor):
     samples, wavelengths, width = cube
@@ -252,9 +251,7 @@ def test_many_wavelengths_are_summed_in_several_passes(tmp_path, cube, monkeypat
     work, sizes = bench.engine.work(Policy("double", 0.0)), []
     compute = type(work)._compute
     monkeypatch.setattr(
-        type(work),
-        "_compute",
-        lambda *a: [sizes.append(work.store.used_bytes), compute(*a)][1],
+        type(work), "_compute", lambda *a: [sizes.append(work.store.used_bytes), compute(*a)][1]
     )
     made = bench.engine.value(bench.plan, "back.image", work)
     np.testing.assert_allclose(made, whole, rtol=1e-12)

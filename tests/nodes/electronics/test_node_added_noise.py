@@ -24,10 +24,7 @@ def picture(rows=31, columns=44, seed=1):
 
 def planned(folder, key, params, array=None, reading=FOV):
     np.save(folder / "in.npy", picture() if array is None else array)
-    nodes = {
-        "in": ("read_image", {"path": "in.npy", **reading}),
-        "out": (key, params),
-    }
+    nodes = {"in": ("read_image", {"path": "in.npy", **reading}), "out": (key, params)}
     network = linked_network(nodes, [("in.image", "out.image")])
     engine = Engine(LIBRARY)
     return engine, engine.plan(network, folder=folder)

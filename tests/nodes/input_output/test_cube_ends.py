@@ -69,9 +69,7 @@ def test_a_cut_band_counts_by_the_response_within_the_cut(tmp_path):
     write_cube(tmp_path, flat(2.0), np.array([3.5]), 1.0)
     (tmp_path / "qe.csv").write_text("3,0\n4,1\n")
     there = bench(
-        tmp_path,
-        read={"cut_on_um": 3.6, "cut_off_um": 4.0},
-        plane={"response": "qe.csv"},
+        tmp_path, read={"cut_on_um": 3.6, "cut_off_um": 4.0}, plane={"response": "qe.csv"}
     )
     want = PER_PHOTON * 2.0 * 0.4 * 0.8 * 3.8 / PHOTON_J_UM  # mean of 0.6 and 1 over 0.4 µm
     assert there.readouts("plane")["signal_e"] == pytest.approx(want, rel=1e-12)

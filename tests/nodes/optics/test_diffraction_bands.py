@@ -53,11 +53,7 @@ def band_by_band(cube, wavelengths, width):
 @pytest.mark.parametrize("weighting", ["photons", "energy", "uniform"])
 @pytest.mark.parametrize(
     ("wavelengths", "width"),
-    [
-        ([0.675], 0.045),
-        (np.linspace(0.46, 0.89, 13), 0.02),
-        ([1.4, 1.6, 2.0, 4.1], 0.15),
-    ],
+    [([0.675], 0.045), (np.linspace(0.46, 0.89, 13), 0.02), ([1.4, 1.6, 2.0, 4.1], 0.15)],
     ids=["one band", "visible and near infrared", "short waves to medium"],
 )
 def test_every_band_of_reflected_light_is_blurred_at_its_own_wavelength(

@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 
 from core.evaluation.policy import Policy
-from cube_files import (
-    C2_UM,
-    band_by_band,
-    centres,
-    disc_otf,
-    materials_cube,
-    write_cube,
-)
+from cube_files import C2_UM, band_by_band, centres, disc_otf, materials_cube, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
 

@@ -27,10 +27,7 @@ from readout_bench import (
 )
 
 BLUR = {"sigma_x_mrad": 0.4, "sigma_y_mrad": 1.3}
-BLURRED = [
-    ("init.context", "blur.context"),
-    ("init.magnitude", "blur.magnitude"),
-]
+BLURRED = [("init.context", "blur.context"), ("init.magnitude", "blur.magnitude")]
 D_STAR, BANDWIDTH_HZ, GAIN = 1e9, 3e4, 0.02
 
 
@@ -240,9 +237,6 @@ def test_readouts_of_merit_are_figures_of_the_table(tmp_path):
     engine, plan, work = sensor()
     found = engine.readouts(plan, "merit", work)
     table = engine.value(plan, "merit.table", work).as_dict()
-    rows = {
-        "mrtd_x_K": "mrtd_x_50_percent_nyquist",
-        "mrtd_y_K": "mrtd_y_50_percent_nyquist",
-    }
+    rows = {"mrtd_x_K": "mrtd_x_50_percent_nyquist", "mrtd_y_K": "mrtd_y_50_percent_nyquist"}
     assert found == {name: table[rows.get(name, name)] for name in found}
     assert len(set(found.values())) == 9

@@ -56,11 +56,7 @@ NEED_Y = {"ifov_y_mrad", "oversampling_y", "pixel_nyquist_y"}
 
 @pytest.mark.parametrize(
     ("missing", "empty"),
-    [
-        ("detector_x_um", NEED_X),
-        ("detector_y_um", NEED_Y),
-        ("focal_length_mm", NEED_X | NEED_Y),
-    ],
+    [("detector_x_um", NEED_X), ("detector_y_um", NEED_Y), ("focal_length_mm", NEED_X | NEED_Y)],
 )
 def test_readouts_of_the_transform_without_a_detector(tmp_path, missing, empty):
     """What needs a length that is not given is empty, and nothing else."""

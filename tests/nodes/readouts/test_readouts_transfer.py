@@ -29,10 +29,7 @@ from readout_bench import (
     sinc,
 )
 
-IFOV_X, IFOV_Y = (
-    FILL_X * PITCH_X_UM / FOCAL_LENGTH_MM,
-    FILL_Y * PITCH_Y_UM / FOCAL_LENGTH_MM,
-)
+IFOV_X, IFOV_Y = (FILL_X * PITCH_X_UM / FOCAL_LENGTH_MM, FILL_Y * PITCH_Y_UM / FOCAL_LENGTH_MM)
 LOST = 0.001
 PACKETS = cmath.exp(-2j * math.pi * NYQUIST_X * PITCH_X_UM / FOCAL_LENGTH_MM)
 TRANSFER = (1 - LOST) / (1 - LOST * PACKETS)

@@ -12,14 +12,7 @@ from nodes.library import standard_library
 from nodes.scenes import draw
 from nodes.scenes.coverage import KINDS
 from nodes.scenes.draw import scene_spectra
-from nodes.scenes.spectral_surfaces import (
-    ALIKE,
-    MATERIAL_OF,
-    MATERIALS,
-    SHADED,
-    SKY,
-    SURFACES,
-)
+from nodes.scenes.spectral_surfaces import ALIKE, MATERIAL_OF, MATERIALS, SHADED, SKY, SURFACES
 from planck_truth import band_radiance
 
 LIBRARY = standard_library()

@@ -6,12 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from nodes.scenes.coverage import (
-    cell_edges,
-    ellipse_coverage,
-    half_plane_coverage,
-    star_coverage,
-)
+from nodes.scenes.coverage import cell_edges, ellipse_coverage, half_plane_coverage, star_coverage
 from nodes.scenes.profiles import band, bell, power, steps, wave
 from nodes.scenes.scene_canvas import Drawing
 

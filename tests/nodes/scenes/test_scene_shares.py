@@ -13,13 +13,7 @@ from core.network.network import Network, Node
 from nodes.library import standard_library
 from nodes.scenes import scene_layers as layers
 from nodes.scenes.coverage import Texture, between, difference
-from nodes.scenes.draw import (
-    MOST_SAMPLES,
-    draw_scene,
-    draw_shares,
-    scene_radiances,
-    show_radiances,
-)
+from nodes.scenes.draw import MOST_SAMPLES, draw_scene, draw_shares, scene_radiances, show_radiances
 from nodes.scenes.profiles import band
 from nodes.scenes.scene_canvas import Drawing
 from nodes.scenes.scene_layers import layers_of

@@ -177,11 +177,7 @@ CASES = {
         ("70 m/s", "50 m/s"),
         {"velocity_m_per_s": 50.0},
     ),
-    ("alongtrack_mtf", "distance"): (
-        {"range_m": 500.0},
-        ("500 m", "1000 m"),
-        {"range_m": 1000.0},
-    ),
+    ("alongtrack_mtf", "distance"): ({"range_m": 500.0}, ("500 m", "1000 m"), {"range_m": 1000.0}),
     ("relative_motion_mtf", "distance"): ({"range_m": 500.0}, ("500 m", "1000 m"), {}),
     ("combine_pixels", "pixel_counted_twice"): (
         # 20 µm at 100 mm; 1° in 16 samples of 1.0908 mrad

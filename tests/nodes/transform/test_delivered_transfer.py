@@ -5,14 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytic_stages import (
-    ALL,
-    CHAINS,
-    INTERVAL_X,
-    STAGES,
-    analytic,
-    expected_h,
-)
+from analytic_stages import ALL, CHAINS, INTERVAL_X, STAGES, analytic, expected_h
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from delivered_chains import (

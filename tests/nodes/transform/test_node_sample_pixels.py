@@ -209,10 +209,7 @@ def test_refusals(tmp_path):
         ({"factor_x": 200, "factor_y": 1}, ("200", "12")),
     ):
         np.save(tmp_path / "in.npy", scene(8, 12))
-        nodes = {
-            "file": ("read_image", {"path": "in.npy"}),
-            "pixels": ("sample_pixels", params),
-        }
+        nodes = {"file": ("read_image", {"path": "in.npy"}), "pixels": ("sample_pixels", params)}
         plan = Engine(LIBRARY).plan(
             linked_network(nodes, [("file.image", "pixels.image")]), folder=tmp_path
         )

@@ -21,15 +21,7 @@ from nodes.motion.jitter_mtf import JitterMTF
 from nodes.optics.gaussian_mtf import GaussianMTF
 from nodes.transform.init_trans import InitTrans
 
-LIBRARY = library_of(
-    [
-        TestScene,
-        InitTrans,
-        JitterMTF,
-        GaussianMTF,
-        MtfSlices,
-    ]
-)
+LIBRARY = library_of([TestScene, InitTrans, JitterMTF, GaussianMTF, MtfSlices])
 GRID = Grid(40, 64, 0.5, 0.8)
 
 
