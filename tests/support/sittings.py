@@ -83,8 +83,10 @@ class Sitting:
         """Undo to the start, and do it all again."""
         end = self.document.history.position
         for at in reversed(range(end)):
+            undone = self.document.history.undo_text
             self.document.undo()
             assert self.document.history.position == at
+            assert self.document.history.redo_text == undone
             self.check()
         assert not self.document.history.undo_text
         for _ in range(end):
