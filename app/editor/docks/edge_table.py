@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPolygonF
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPalette, QPolygonF
 from PySide6.QtWidgets import (
     QHeaderView,
     QTableWidgetItem,
@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.declared_text import tip
 from app.editor.panels.illustrations.chart import Axis, Chart, ChartWidget
-from app.editor.theme import Theme
+from app.editor.theme import FAINT, Theme
 from app.editor.widgets import CopiedTable
 from app.measure.measurement_text import USED
 
@@ -47,8 +47,9 @@ class EdgeTable(QTreeWidget):
     chosen = Signal(int)
     switched = Signal()
 
-    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
+        self._measured: PictureMeasurement | None = None
         self.setObjectName("measure.edges")
         self.setAccessibleName("Edges; Del removes the marked one, or uses it again")
         self.setHeaderLabels(["Edge", "Normal", "MTF50", "State"])
@@ -62,14 +63,13 @@ class EdgeTable(QTreeWidget):
             head.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
         head.setStretchLastSection(True)
         head.setMinimumSectionSize(3 * self.fontMetrics().averageCharWidth())
-        self._theme = theme
-        self._measured: PictureMeasurement | None = None
         self.currentItemChanged.connect(self._marked)
 
-    def set_theme(self, theme: Theme) -> None:
-        """Write in other colours."""
-        self._theme = theme
-        self._write()
+    def changeEvent(self, event: QEvent) -> None:
+        """Write in the colours there are now."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange:
+            self._write()
 
     def show_measured(self, measured: PictureMeasurement | None) -> None:
         """List the edges of a measurement; the same number of them keep their rows."""
@@ -110,9 +110,8 @@ class EdgeTable(QTreeWidget):
             assert item is not None
             for column, text in enumerate(_cells(place, edge)):
                 item.setText(column, text)
-                item.setForeground(
-                    column, QColor(self._theme.text if edge.used else self._theme.faint_text)
-                )
+                role = QPalette.ColorRole.Text if edge.used else FAINT
+                item.setForeground(column, self.palette().color(role))
                 item.setToolTip(column, tip(edge.why_not or "used"))
             for column in (0, 1):
                 item.setTextAlignment(column, _RIGHT)

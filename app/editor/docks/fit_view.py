@@ -162,8 +162,7 @@ class FitView(WorkerView):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
-        for part in (self.table, self.chart):
-            part.set_theme(theme)
+        self.chart.set_theme(theme)
 
     def sizeHint(self) -> QSize:
         """Room for a table with a chart beside it."""
@@ -206,7 +205,7 @@ class FitView(WorkerView):
             flow.addWidget(widget)
         flow.addWidget(self.name)
         flow.addWidget(self.which)
-        self.table = FreeTable(self._session, self.theme, self)
+        self.table = FreeTable(self._session, self)
         self.words = QPlainTextEdit(self)
         self.words.setObjectName("fit.words")
         self.words.setAccessibleName("What the fit says of itself")

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent
+from PySide6.QtCore import QEvent, QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QHeaderView, QTableWidget, QTableWidgetItem, QWidget
 
 from app.editor.declared_text import about, label_of, tip
 from app.editor.docks.fit_job import FittedNumber
 from app.editor.number_text import FreeNumber, shown_number
 from app.editor.session import Session
-from app.editor.theme import Theme
+from app.editor.theme import ERROR
 from app.editor.typed_number import typed_number
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
@@ -34,8 +34,10 @@ class FreeTable(QTableWidget):
 
     refused = Signal(str)
 
-    def __init__(self, session: Session, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, session: Session, parent: QWidget) -> None:
         super().__init__(0, len(_HEADS), parent)
+        self._session = session
+        self._fitted: tuple[FittedNumber, ...] = ()
         self.setObjectName("fit.free")
         self.setAccessibleName("Free parameters, with limits and fitted values; Del fixes one")
         self.setToolTip(
@@ -52,14 +54,13 @@ class FreeTable(QTableWidget):
         head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
         head.setHighlightSections(False)
-        self._session, self._theme = session, theme
-        self._fitted: tuple[FittedNumber, ...] = ()
         self.itemChanged.connect(self._typed)
 
-    def set_theme(self, theme: Theme) -> None:
-        """Write in other colours."""
-        self._theme = theme
-        self.write()
+    def changeEvent(self, event: QEvent) -> None:
+        """Write in the colours there are now."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange:
+            self.write()
 
     def show_fitted(self, fitted: tuple[FittedNumber, ...]) -> None:
         """Show values with errors."""
@@ -91,7 +92,7 @@ class FreeTable(QTableWidget):
                     self._put(row, column, text, number)
                 value = self.item(row, _FITTED)
                 if value is not None and fitted is not None and fitted.value is None:
-                    value.setForeground(QColor(self._theme.error))
+                    value.setForeground(self.palette().color(ERROR))
 
     def _put(self, row: int, column: int, text: str, number: FreeNumber) -> None:
         item = self.item(row, column)  # one that is being typed in has to stay
@@ -99,7 +100,7 @@ class FreeTable(QTableWidget):
             item = QTableWidgetItem()
             self.setItem(row, column, item)
         item.setText(text)
-        item.setForeground(QColor(self._theme.text))
+        item.setForeground(self.palette().text())
         parameter = self._parameter(number)
         flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
         if column in (_LOW, _HIGH):

@@ -253,8 +253,7 @@ class MeasureView(WorkerView):
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
-        for part in (self.chart, self.table):
-            part.set_theme(theme)
+        self.chart.set_theme(theme)
 
     def sizeHint(self) -> QSize:
         """Room for a picture with its curves beside it."""
@@ -297,7 +296,7 @@ class MeasureView(WorkerView):
             flow.addWidget(widget)
         self.canvas = EdgeCanvas(self)
         self.chart = MtfChart(theme, self)
-        self.table = EdgeTable(theme, self)
+        self.table = EdgeTable(self)
         self.figures = FigureTable(self)
         self.tabs = QTabWidget(self)
         self.tabs.setObjectName("measure.tabs")

@@ -192,22 +192,17 @@ class RunQueue(QObject):
         self._set(replace(entry, state="running", begun=self._clock()))
         process.start()
 
-    def _stepped(self, number: int, step: object) -> None:
+    def _stepped(self, number: int, step: Any) -> None:
         entry = self._entries.get(number)
-        share, doing = getattr(step, "share", 0.0), getattr(step, "doing", "")
         if entry is not None and entry.state == "running":
-            first = entry.first or (self._clock(), share)
-            self._set(replace(entry, share=max(share, entry.share), doing=doing, first=first))
+            first, share = entry.first or (self._clock(), step.share), max(step.share, entry.share)
+            self._set(replace(entry, share=share, doing=step.doing, first=first))
 
-    def _ended(self, number: int, ending: Ending) -> None:
+    def _ended(self, number: int, end: Any, text: str, result: Any) -> None:
         self._processes.pop(number).deleteLater()
         entry = self._entries[number]  # one that runs is never removed
         seconds = self._clock() - entry.begun
-        self._set(
-            replace(
-                entry, state=ending.end, seconds=seconds, text=ending.text, result=ending.result
-            )
-        )
+        self._set(replace(entry, state=end, seconds=seconds, text=text, result=result))
         self._go_on()
 
     def _set(self, entry: Entry) -> None:
@@ -220,16 +215,6 @@ class RunQueue(QObject):
 _PATIENCE_MS = 15_000  # a stop is seen between two blocks of work; then it is ended by force
 _CLOSING_MS = 3_000  # the same where the window waits for it
 _PREFIX = "imagechain: "
-End = Literal["done", "failed", "cancelled"]
-
-
-@dataclass(frozen=True)
-class Ending:
-    """How a run ended: with a result, or with a line on why there is none."""
-
-    end: End
-    text: str = ""
-    result: Result | None = None
 
 
 class RunProcess(QObject):
@@ -241,12 +226,12 @@ class RunProcess(QObject):
     -------
     stepped(step)
         How far it is.
-    ended(ending)
-        It has ended, by itself or stopped; the last signal.
+    ended(end, text, result)
+        It is "done" with a `Result`, "failed" with a line on why, or "cancelled"; the last signal.
     """
 
     stepped = Signal(object)
-    ended = Signal(object)
+    ended = Signal(str, str, object)
 
     def __init__(self, job: Job, parent: QObject) -> None:
         super().__init__(parent)
@@ -305,7 +290,7 @@ class RunProcess(QObject):
 
     def _failed_to_start(self, error: QProcess.ProcessError) -> None:
         if error == QProcess.ProcessError.FailedToStart:
-            self._end(Ending("failed", f"Python cannot be started: {self._process.errorString()}"))
+            self._end("failed", f"Python cannot be started: {self._process.errorString()}")
 
     def _finished(self, code: int, status: QProcess.ExitStatus) -> None:
         self._read()
@@ -314,14 +299,14 @@ class RunProcess(QObject):
         if crashed:
             self._clear_away()
         if self._result is not None and code == 0 and not crashed:
-            self._end(Ending("done", "", self._result))
+            self._end("done", result=self._result)
         elif self._stopping:
-            self._end(Ending("cancelled"))
+            self._end("cancelled")
         elif crashed:
             text = f"its process was ended by the system (signal {code}): is the memory full?"
-            self._end(Ending("failed", text))
+            self._end("failed", text)
         else:
-            self._end(Ending("failed", _last_line(self._errors.decode("utf-8", "replace"))))
+            self._end("failed", _last_line(self._errors.decode("utf-8", "replace")))
 
     def _clear_away(self) -> None:
         """Remove what a process that was killed could not."""
@@ -329,11 +314,11 @@ class RunProcess(QObject):
         with contextlib.suppress(OSError):
             sweep(next(folder for folder in (output, *output.parents) if folder.is_dir()))
 
-    def _end(self, ending: Ending) -> None:
+    def _end(self, end: str, text: str = "", result: Result | None = None) -> None:
         if not self._over:
             self._over = True
             self._force.stop()
-            self.ended.emit(ending)
+            self.ended.emit(end, text, result)
 
 
 def python_environment() -> QProcessEnvironment:
@@ -372,11 +357,7 @@ def proposed_folder(session: Session, kind: str, taken: set[Path]) -> Path:
     """A folder beside the document's file that is not there yet, and nobody else's to be."""
     path = session.document.path
     base = path.parent.absolute() if path is not None else Path.cwd()
-    number = 1
-    while True:
-        folder = base / (
-            f"{session.stem}-{kind}" if number == 1 else f"{session.stem}-{kind}-{number}"
-        )
-        if folder not in taken and not folder.exists():
-            return folder
-        number += 1
+    first = base / f"{session.stem}-{kind}"
+    others = (first.with_name(f"{first.name}-{number}") for number in itertools.count(2))
+    free = (one for one in itertools.chain([first], others) if one not in taken)
+    return next(folder for folder in free if not folder.exists())

@@ -6,7 +6,7 @@ from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -15,6 +15,7 @@ from app.editor.declared_text import error_text, label_of
 from app.editor.docks.tradeoff_view import SideWork
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Passing, Query
+from app.editor.evaluation.runner import content
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.picture.kept_side import KeptSide, Way
@@ -31,10 +32,8 @@ from core.evaluation.work import Work
 from core.machine import store_bytes
 from core.network.network import Network
 
-MOST_CURVES = 8
-"""Of a plot turned to many angles, the curves of the last ones are kept."""
-SHARE = 4
-"""Snapshots keep at most this part of what computed values may take, in pictures."""
+MOST_CURVES = 8  # of a plot turned to many angles those of the last ones are kept
+SHARE = 4  # of what computed values may take, for pictures of snapshots: one part in so many
 NOTHING_KEPT = "nothing is kept yet: Ctrl+K keeps the present state"
 _OWNER = "snapshots.kept"
 
@@ -70,17 +69,7 @@ class AllFiguresQuery(Query):
 
     def key(self, plan: Plan) -> Hashable:
         """What the nodes make their figures of."""
-        return tuple(
-            (
-                name,
-                repr(planned.module),
-                planned.node.disabled,
-                planned.error is None,
-                tuple(getattr(value, "key", None) for value in planned.inputs.values()),
-                tuple(getattr(value, "key", None) for value in planned.outputs.values()),
-            )
-            for name, planned in plan.nodes.items()
-        )
+        return tuple((name, content(planned)) for name, planned in plan.nodes.items())
 
     def answer(self, passing: Passing) -> Figures:
         """The figures."""
@@ -127,11 +116,6 @@ class Snapshot:
     figures: Figures | None = None
     missing: dict[str, str] = field(default_factory=dict)
 
-    @property
-    def time(self) -> str:
-        """When it was kept, for people."""
-        return f"{self.taken:%H:%M:%S}"
-
     def add(self, results: Results) -> None:
         """Take what was computed later; of curves the last few stay."""
         self.pictures |= results.pictures
@@ -145,9 +129,8 @@ class Snapshot:
 class SnapshotQuery(Query):
     """What is computed of a snapshot, whatever the network has become meanwhile.
 
-    It waits for all that is shown, and stops for whatever comes: no pass is slower for it. What
-    has been shown is in the store already, and only referred to; what has to be computed is not
-    left there, where the next edit needs the room.
+    It waits for all that is shown, and stops for whatever comes. What has been shown is in the
+    store, and only referred to; what has to be computed leaves the store's room to the next edit.
     """
 
     waits: ClassVar[bool] = True
@@ -190,33 +173,12 @@ class SnapshotQuery(Query):
         return Results(pictures, curves, figures, missing)
 
 
-class Viewers(Protocol):
-    """The viewers of the window, by number, and the plot."""
-
-    images: dict[int, ImageViewer]
-    plot: PlotViewer
-
-    @property
-    def made(self) -> Any:
-        """Signals that a viewer has been made."""
-
-
 class Snapshots(QObject):
     """Any number of states of one document; those of another go when it is opened.
 
     One of them is A, the one that the present, B, is compared with: the newest, until another is
-    chosen. The document knows nothing of them: undo leaves them alone.
-
-    Attributes
-    ----------
-    states : list of Snapshot
-        The oldest first.
-    chosen : Snapshot or None
-        The one that is A.
-    way : "flip", "wipe" or None
-        How pictures are compared now; None where B is shown alone.
-    capacity_bytes : int
-        Most bytes of pictures that are kept.
+    chosen. Pictures of A and B are compared in one way or the other; without one, B is shown alone.
+    The document knows nothing of snapshots: undo leaves them alone.
 
     Signals
     -------
@@ -227,14 +189,18 @@ class Snapshots(QObject):
     changed = Signal()
 
     def __init__(
-        self, session: Session, evaluator: Evaluator, viewers: Viewers, parent: QObject
+        self,
+        session: Session,
+        evaluator: Evaluator,
+        images: Mapping[int, ImageViewer],
+        plot: PlotViewer,
+        parent: QObject,
     ) -> None:
         super().__init__(parent)
-        self._session = session
-        self._evaluator = evaluator
-        self._viewers = viewers
+        self._session, self._evaluator = session, evaluator
+        self._images, self._plot = images, plot
         self.capacity_bytes = store_bytes() // SHARE
-        self.states: list[Snapshot] = []
+        self.states: list[Snapshot] = []  # the oldest first
         self.chosen: Snapshot | None = None
         self.way: Way | None = None
         self._numbers = 0
@@ -242,11 +208,7 @@ class Snapshots(QObject):
         self._followed: set[int] = set()
         session.opened.connect(self._forget)
         evaluator.answered.connect(self._answered)
-        viewers.plot.posted.connect(self.follow)
-        # A viewer that is made is in its place a moment later.
-        self._soon = QTimer(self, singleShot=True, interval=0)
-        self._soon.timeout.connect(self.follow)
-        viewers.made.connect(lambda _: self._soon.start())
+        plot.posted.connect(self.follow)
         self.follow()
 
     def keep(self) -> None:
@@ -266,7 +228,7 @@ class Snapshots(QObject):
         self.chosen = state
         if self.way == "flip":  # it would look as if nothing followed edits
             self.way = None
-        ports, curves = tuple(dict.fromkeys(self._ports())), tuple(self._viewers.plot.queries())
+        ports, curves = tuple(dict.fromkeys(self._ports())), tuple(self._plot.queries())
         self._want(state, SnapshotQuery(source, ports, curves, figures=True))
         self._say(f"kept as {name}: K flips to it and back, W wipes between it and now")
         self._update()
@@ -283,8 +245,10 @@ class Snapshots(QObject):
         state.name = " ".join(name.split()) or state.name
         self._update()
 
-    def remove(self, state: Snapshot) -> None:
+    def remove(self, state: Snapshot | None) -> None:
         """Keep a state no longer; where it was A, the newest left is."""
+        if state is None:
+            return
         self.states.remove(state)
         self._wanted = {query: of for query, of in self._wanted.items() if of is not state}
         if self.chosen is state:
@@ -304,15 +268,8 @@ class Snapshots(QObject):
         else:
             self._say(f"the network is as in {state.name} already")
 
-    def flip(self) -> None:
-        """Show A in the place of B, or B again."""
-        self._compare("flip")
-
-    def wipe(self) -> None:
-        """Show A and B on both sides of a wipe, or B alone again."""
-        self._compare("wipe")
-
-    def _compare(self, way: Way) -> None:
+    def compare(self, way: Way) -> None:
+        """Show A in the place of B, or both at the sides of a wipe; again: B alone."""
         if self.chosen is None:
             self._say(NOTHING_KEPT, "advice")
         else:
@@ -323,14 +280,14 @@ class Snapshots(QObject):
 
     def follow(self, *_: object) -> None:
         """Show beside the present what A has of it; what it lacks is computed in a quiet moment."""
-        for number, viewer in self._viewers.images.items():
+        for number, viewer in self._images.items():
             if number not in self._followed:
                 self._followed.add(number)
                 viewer.posted.connect(self.follow)
             viewer.compare_kept(self._side(viewer))
             if self.chosen is None:
                 viewer.forget_kept()
-        state, plot = self.chosen, self._viewers.plot
+        state, plot = self.chosen, self._plot
         if state is None or not plot.isVisible():
             plot.compare_kept(None)
         else:
@@ -349,7 +306,7 @@ class Snapshots(QObject):
             missing = f"{port} of {state.name} is being computed"
             if not any(port in query.ports for query in self._wanted_of(state)):
                 self._want(state, SnapshotQuery(state.source, (port,)))
-        name = f"{state.name} · {state.time}"
+        name = f"{state.name} · {state.taken:%H:%M:%S}"
         return KeptSide(state.pictures.get(port), name, self.way, missing)
 
     def _want_curves(self, state: Snapshot, query: Query) -> None:
@@ -363,7 +320,7 @@ class Snapshots(QObject):
 
     def _ports(self) -> list[str]:
         """Wires on display; without any, those that the viewers would show."""
-        images = self._viewers.images.values()
+        images = self._images.values()
         seen = [viewer.choices.port for viewer in images if viewer.isVisible()]
         ports = seen or [viewer.choices.port for viewer in images]
         return [port for port in ports if port is not None]

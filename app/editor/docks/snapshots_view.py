@@ -54,10 +54,10 @@ class SnapshotsView(Viewer):
         self._freshness.changed.connect(self.figures.setDisabled)
         snapshots.changed.connect(self._follow_snapshots)
         self.keep.clicked.connect(snapshots.keep)
-        self.flip.clicked.connect(snapshots.flip)
-        self.wipe.clicked.connect(snapshots.wipe)
+        self.flip.clicked.connect(lambda: snapshots.compare("flip"))
+        self.wipe.clicked.connect(lambda: snapshots.compare("wipe"))
         self.back.clicked.connect(partial(without_argument, snapshots.go_back))
-        self.remove.clicked.connect(self._remove)
+        self.remove.clicked.connect(lambda: snapshots.remove(snapshots.chosen))
         self._follow_snapshots()
 
     def queries(self) -> Sequence[Query]:
@@ -143,10 +143,6 @@ class SnapshotsView(Viewer):
         self._fill_figures()
         self.ask()
 
-    def _remove(self) -> None:
-        if self._snapshots.chosen is not None:
-            self._snapshots.remove(self._snapshots.chosen)
-
     def _fill_figures(self) -> None:
         state, now = self._snapshots.chosen, self._now
         if not self.isVisible():
@@ -198,7 +194,7 @@ class SnapshotList(QTreeWidget):
                 item.setFlags(item.flags() | Qt.ItemFlag.ItemIsEditable)
                 item.setData(_NAME, _STATE, state)
                 item.setText(_NAME, f"A  {state.name}" if state is chosen else state.name)
-                item.setText(_TIME, state.time)
+                item.setText(_TIME, f"{state.taken:%H:%M:%S}")
                 if state is chosen:
                     self.setCurrentItem(item)
 

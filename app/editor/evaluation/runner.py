@@ -448,11 +448,11 @@ def plan_held(
     if not held:
         return Planned(fresh, fresh)
     shown = engine.plan(network, folder=folder, previous=last.shown, held=held)
-    stale = frozenset(name for name in held if _content(held[name]) != _content(fresh.nodes[name]))
+    stale = frozenset(name for name in held if content(held[name]) != content(fresh.nodes[name]))
     return Planned(shown, fresh, stale)
 
 
-def _content(planned: PlannedNode) -> tuple[Hashable, ...]:
+def content(planned: PlannedNode) -> tuple[Hashable, ...]:
     """What a node makes its outputs and read-outs of, and what it gives."""
     return (
         _keys(planned.outputs),

@@ -265,7 +265,11 @@ class MainWindow(QMainWindow):
         self.history = HistoryList(self.session)
         self.history_dock = add_dock(self, "History", "dock.history", self.history, _RIGHT)
         self.history_dock.hide()
-        self.snapshots = Snapshots(self.session, self.evaluator, self.viewers, self)
+        self.snapshots = Snapshots(
+            self.session, self.evaluator, self.viewers.images, self.viewers.plot, self
+        )
+        # A viewer that is made is in its place a moment later.
+        self.viewers.made.connect(lambda _: QTimer.singleShot(0, self.snapshots.follow))
         self.snapshots_view = SnapshotsView(self.session, self.evaluator, self.snapshots)
         self.snapshots_dock = self._hidden_dock("Snapshots", "snapshots", self.snapshots_view)
         self.runs = BackgroundRuns(self.session, self, self.finish_typing)
@@ -349,8 +353,8 @@ class MainWindow(QMainWindow):
             "measure": self._measure,
             "cancel": self.cancel,
             "keep_snapshot": partial(self._typed_first, snapshots.keep),
-            "flip": snapshots.flip,
-            "wipe": snapshots.wipe,
+            "flip": partial(snapshots.compare, "flip"),
+            "wipe": partial(snapshots.compare, "wipe"),
             "go_back": snapshots.go_back,
             "snapshots": partial(toggle_dock, self.snapshots_dock, self.snapshots_view.list),
             "shortcuts": self.help.shortcuts,

@@ -8,8 +8,8 @@ import tempfile
 import threading
 import time
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from types import TracebackType
 
 from PySide6.QtCore import QCoreApplication, QEventLoop, QSize, Qt, QTimer, qInstallMessageHandler
 from PySide6.QtGui import QImage
@@ -66,20 +66,26 @@ def start(options: Options, stop_requested: threading.Event) -> None:
     settings = Settings()
     with nothing_collected():
         window = built(options, settings)
-    sys.excepthook = _Reporter(window)
+    sys.excepthook = partial(_report, window)
     app.commitDataRequest.connect(lambda _manager: window.autosaver.write())
-    ending = _Ending(window, stop_requested)
+    problem: ImagechainError | None = None
+
+    def end_on_request() -> None:
+        nonlocal problem
+        if stop_requested.is_set():
+            problem = window.stop() or problem
+
     wake = QTimer()
-    wake.timeout.connect(ending)
+    wake.timeout.connect(end_on_request)
     wake.start(_WAKE_MS)
     with nothing_collected():
         window.show()
     for line in missing_modules(window.session.library):
         window.session.message.emit("error", line)
     app.exec()
-    if ending.problem is not None:
+    if problem is not None:
         stop_requested.clear()  # it was carried out: the error is the outcome
-        raise FileError(f"unsaved work is lost: {ending.problem}") from ending.problem
+        raise FileError(f"unsaved work is lost: {problem}") from problem
 
 
 def built(options: Options, settings: Settings) -> MainWindow:
@@ -95,19 +101,6 @@ def built(options: Options, settings: Settings) -> MainWindow:
     return window
 
 
-class _Ending:
-    """Lets Python handle signals, and closes the window after one; work is kept."""
-
-    def __init__(self, window: MainWindow, stop_requested: threading.Event) -> None:
-        self.problem: ImagechainError | None = None
-        self._window = window
-        self._stop_requested = stop_requested
-
-    def __call__(self) -> None:
-        if self._stop_requested.is_set():
-            self.problem = self._window.stop() or self.problem
-
-
 def _only_note(stop_requested: threading.Event) -> None:
     """Only note a signal to end: an exception in a slot would not reach the caller."""
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # Windows has no SIGHUP
@@ -116,18 +109,13 @@ def _only_note(stop_requested: threading.Event) -> None:
             signal.signal(number, lambda *_: stop_requested.set())
 
 
-class _Reporter:
+def _report(
+    window: MainWindow, kind: type[BaseException], error: BaseException, _trace: object
+) -> None:
     """An internal error in a slot becomes one line; the window goes on."""
-
-    def __init__(self, window: MainWindow) -> None:
-        self._window = window
-
-    def __call__(
-        self, kind: type[BaseException], error: BaseException, _trace: TracebackType | None
-    ) -> None:
-        line = f"internal error: {kind.__name__}: {' '.join(str(error).split())}"
-        print_error(f"imagechain: {line}")
-        self._window.session.message.emit("error", line)
+    line = f"internal error: {kind.__name__}: {' '.join(str(error).split())}"
+    print_error(f"imagechain: {line}")
+    window.session.message.emit("error", line)
 
 
 def _quiet(*_: object) -> None:

@@ -60,10 +60,10 @@ def test_the_second_flip_waits_for_nothing(person):
     for _ in range(2):
         person.key(KEY.Key_K)
     assert person.viewer.picture.other is None
-    person.snapshots.flip()  # no event is processed in between
+    person.snapshots.compare("flip")  # no event is processed in between
     assert person.viewer.picture.other is not None
     assert person.viewer.canvas.second.isVisible()
-    person.snapshots.flip()
+    person.snapshots.compare("flip")
     assert not person.viewer.canvas.second.isVisible()
     person.idle()
     assert person.viewer.picture.other is None

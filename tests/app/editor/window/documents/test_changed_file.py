@@ -47,32 +47,23 @@ def modules(path):
     return [node["module"] for node in json.loads(path.read_text())["nodes"].values()]
 
 
-def test_the_second_to_save_is_asked_and_nothing_is_written_yet(two, file):
+def test_the_second_to_save_is_asked_and_cancel_leaves_both_as_they_are(two, file, qtbot):
     _, other = two
     before = file.read_bytes()
-    other.files.save()
-    box = question(other)
-    assert "mine.json has been changed by another program" in box.text()
-    texts = {button.text().replace("&", "") for button in box.findChildren(QPushButton)}
-    assert texts == {"Reload", "Overwrite", "Save As…", "Cancel"}
-    assert file.read_bytes() == before
-    assert other.isWindowModified()
+    for _ in range(2):
+        other.files.save()
+        box = question(other)
+        assert "mine.json has been changed by another program" in box.text()
+        texts = {button.text().replace("&", "") for button in box.findChildren(QPushButton)}
+        assert texts == {"Reload", "Overwrite", "Save As…", "Cancel"}
+        QTest.keyClick(box, KEY.Key_Escape)
+        qtbot.waitUntil(lambda: question(other) is None)
+        assert file.read_bytes() == before
+        assert other.isWindowModified()
 
 
-def test_cancel_leaves_both_as_they_are(two, file, qtbot):
-    _, other = two
-    before = file.read_bytes()
-    other.files.save()
-    QTest.keyClick(question(other), KEY.Key_Escape)
-    qtbot.waitUntil(lambda: question(other) is None)
-    assert file.read_bytes() == before
-    assert other.isWindowModified()
-    other.files.save()
-    assert question(other) is not None, "it asks again"
-
-
-def test_overwrite_writes_and_asks_no_more(two, file, qtbot):
-    _, other = two
+def test_overwrite_writes_asks_no_more_and_is_noticed_by_the_other(two, file, qtbot):
+    one, other = two
     other.files.save()
     click(qtbot, other, "overwrite")
     assert "test_scene" in modules(file)
@@ -82,12 +73,6 @@ def test_overwrite_writes_and_asks_no_more(two, file, qtbot):
     other.files.save()
     assert question(other) is None
     assert not other.isWindowModified()
-
-
-def test_overwriting_is_noticed_by_the_other_in_its_turn(two, qtbot):
-    one, other = two
-    other.files.save()
-    click(qtbot, other, "overwrite")
     add(one, "init_trans")
     one.files.save()
     assert question(one) is not None
@@ -121,26 +106,16 @@ def test_save_as_leaves_the_file_to_the_other(two, file, qtbot):
 def test_closing_saves_only_once_that_is_answered(two, file, qtbot):
     _, other = two
     before = file.read_bytes()
-    assert not other.close()
-    (box,) = other.findChildren(QMessageBox, "save_changes")
-    box.button(QMessageBox.StandardButton.Save).click()
-    qtbot.waitUntil(lambda: question(other) is not None)
-    assert other.isVisible()
-    assert file.read_bytes() == before
-    click(qtbot, other, "overwrite")
+    for reply in ("cancel", "overwrite"):
+        assert not other.close()
+        box = next(b for b in other.findChildren(QMessageBox, "save_changes") if b.isVisible())
+        box.button(QMessageBox.StandardButton.Save).click()
+        qtbot.waitUntil(lambda: question(other) is not None)
+        assert other.isVisible()
+        assert file.read_bytes() == before
+        click(qtbot, other, reply)
     qtbot.waitUntil(lambda: not other.isVisible())
     assert modules(file)[-1] == "test_scene"
-
-
-def test_giving_it_up_gives_up_the_closing(two, qtbot):
-    _, other = two
-    other.close()
-    (box,) = other.findChildren(QMessageBox, "save_changes")
-    box.button(QMessageBox.StandardButton.Save).click()
-    qtbot.waitUntil(lambda: question(other) is not None)
-    click(qtbot, other, "cancel")
-    assert other.isVisible()
-    assert other.isWindowModified()
 
 
 def test_of_a_removed_file_there_is_nothing_to_reload(two, file, qtbot):
