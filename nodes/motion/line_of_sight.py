@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,19 +27,10 @@ from core.physics.sampling.vibration import (
 )
 from nodes.files.motion_table import read_motion
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
-from nodes.shared.factors import separable
+from nodes.shared.factors import OtfOutputs, otf_outputs, separable
 from nodes.shared.module_ports import Apply, NyquistReadouts
 
 Axes = tuple[MotionSpectrum, MotionSpectrum]
-
-
-class MotionOutputs(NamedTuple):
-    """Both halves of the spectrum, the blur of an exposure and the shift of a frame."""
-
-    magnitude: Magnitude
-    phase: Phase
-    mtf: Transfer
-    ptf: Transfer
 
 
 class LineOfSight(
@@ -108,7 +99,7 @@ class LineOfSight(
 
     def run(
         self, context: Context, magnitude: Magnitude, phase: Phase, here: NodeContext
-    ) -> MotionOutputs:
+    ) -> OtfOutputs:
         """Plan the blur and the shift."""
         across, along = self._spectra(here)
         blur = separable(
@@ -126,11 +117,7 @@ class LineOfSight(
             label=self.title,
             node=here.node,
         )
-        mtf = magnitude.transfer("mtf", blur, self.title)
-        ptf = phase.transfer("ptf", shift, self.title)
-        if self.apply == "filter_only":
-            return MotionOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
-        return MotionOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)
+        return otf_outputs(self.apply, magnitude, phase, blur=blur, shift=shift, label=self.title)
 
     def _spectra(self, here: NodeContext) -> Axes:
         if self.psd_path is not None:
@@ -171,32 +158,32 @@ class LineOfSight(
         )
 
     @readout("mrad")
-    def within_x_mrad(self, outputs: MotionOutputs) -> float:
+    def within_x_mrad(self, outputs: OtfOutputs) -> float:
         """Rms motion across within an exposure, about its mean."""
         return _rms_within(outputs, "x")
 
     @readout("mrad")
-    def within_y_mrad(self, outputs: MotionOutputs) -> float:
+    def within_y_mrad(self, outputs: OtfOutputs) -> float:
         """Rms motion along within an exposure, about its mean."""
         return _rms_within(outputs, "y")
 
     @readout("mrad")
-    def between_x_mrad(self, outputs: MotionOutputs) -> float:
+    def between_x_mrad(self, outputs: OtfOutputs) -> float:
         """Rms shift across from frame to frame."""
         return _rms_between(outputs, "x")
 
     @readout("mrad")
-    def between_y_mrad(self, outputs: MotionOutputs) -> float:
+    def between_y_mrad(self, outputs: OtfOutputs) -> float:
         """Rms shift along from frame to frame."""
         return _rms_between(outputs, "y")
 
     @readout("mrad")
-    def shift_x_mrad(self, outputs: MotionOutputs) -> float:
+    def shift_x_mrad(self, outputs: OtfOutputs) -> float:
         """Shift of frame 0 across."""
         return _first_shift(outputs, "x")
 
     @readout("mrad")
-    def shift_y_mrad(self, outputs: MotionOutputs) -> float:
+    def shift_y_mrad(self, outputs: OtfOutputs) -> float:
         """Shift of frame 0 along."""
         return _first_shift(outputs, "y")
 
@@ -207,21 +194,21 @@ def _bound(transfer: Transfer, axis: str) -> dict[str, Any]:
     return dict(laws[0].parameters) if laws and laws[0] is not None else {}
 
 
-def _rms_within(outputs: MotionOutputs, axis: str) -> float:
+def _rms_within(outputs: OtfOutputs, axis: str) -> float:
     bound = _bound(outputs.mtf, axis)
     if not bound:
         return 0.0
     return math.sqrt(float(np.dot(bound["variances"], bound["weights"])))
 
 
-def _rms_between(outputs: MotionOutputs, axis: str) -> float:
+def _rms_between(outputs: OtfOutputs, axis: str) -> float:
     bound = _bound(outputs.ptf, axis)
     if not bound:
         return 0.0
     return between_exposures_mrad(spectrum=bound["spectrum"], exposure_s=bound["exposure_s"])
 
 
-def _first_shift(outputs: MotionOutputs, axis: str) -> float:
+def _first_shift(outputs: OtfOutputs, axis: str) -> float:
     bound = _bound(outputs.ptf, axis)
     return shift_of_frame_mrad(**bound) if bound else 0.0
 
