@@ -12,8 +12,6 @@ from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from core.errors import FileError
-from nodes.files.common.paths import readable_file
-from nodes.files.common.size_limits import refuse_oversized_text
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -103,6 +101,9 @@ def read_once(read: Callable[Concatenate[Path, P], T]) -> Callable[Concatenate[P
 
     @wraps(read)
     def read_path(path: Path, /, *args: P.args, **kwargs: P.kwargs) -> T:
+        # What only writes CSV need not load numpy.
+        from nodes.files.common.paths import readable_file
+
         file = readable_file(path)
         status = file.stat()
         state = (status.st_size, status.st_mtime_ns)
@@ -164,6 +165,8 @@ def lens_lines(path: Path, *, what: str) -> list[str]:
 
     UTF-8, UTF-16 with its mark or, of Latin letters, without, or Latin-1.
     """
+    from nodes.files.common.size_limits import refuse_oversized_text
+
     refuse_oversized_text(path)
     try:
         text = _decoded(path.read_bytes())
