@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     )
     from core.modules.panel_sections import Caution
     from imagechain import modules
+    from imagechain.building.camera import Camera
     from imagechain.building.chain import Chain, ChainNode, networks, open
     from imagechain.building.chain_study import study
     from imagechain.building.fitted_chain import FittedChain, fit
@@ -65,6 +66,7 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "Camera",
     "Cancelled",
     "Caution",
     "Chain",
@@ -112,6 +114,7 @@ _PLACES = {
         ),
         "core.errors",
     ),
+    "Camera": "imagechain.building.camera",
     "Caution": "core.modules.panel_sections",
     "Chain": "imagechain.building.chain",
     "ChainNode": "imagechain.building.chain",

@@ -17,6 +17,8 @@ from core.chain.wires import Image
 from core.editing.operations import fresh_name
 from core.errors import DataError, FileError, ImagechainError, UsageError
 from core.evaluation.policy import Policy
+from core.evaluation.recipes import Step, ends_lineage
+from core.evaluation.work import Work
 from core.modules.declaration import Library, declaration
 from core.names import close, shown
 from core.network.linked_values import naming
@@ -32,6 +34,7 @@ from nodes.shared.shared_warnings import is_radiance, is_temperature
 
 READ_IMAGE = "read_image"
 RELATIVE = "relative"
+EIGHT_BITS = 0.0, 255.0
 _MOST_SAMPLES = 1 << 27  # of which the range is looked for
 _UNITS = {"c": "°C", "celsius": "°C", "f": "°F", "degf": "°F", "fahrenheit": "°F", "k": "K"}
 _REFLECTANCE = ("reflectance", "albedo", "%", "1")
@@ -89,6 +92,9 @@ class SceneReplaced:
     node: str  # the node that reads the picture
     lines: tuple[str, ...]  # how the picture was taken: samples, field of view, band
     samples: HeldSamples | None = None  # those of an array
+    ends: Pair | None = (
+        None  # what the lowest and highest sample became, where `fitted` scaled them
+    )
 
 
 def scene_nodes(network: Network, library: Library) -> list[str]:
@@ -110,15 +116,17 @@ def with_own_scene(
     plan: Plan,
     node: str | None = None,
     stored: str | None = None,
+    engine: Engine | None = None,
 ) -> SceneReplaced:
     """The network with a picture in the place of its scene; wires and layout stay.
 
     `node` is needed where the network has several scenes; `stored` is the file's name in the
-    network, its whole path by default.
+    network, its whole path by default. An `engine` keeps the range of the scene before, so that
+    the next picture finds it there.
     """
     own.check()
     name = _chosen(network, library, node, own.option)
-    return _Replacing(network, own, name, plan, library).done(stored)
+    return _Replacing(network, own, name, plan, engine or Engine(library)).done(stored)
 
 
 def _chosen(network: Network, library: Library, node: str | None, option: str) -> str:
@@ -142,16 +150,17 @@ class _Replacing:
     """One replacement: what was there, what comes, and what is said of it."""
 
     def __init__(
-        self, network: Network, own: OwnScene, name: str, plan: Plan, library: Library
+        self, network: Network, own: OwnScene, name: str, plan: Plan, engine: Engine
     ) -> None:
         self._network, self._own, self._name, self._plan = network, own, name, plan
-        self._library = library
+        self._engine, self._library = engine, engine.library
+        self._ends: Pair | None = None
         self._lines: list[str] = []
         self._where: list[str] = []  # field of view, distance, band
         self._kind = "samples"
         self._held: HeldSamples | None = None
         if isinstance(own.picture, np.ndarray):
-            self._held = HeldSamples.of(_grey(own.picture))
+            self._held = HeldSamples.of(grey(own.picture))
             self._info = self._held.info
         else:
             self._info = _info(own.picture)
@@ -179,7 +188,7 @@ class _Replacing:
         what = info.path.name if self._held is None else "an array"
         head = f"{what}, {info.columns} × {info.rows} {self._kind}, replaces {title}"
         said = filter(None, (head, *self._lines, ", ".join(self._where)))
-        return SceneReplaced(network, self._name, tuple(said), self._held)
+        return SceneReplaced(network, self._name, tuple(said), self._held, self._ends)
 
     # Samples
 
@@ -272,22 +281,20 @@ class _Replacing:
             )
         if before.rows * before.columns > _MOST_SAMPLES:
             raise self._refusal()
-        samples = Engine(self._library).work(Policy("single")).value(before.recipe)
-        low, high = _range(np.asarray(samples), self._refusal())
+        low, high = self._engine.work(Policy("single")).value(Step.of(_ends_of, before.recipe))
+        if not (math.isfinite(low) and math.isfinite(high)):
+            raise self._refusal()
         if low == high:  # a uniform scene: half as much above as below
             low, high = sorted((0.5 * low, 1.5 * low)) if low else (0.0, 1.0)
+        self._ends = low, high
         first, last, what = self._levels()
-        if first == last:
-            scale, offset = 1.0, 0.5 * (low + high) - first
-        else:
-            scale = (high - low) / (last - first)
-            offset = low - scale * first
+        scaled = fitted((first, last), self._ends)
         of_unit = f" in {unit}" if unit and unit != RELATIVE else ""
         self._lines.append(
             f"{what} {first:.5g}…{last:.5g}{of_unit} scaled to {low:.4g}…{high:.4g} {before.unit}, "
             f"the range of the scene before{self._hint('unit', 'says what they are')}"
         )
-        return {"scale": scale, "offset": offset, "unit": before.unit}
+        return {**scaled, "unit": before.unit}
 
     def _levels(self) -> tuple[float, float, str]:
         """The samples that become the ends of the range, and what they are called."""
@@ -295,7 +302,7 @@ class _Replacing:
         array = self._own.picture
         dtype = array.dtype if isinstance(array, np.ndarray) else np.dtype(info.dtype)
         if dtype == np.uint8:
-            return 0.0, 255.0, "8-bit samples"
+            return *EIGHT_BITS, "8-bit samples"
         if info.rows * info.columns > _MOST_SAMPLES:
             raise self._refusal()
         if self._held is not None:
@@ -304,7 +311,10 @@ class _Replacing:
             samples = luminance(info.path, self._rgb)
         else:
             samples = read_pixels(info.path)
-        return *_range(samples, self._refusal()), "samples"
+        first, last = sample_ends(samples)
+        if not (math.isfinite(first) and math.isfinite(last)):
+            raise self._refusal()
+        return first, last, "samples"
 
     def _refusal(self) -> UsageError:
         return UsageError(
@@ -546,7 +556,7 @@ def _info(path: Path) -> PictureInfo:
     return info
 
 
-def _grey(array: Array) -> Array:
+def grey(array: Array) -> Array:
     """An array of two dimensions; of red, green and blue their luminance."""
     if array.ndim == 3 and array.shape[-1] in (3, 4):
         return np.asarray(array[..., :3] @ np.array(LUMINANCE))
@@ -579,11 +589,23 @@ def _worded(unit: str) -> str:
     return RELATIVE if text.lower() == RELATIVE else _UNITS.get(text.lower(), text)
 
 
-def _range(samples: Array, refusal: UsageError) -> Pair:
-    low, high = float(np.nanmin(samples)), float(np.nanmax(samples))
-    if not (math.isfinite(low) and math.isfinite(high)):
-        raise refusal
-    return low, high
+def fitted(levels: Pair, ends: Pair) -> dict[str, float]:
+    """Scale and offset of Read Image by which levels become the ends of a range."""
+    (first, last), (low, high) = levels, ends
+    if first == last:
+        return {"scale": 1.0, "offset": 0.5 * (low + high) - first}
+    scale = (high - low) / (last - first)
+    return {"scale": scale, "offset": low - scale * first}
+
+
+def sample_ends(samples: Array) -> Pair:
+    """The lowest and the highest sample, NaN left out."""
+    return float(np.nanmin(samples)), float(np.nanmax(samples))
+
+
+@ends_lineage
+def _ends_of(_: Work, samples: Array) -> Pair:
+    return sample_ends(samples)
 
 
 def _deg(angle: Iterable[float]) -> str:

@@ -118,6 +118,13 @@ class Work:
             for held in opened:
                 held.close()
 
+    def forget(self, keys: Iterable[str]) -> None:
+        """Drop the values of recipes with these keys, and all parts that this evaluation made."""
+        for key in keys:
+            self.store.drop(key + self._suffix)
+        for key, region in self.log.parts:
+            self.store.drop(f"{key}{self._suffix}/{region}")
+
     def has(self, recipe: Recipe) -> bool:
         """Whether the value of a recipe is there already."""
         return self.store.holds(recipe.key + self._suffix)

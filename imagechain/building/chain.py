@@ -28,6 +28,7 @@ from core.network.linked_values import expression_text
 from core.network.macro import declared_node
 from core.network.network import Link, Network, Node
 from core.network.validation import NetworkProblems
+from imagechain.building.camera import Camera
 from imagechain.building.chain_saving import saved
 from imagechain.building.chain_state import ChainState, Check, checked
 from imagechain.parts.module_part import Part, known_parameter, shown_value
@@ -401,18 +402,63 @@ class Chain:
         named = frozenset(node for node, _ in self._state.given)
         spare = [port.rpartition(".")[0] for port in options.outputs or ()]
         chain = self
-        while True:
-            try:
-                engine, plan = chain.planned(seed)
-                return run_plan(engine, plan, options, Origin(self._state.file, named))
-            except ImagechainError as error:
-                library = self._engine.library
+
+        def smaller(error: ImagechainError) -> Plan:
+            """Without the judges that cannot judge a scene of one's own; else the error."""
+            nonlocal chain
+            library = self._engine.library
+            while True:
                 left = without_judges(chain.network, error, library, spare) if self.scene else None
                 if left is None:
-                    raise
-            for line in left[1]:
-                warnings.warn(line, stacklevel=3)
-            chain = Chain._of(replace(chain._state, network=left[0]), self._engine)
+                    raise error
+                for line in left[1]:
+                    warnings.warn(line, stacklevel=4)
+                chain = Chain._of(replace(chain._state, network=left[0]), self._engine)
+                try:
+                    return chain.planned(seed)[1]
+                except ImagechainError as another:
+                    error = another
+
+        try:
+            plan = self.planned(seed)[1]
+        except ImagechainError as error:
+            plan = smaller(error)
+        return run_plan(self._engine, plan, options, Origin(self._state.file, named), smaller)
+
+    @plain_errors
+    def camera(
+        self,
+        size: tuple[int, int],
+        *,
+        outputs: str | Sequence[str] | None = None,
+        precision: Precision = "single",
+        tolerance: float | None = None,
+        threads: int = 0,
+        **scene: Any,
+    ) -> Camera:
+        """The chain planned once for many frames: ``camera(frame)`` gives the picture of each.
+
+        It has the bits of `run` on a chain with that scene, without figures and read-outs.
+
+        Parameters
+        ----------
+        size : (int, int)
+            Rows and columns of the frames.
+        outputs : str or sequence of str, optional
+            What is made, ``NODE.PORT``; of several a frame gives a dictionary. Default is the
+            picture that the chain delivers.
+        precision, tolerance, threads
+            As of `run`.
+        **scene
+            What is known of the frames, as `replace_scene` takes it: ``unit="K"``.
+
+        Raises
+        ------
+        ImagechainError
+            If there is no such output or scene, or the chain has a fault.
+        """
+        policy = Policy(precision, tolerance, threads)
+        return Camera(self._state, size, outputs, policy, scene, self._engine)
 
     @plain_errors
     def check(self) -> Check:

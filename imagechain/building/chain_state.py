@@ -173,7 +173,7 @@ class ChainState:
         )
         new = with_own_scene(
             self.network, own, library=engine.library, plan=self.plan(engine), node=node,
-            stored=stored,
+            stored=stored, engine=engine,
         )  # fmt: skip
         samples = {name: held for name, held in self.samples.items() if name != new.node}
         return replace(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from os import PathLike, fspath
 from pathlib import Path
@@ -34,6 +34,8 @@ from imagechain.results.stage_curves import StageCurves, curves_along, curves_of
 from nodes.files.frames.frame_writing import header_beside_frames
 from nodes.files.read import check_finite
 
+Smaller = Callable[[ImagechainError], Plan]
+
 
 class Result:
     """What a chain has delivered, with the chain as it was when it ran.
@@ -42,13 +44,19 @@ class Result:
     """
 
     def __init__(
-        self, engine: Engine, plan: Plan, options: RunOptions, work: TimedWork, origin: Origin
+        self,
+        engine: Engine,
+        plan: Plan,
+        options: RunOptions,
+        work: TimedWork,
+        origin: Origin,
+        smaller: Smaller,
     ) -> None:
         self._engine = engine
         self._plan = plan
         self._options = options
         self._work = work
-        self._origin = origin
+        self._origin, self._smaller = origin, smaller
         self._values: dict[str, NDArray[Any]] = {}
 
     __reduce__ = stays_here
@@ -192,7 +200,11 @@ class Result:
 
     @cached_property
     def _evaluation(self) -> Evaluation:
-        return evaluate(self._engine, self._plan, self._work, self._plan.folder)
+        while True:
+            try:
+                return evaluate(self._engine, self._plan, self._work, self._plan.folder)
+            except ImagechainError as error:
+                self._plan = self._smaller(error)
 
     def _port(self, port: str | None) -> str:
         if port is not None:
@@ -296,8 +308,15 @@ def image_ports(plan: Plan) -> tuple[str, ...]:
     )
 
 
-def run_plan(engine: Engine, plan: Plan, options: RunOptions, origin: Origin) -> Result:
-    """Compute what the options name; without them all that a run of the command computes."""
+def run_plan(
+    engine: Engine, plan: Plan, options: RunOptions, origin: Origin, smaller: Smaller
+) -> Result:
+    """Compute what the options name, by default the picture that the chain delivers.
+
+    All else is computed when the result is asked for it, but for pictures in blocks, whose place on
+    disk is there while they are made alone. `smaller` gives the plan without what cannot be
+    computed, or raises the error.
+    """
     way = way_of_running(plan, options.policy, options.memory)
     if way.in_blocks and (options.frames or 1) > 1:
         raise ParameterError("frames", options.frames, "1, of pictures that are made in blocks")
@@ -305,14 +324,15 @@ def run_plan(engine: Engine, plan: Plan, options: RunOptions, origin: Origin) ->
     most = store_bytes() if options.memory is None else min(store_bytes(), options.memory)
     engine.store.capacity_bytes = most if kept is None else kept.capacity_bytes
     work = TimedWork(options.policy, engine.store, workers=engine.workers)
-    result = Result(engine, plan, options, work, origin)
+    result = Result(engine, plan, options, work, origin, smaller)
     ports = list(options.outputs) if options.outputs is not None else _final(plan)
     how: dict[str, Any] = {"ports": ports, "report": False, "scratch": options.scratch}
     with (
         blocks_of(way, engine, plan, options.policy, **how) as work.blocks,
         work.hold(_recipes(plan, ports)),
     ):
-        if options.outputs is None and options.region is None:
+        everything = options.outputs is None and options.region is None
+        if everything and (way.in_blocks or not ports):
             result._evaluation  # noqa: B018  (computed here, and kept)
         for port in ports:
             result.value(port)

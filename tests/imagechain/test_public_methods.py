@@ -66,6 +66,7 @@ CALLED = {
         "link": lambda c: ("init.phase", "back.phase") in c.link("init.phase", "back.phase").links,
         "unlink": lambda c: len(c.unlink("init.phase", "back.phase").links) < len(chain().links),
         "replace_scene": lambda c: c.replace_scene(EDGE).run().image().shape == EDGE.shape,
+        "camera": lambda c: c.camera(EDGE.shape)(EDGE).shape == EDGE.shape,
         "remove": lambda c: "back" not in c.remove("back"),
         "rename": lambda c: "end" in c.rename("back", "end"),
         "mark_final": lambda c: c.mark_final("back").final == "back.image",

@@ -1,0 +1,208 @@
+"""A chain planned once, that makes a picture of each fresh array of its scene."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.run.output import ancestors, find_output
+from app.run.own_scene import EIGHT_BITS, OwnScene, fitted, grey, sample_ends, with_own_scene
+from app.run.way_of_running import way_of_running
+from core.chain.engine import Engine, Plan, PlannedNode
+from core.chain.frame_sequence import at_frame
+from core.chain.realize import asked_for
+from core.chain.wires import Image
+from core.errors import DataError, ImagechainError, NetworkError, ParameterError, UsageError
+from core.evaluation.policy import Policy
+from core.evaluation.work import Work
+from core.network.linked_values import with_values
+from core.network.validation import NetworkProblems
+from imagechain.building.chain_state import ChainState
+from imagechain.parts.plain_errors import plain_errors
+from nodes.files.read import check_finite
+from nodes.input_output.read_image import ReadImage
+from nodes.input_output.source_file import HeldSamples
+from nodes.library import standard_library
+
+Array = NDArray[Any]
+
+
+class Camera:
+    """What a chain makes of frames: ``camera(frame)``, to the bits of a run on that scene.
+
+    `Chain.camera` makes it. Only its outputs are computed; what frames share is made once, and
+    nothing else of a frame stays. It may be sent to other processes.
+    """
+
+    def __init__(
+        self,
+        state: ChainState,
+        size: tuple[int, int],
+        outputs: str | Sequence[str] | None,
+        policy: Policy,
+        scene: Mapping[str, Any],
+        engine: Engine | None = None,
+    ) -> None:
+        self._made_of = state, size, outputs, policy, scene
+        planner = Engine(standard_library()) if engine is None else engine
+        self._policy, self._size, self._unit = policy, _checked_size(size), scene.get("unit", "")
+        words = {name: value for name, value in scene.items() if name != "node"}
+        replaced = with_own_scene(
+            state.network,
+            OwnScene(np.zeros(self._size, np.float32), **words),
+            library=planner.library,
+            plan=state.plan(planner),
+            node=scene.get("node"),
+            engine=planner,
+        )
+        self._scene, self._ends = replaced.node, replaced.ends
+        assert replaced.samples is not None
+        samples = {**state.samples, replaced.node: replaced.samples}
+        plan = replace(state, network=replaced.network, samples=samples).plan(planner)
+        self._several = outputs is not None and not isinstance(outputs, str)
+        self._ports = _ports(plan, outputs)
+        nodes = [plan.network.port_names.get(port, port).rpartition(".")[0] for port in self._ports]
+        needed = {*nodes, *ancestors(plan.network, *nodes), self._scene}
+        network = with_values(plan.network, library=planner.library).network
+        self._network = replace(
+            network,
+            nodes={name: node for name, node in network.nodes.items() if name in needed},
+            links=tuple(link for link in network.links if link.target in needed),
+        )
+        self._held = {name: plan.nodes[name] for name in samples if name in needed}
+        self._engine = Engine(planner.library)
+        self._plan = self._engine.plan(self._network, folder=plan.folder, held=self._held)
+        _refuse_faults(self._plan)
+        if way_of_running(self._plan, policy, None).in_blocks:
+            raise UsageError(f"size = {size}: its pictures are too large for memory: use run")
+        self._asked: set[str] = set()
+        self._count, self._lock = itertools.count(), threading.Lock()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Camera, self._made_of
+
+    @plain_errors
+    def __call__(self, frame: Any, *, seed: int | None = None, number: int = 0) -> Any:
+        """The picture of a frame, read-only; of several outputs, each by its ``NODE.PORT``.
+
+        Parameters
+        ----------
+        frame : array
+            The scene's samples, (rows, columns), or (rows, columns, 3) in colour, as
+            `Chain.replace_scene` takes them.
+        seed : int, optional
+            Of all noise, fixed patterns included; by default the chain's own.
+        number : int
+            Which frame of a sequence it is, from 0: temporal noise of its own, the same fixed
+            patterns, as ``run(frames=…)`` has them.
+
+        Raises
+        ------
+        ImagechainError
+            If the frame is not of the camera's size or has a sample that is not finite.
+        """
+        if not (isinstance(number, Integral) and int(number) >= 0):
+            raise ParameterError("number", number, "a whole number, 0 or more")
+        with self._lock:
+            plan = self._planned(frame, seed)
+            work = self._engine.work(self._policy)
+            values = {port: plan.output(port) for port in self._ports}
+            recipes = [recipe for value in values.values() for recipe in asked_for(value)]
+            try:
+                with work.hold(recipes):
+                    made = {port: self._made(plan, port, work, int(number)) for port in values}
+            finally:
+                self._forget(work)
+        return made if self._several else made[self._ports[0]]
+
+    def _planned(self, frame: Any, seed: int | None) -> Plan:
+        """The chain planned on a frame; all that hangs on neither it nor the seed stays."""
+        held = self._samples(frame)
+        node = self._network.nodes[self._scene]
+        if self._ends is not None:
+            eight_bits = getattr(frame, "dtype", None) == np.uint8
+            levels = EIGHT_BITS if eight_bits else sample_ends(held.samples)
+            node = replace(node, params={**node.params, **fitted(levels, self._ends)})
+        module = ReadImage.build(node.params)
+        assert isinstance(module, ReadImage)
+        output = module.of_samples(held, node.id)
+        scene = PlannedNode(node, module, {}, output._asdict(), output)
+        network = self._network.with_node(node)
+        self._plan = self._engine.plan(
+            network if seed is None else network.with_seed(seed),
+            folder=self._plan.folder,
+            previous=self._plan,
+            held={**self._held, self._scene: scene},
+        )
+        _refuse_faults(self._plan)
+        return self._plan
+
+    def _samples(self, frame: Any) -> HeldSamples:
+        unit = getattr(frame, "attrs", {}).get("units", self._unit)
+        if unit != self._unit:
+            raise UsageError(f"a frame in {unit}: say unit={unit!r} when the camera is made")
+        array = grey(np.asarray(frame))
+        if array.shape != self._size:
+            shape, size = (" × ".join(map(str, one)) for one in (array.shape, self._size))
+            raise DataError(f"a frame of {shape} samples: the camera was made for {size}")
+        held = HeldSamples.of(array, "the frame")
+        vars(held)["key"] = f"frame {next(self._count)}"  # not shared: its content needs no hash
+        return held
+
+    def _made(self, plan: Plan, port: str, work: Work, number: int) -> Any:
+        value = plan.output(port)
+        try:
+            if not isinstance(value, Image):
+                return self._engine.value(plan, port, work)
+            samples = work.value(at_frame(value.recipe, number) if number else value.recipe)
+            check_finite(samples, port)
+            return samples
+        except ImagechainError as error:
+            raise error.at(port.rpartition(".")[0]) from error
+
+    def _forget(self, work: Work) -> None:
+        """Keep what this frame and the one before it asked for; drop all else of either."""
+        asked = set(work.log.requested)
+        work.forget((asked | self._asked) - (asked & self._asked))
+        self._asked = asked
+
+    def __repr__(self) -> str:
+        rows, columns = self._size
+        return f"<Camera: frames of {rows} × {columns} to {', '.join(self._ports)}>"
+
+
+def _checked_size(size: Any) -> tuple[int, int]:
+    try:
+        rows, columns = size
+    except (TypeError, ValueError):
+        rows = columns = None
+    if not all(isinstance(side, Integral) and int(side) >= 1 for side in (rows, columns)):
+        raise ParameterError("size", size, "two whole numbers: rows and columns of a frame")
+    return int(rows), int(columns)
+
+
+def _ports(plan: Plan, outputs: str | Sequence[str] | None) -> tuple[str, ...]:
+    """What is made: ports that there are."""
+    if outputs is None:
+        final = find_output(plan)
+        if final.port is None:
+            raise NetworkError(f"{final.missing}: name outputs")
+        return (final.port,)
+    ports = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    if not ports:
+        raise ParameterError("outputs", outputs, "one NODE.PORT or more")
+    for port in ports:
+        plan.output(port)
+    return ports
+
+
+def _refuse_faults(plan: Plan) -> None:
+    if errors := plan.errors():
+        raise NetworkProblems(errors)
