@@ -26,8 +26,8 @@ from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext
+from core.physics.measurement.edges.row_average import row_average
 from core.physics.measurement.edges.slanted_edge import falls_to
-from core.physics.measurement.levels.flat_field import row_average
 from core.physics.numerics import sinc
 from core.physics.sampling.interpolation import folded
 from core.transfer.factors import factor_at

@@ -17,7 +17,6 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
-from core.physics.measurement.levels.photon_transfer import Between
 from core.physics.sampling.footprint_means import (
     Footprints,
     footprint_coverage,
@@ -40,6 +39,7 @@ from core.physics.sampling.ground_geometry import (
     step_of_field_mrad,
     view_angles,
 )
+from core.physics.sampling.running_sums import Between
 from nodes.shared.module_ports import table_figure
 
 Array = NDArray[Any]

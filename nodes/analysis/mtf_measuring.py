@@ -14,6 +14,7 @@ from core.errors import DataError
 from core.evaluation.recipes import ends_lineage, holds_region
 from core.evaluation.work import Work
 from core.physics.measurement.edges.edge_line import Target
+from core.physics.measurement.edges.row_average import row_average
 from core.physics.measurement.edges.slanted_edge import (
     Window,
     falls_to,
@@ -21,7 +22,6 @@ from core.physics.measurement.edges.slanted_edge import (
     slanted_edge,
     spread_to_line,
 )
-from core.physics.measurement.levels.flat_field import row_average
 from core.physics.numerics import sinc
 from core.transfer.factors import Grid, factor_at
 from nodes.analysis.lineage import transfer_of

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.machine import ForEach, in_turn
-from core.physics.measurement.levels.photon_transfer import (
+from core.physics.sampling.running_sums import (
     PAD,
     Between,
     between,

@@ -12,9 +12,8 @@ here, electrons of a number; that of EMVA 1288 is its inverse.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,19 +75,7 @@ def emva_figures(
     used: NDArray[np.bool_],
     saturated: NDArray[np.bool_],
 ) -> EmvaFigures:
-    """The standard's figures.
-
-    Parameters
-    ----------
-    levels
-        Flat fields of light.
-    dark
-        Frames without light.
-    gain_e_per_dn, offset_dn
-        Of the photon transfer curve through them.
-    used, saturated
-        Which levels make its straight line, and which are saturated.
-    """
+    """The standard's figures."""
     gain = gain_e_per_dn
     capacity = threshold = None
     if offset_dn is not None and saturated.any():
@@ -121,15 +108,6 @@ def prnu_percent(
     lit: Sequence[FlatField], dark: FlatField, part: Callable[[FlatField], float]
 ) -> float:
     """Share of the signal that a part of the fixed pattern grows with, percent.
-
-    Parameters
-    ----------
-    lit
-        Levels of the straight part of the curve.
-    dark
-        Frames without light, whose pattern is taken off.
-    part
-        Variance of the part, DN².
 
     Notes
     -----
@@ -359,102 +337,3 @@ def _fixed(
     lit = [level for level, taken in zip(levels, used, strict=True) if taken]
     dsnu = gain * math.sqrt(max(dark.fixed_dn2, 0.0))
     return dsnu, prnu_percent(lit, dark, lambda field: field.fixed_dn2)
-
-
-# Integrals of sampled values between any two places, by their running sums.
-#
-# What lies between samples is taken as `area`: each holds all over its extent, as block means
-# have
-# it, and nothing overshoots; `bilinear`: straight from centre to centre; `cubic`: parabolas that
-# join, and keep each sample's mean. The last two have a straight ramp exactly.
-
-Array = NDArray[Any]
-Between = Literal["area", "bilinear", "cubic"]
-PAD = 2  # samples beyond those between two places that `between` looks at
-
-
-def running_sums(samples: Array, axis: int) -> Vector:
-    """Sums of all samples before each border: one more along the axis than samples."""
-    shape = list(samples.shape)
-    shape[axis] += 1
-    sums = np.zeros(shape)
-    after = (slice(None),) * axis + (slice(1, None),)
-    np.cumsum(samples, axis=axis, out=sums[after])
-    return sums
-
-
-def between(sums: Vector, places: Vector, kind: Between, axis: int) -> Vector:
-    """Integral from the first border up to places along one axis.
-
-    Parameters
-    ----------
-    sums : ndarray, shape (rows, columns)
-        Running sums along the axis.
-    places : ndarray
-        Counted in samples from the first border, `PAD` within the first and last; of length 1
-        along the other axis where they are the same there.
-    kind : "area", "bilinear" or "cubic"
-        What lies between samples.
-    axis : 0 or 1
-        Along which.
-
-    Returns
-    -------
-    ndarray
-        As many values as places, for each row or column.
-    """
-    base, weights = taps(places, kind, sums.shape[axis] - 1)
-    return weighted(sums, base, weights, axis)
-
-
-def weighted(
-    sums: Vector, base: NDArray[np.intp], weights: Iterable[tuple[int, Vector]], axis: int
-) -> Vector:
-    """Weighted sum of values near a base along an axis, as `taps` gives them."""
-    total: Vector | None = None
-    for index, weight in weights:
-        term = picked(sums, base + index, axis)
-        term *= weight
-        total = term if total is None else np.add(total, term, out=total)
-    assert total is not None
-    return total
-
-
-def picked(values: Vector, index: NDArray[np.intp], axis: int) -> Vector:
-    """Values at an index along an axis: one for all rows, or columns, or one for each."""
-    if index.shape[1 - axis] == 1:
-        return np.asarray(np.take(values, index.ravel(), axis=axis))
-    columns = values.shape[1]
-    if axis == 1:
-        flat = index + np.arange(len(index))[:, np.newaxis] * columns
-    else:
-        flat = index * columns + np.arange(columns)
-    return np.asarray(np.take(values, flat))
-
-
-def taps(
-    places: Vector, kind: Between, samples: int
-) -> tuple[NDArray[np.intp], list[tuple[int, Vector]]]:
-    """The running sums, counted from a base, whose weighted sum is the integral up to a place.
-
-    `bilinear`: the mean over a sample's width of the sums joined straight. `cubic`: Catmull and
-    Rom's curve through the sums.
-    """
-    if kind == "bilinear":
-        base = np.rint(places).astype(np.intp)
-        t = places - base
-        return base, [
-            (-1, 0.5 * (0.5 - t) ** 2),
-            (0, 0.75 - t * t),
-            (1, 0.5 * (0.5 + t) ** 2),
-        ]
-    base = np.minimum(places.astype(np.intp), samples - 1)
-    t = places - base
-    if kind == "area":
-        return base, [(0, 1.0 - t), (1, t)]
-    return base, [
-        (-1, t * (-0.5 + t * (1.0 - 0.5 * t))),
-        (0, 1.0 + t * t * (-2.5 + 1.5 * t)),
-        (1, t * (0.5 + t * (2.0 - 1.5 * t))),
-        (2, t * t * (-0.5 + 0.5 * t)),
-    ]

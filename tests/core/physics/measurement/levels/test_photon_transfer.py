@@ -43,8 +43,12 @@ class Camera:
 
 
 def field(camera, electrons, count=40, seed=1):
-    taken = FlatFrames(*camera.shape)
-    for frame in camera.frames(electrons, count, seed):
+    return measured(camera.frames(electrons, count, seed), camera.shape)
+
+
+def measured(frames, shape=None):
+    taken = FlatFrames(*(shape or frames.shape[1:]))
+    for frame in frames:
         taken.add(frame)
     return taken.measured()
 
@@ -204,13 +208,15 @@ def test_what_is_refused():
     taken = FlatFrames(4, 5)
     with pytest.raises(DataError, match="3 × 5 samples does not go with 4 × 5"):
         taken.add(np.zeros((3, 5)))
-
-
-def measured(frames):
-    taken = FlatFrames(*frames.shape[1:])
-    for frame in frames:
-        taken.add(frame)
-    return taken.measured()
+    levels = [field(Camera(), electrons) for electrons in (500, 5000)]
+    with pytest.raises(DataError, match="dark frames' mean, 1450"):
+        photon_transfer(levels=levels, dark=levels[1])
+    huge = replace(levels[0], temporal_dn2=float("nan"))  # as of numbers about 1e308
+    with pytest.raises(DataError, match="too large for their variance"):
+        photon_transfer(levels=[levels[1], huge])
+    still = [measured(np.full((4, 8, 8), number)) for number in (5.0, 9.0)]
+    with pytest.raises(DataError, match="no level has noise"):
+        photon_transfer(levels=still)
 
 
 def test_a_level_without_noise_is_a_point_of_the_line():
@@ -221,22 +227,3 @@ def test_a_level_without_noise_is_a_point_of_the_line():
     own = noisy - noisy.mean(axis=(1, 2), keepdims=True)  # whole frames have levels of their own
     variance = own.var(axis=0, ddof=1).mean() * 2000 / 1999 - 1 / 12
     assert found.gain_e_per_dn == pytest.approx((noisy.mean() - 1.0) / variance, rel=1e-6)
-
-
-def test_numbers_without_a_variance_are_refused():
-    flat = field(Camera(), 5000)
-    huge = replace(flat, temporal_dn2=float("nan"))  # as of numbers about 1e308
-    with pytest.raises(DataError, match="too large for their variance"):
-        photon_transfer(levels=[flat, huge])
-
-
-def test_dark_frames_that_are_brighter_than_all_levels_are_refused():
-    levels = [field(Camera(), electrons) for electrons in (500, 5000)]
-    with pytest.raises(DataError, match="dark frames' mean, 1450"):
-        photon_transfer(levels=levels, dark=field(Camera(), 5000))
-
-
-def test_levels_without_any_noise_are_refused():
-    levels = [measured(np.full((4, 8, 8), number)) for number in (5.0, 9.0)]
-    with pytest.raises(DataError, match="no level has noise"):
-        photon_transfer(levels=levels)

@@ -9,11 +9,7 @@ import pytest
 
 from core.errors import DataError
 from core.physics.measurement.levels.flat_field import FlatFrames
-from core.physics.measurement.levels.thermal_response import (
-    ThermalField,
-    filled,
-    thermal_response,
-)
+from core.physics.measurement.levels.thermal_response import ThermalField, filled, thermal_response
 from core.physics.noise.noise_components import NoiseCube
 
 BANDS = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.errors import DataError
-from core.physics.measurement.levels.flat_field import row_average
+from core.physics.measurement.edges.row_average import row_average
 from edge_pictures import edge_mtf, edge_picture, line_picture
 
 
