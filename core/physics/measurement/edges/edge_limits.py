@@ -22,6 +22,7 @@ from core.physics.measurement.edges.picture_checks import FoundEdge
 from core.physics.measurement.edges.ridges import Piece
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 _SHARE = 0.02  # of an edge's samples, at a limit that is known
 _PILED = 0.1  # of a side's, at one that is not
@@ -44,21 +45,9 @@ _BESIDE = 3.0  # samples from the edge, where its sides begin
 
 
 def why_clipped(
-    *,
-    samples: EdgeSamples,
-    clip_levels: tuple[float, float] | None,
-    extremes: tuple[float, float],
+    *, samples: EdgeSamples, clip_levels: tuple[float, float] | None, extremes: tuple[float, float]
 ) -> str:
     """Why an edge is taken as clipped; empty if it is not.
-
-    Parameters
-    ----------
-    samples : EdgeSamples
-        Of the edge.
-    clip_levels : tuple of float, optional
-        Lowest and highest level that a sample can have.
-    extremes : tuple of float
-        Lowest and highest sample of the picture.
 
     Notes
     -----
@@ -104,17 +93,6 @@ def why_cut_off(
 ) -> str:
     """Why an edge beside which the samples are at the picture's limits was cut off there.
 
-    Parameters
-    ----------
-    samples : EdgeSamples
-        Of the edge.
-    distance : ndarray
-        Of the samples from its fitted course.
-    reach : float
-        Of the samples.
-    extremes : tuple of float
-        Lowest and highest sample of the picture.
-
     Notes
     -----
     As in `refuse_quiet_side` and `refuse_corner`: noise on the step ends beside it, though not as
@@ -154,13 +132,6 @@ def why_cut_off(
 
 def why_piled_up(*, value: Vector, distance: Vector, extremes: tuple[float, float]) -> str:
     """Why an edge with a side of one extreme value was cut off there, where the other has noise.
-
-    Parameters
-    ----------
-    value, distance : ndarray
-        Samples of the edge, and how far they are from its fitted course.
-    extremes : tuple of float
-        Lowest and highest sample of the picture.
 
     Notes
     -----
@@ -210,15 +181,6 @@ def without_those_at(
     *, edges: Sequence[FoundEdge], picture: NDArray[np.floating], extremes: tuple[float, float]
 ) -> list[FoundEdge]:
     """Refuse edges that reach an extreme value at which others were found to be cut off.
-
-    Parameters
-    ----------
-    edges : sequence of FoundEdge
-        Edges, used and refused.
-    picture : ndarray
-        The samples that they are of.
-    extremes : tuple of float
-        Lowest and highest sample of the picture.
 
     Notes
     -----
@@ -332,8 +294,6 @@ def nearest_rising(*, values: Vector) -> Vector:
 
 # How much of a picture belongs to an edge alone: its length and reach, and what limits them.
 
-Matrix = NDArray[np.float64]
-
 LARGEST_REACH = 20
 BEYOND = 2  # samples beyond the reach that are looked at, for a neighbour's blur
 LEAST_REACH = 5
@@ -416,8 +376,6 @@ def surroundings(
 
     Parameters
     ----------
-    samples : EdgeSamples
-        Samples about the piece.
     length, reach : float
         Of the rectangle they fill.
     room : ndarray
@@ -447,7 +405,7 @@ def surroundings(
     contrast = high - low
     nothing = Surroundings(-length / 2, length / 2, float(wide), low, high, noise_sigma)
     if not contrast > least_contrast(length) * noise_sigma:
-        return _refused(nothing, _contrast_reason(contrast, noise_sigma, length))
+        return replace(nothing, why_not=_contrast_reason(contrast, noise_sigma, length))
     residual = value - np.interp(distance, np.arange(-wide, wide + 1), profile)
     count = np.bincount(row * size + column, minlength=cells * size).reshape(cells, size)
     total = np.bincount(row * size + column, residual, cells * size).reshape(cells, size)
@@ -483,7 +441,8 @@ def surroundings(
             start, end = (k * length / cells - length / 2 for k in (first, last))
             best = (score, Surroundings(start, end, float(reach_now), *sides))
     if best is None:
-        return _refused(nothing, reasons[min(reasons)] if reasons else "too near to the frame")
+        why_not = reasons[min(reasons)] if reasons else "too near to the frame"
+        return replace(nothing, why_not=why_not)
     return best[1]
 
 
@@ -491,12 +450,6 @@ def _beside(off: Matrix, wide: int, reach: int) -> float:
     """Largest departure of a cell beside the edge, within its reach."""
     near = np.abs(np.arange(-wide, wide + 1))
     return float(off[:, (near > _STEEP) & (near <= reach)].max())
-
-
-def _refused(about: Surroundings, reason: str) -> Surroundings:
-    return Surroundings(
-        about.start, about.end, about.reach, about.low, about.high, about.noise_sigma, reason
-    )
 
 
 def least_contrast(length: float) -> float:

@@ -71,15 +71,8 @@ def edge_line(*, picture: Matrix, target: Target = "edge") -> EdgeLine:
 
     Parameters
     ----------
-    picture : ndarray
-        Samples, shape (rows, columns), finite.
     target : {'edge', 'line'}
         Whether levels differ on the two sides, or only on the line itself.
-
-    Returns
-    -------
-    EdgeLine
-        Line and the places it was laid through.
 
     Raises
     ------
@@ -236,20 +229,7 @@ class EdgeSamples:
 
 
 def edge_samples(*, picture: NDArray[np.floating], edge: FoundEdge) -> EdgeSamples:
-    """Take the samples within an edge's reach and length.
-
-    Parameters
-    ----------
-    picture : ndarray
-        Samples, shape (rows, columns).
-    edge : FoundEdge
-        Where to take them.
-
-    Returns
-    -------
-    EdgeSamples
-        Those at most `reach` from the edge and half its length from its middle.
-    """
+    """Take the samples within an edge's reach and length."""
     return rectangle_samples(
         picture=picture,
         middle=(edge.x, edge.y),
@@ -273,8 +253,6 @@ def rectangle_samples(
 
     Parameters
     ----------
-    picture : ndarray
-        Samples, shape (rows, columns).
     middle : tuple of float
         x and y of the rectangle's middle.
     angle_deg : float
@@ -283,11 +261,6 @@ def rectangle_samples(
         Half the sides along and across, samples.
     bend : float
         Distance of the axis's ends from the tangent at its middle, along the normal.
-
-    Returns
-    -------
-    EdgeSamples
-        Samples within it; what lies outside the picture is left out.
     """
     across_x, across_y = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
     wide = reach + abs(bend)

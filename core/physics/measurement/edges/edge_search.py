@@ -23,11 +23,7 @@ from core.physics.measurement.edges.edge_limits import (
     why_piled_up,
     without_those_at,
 )
-from core.physics.measurement.edges.edge_line import (
-    EdgeSamples,
-    edge_samples,
-    rectangle_samples,
-)
+from core.physics.measurement.edges.edge_line import EdgeSamples, edge_samples, rectangle_samples
 from core.physics.measurement.edges.picture_checks import (
     FoundEdge,
     clear_of,
@@ -60,7 +56,6 @@ _OFF_COURSE = 0.15  # samples
 def find_edges(
     *,
     picture: NDArray[np.floating],
-    noise_sigma: float | None = None,
     clip_levels: tuple[float, float] | None = None,
     interpolated_too: bool = False,
     check: Callable[[], None] = lambda: None,
@@ -72,14 +67,10 @@ def find_edges(
     picture : ndarray
         Samples, shape (rows, columns), finite. Those that hold one number in place of data
         (`missing_samples`) are left out.
-    noise_sigma : float, optional
-        Standard deviation of a sample; estimated where the picture is quietest, if not given.
     clip_levels : tuple of float, optional
         Lowest and highest level that a sample can have.
     interpolated_too : bool
         Whether edges of a picture made of a mosaic of colour filters are used.
-    check : callable
-        Called between steps; may raise to stop.
 
     Returns
     -------
@@ -105,7 +96,7 @@ def find_edges(
         clear = clear_of(missing=missing, farthest=LARGEST_REACH + BEYOND + 2)
         picture = np.where(missing, np.median(picture[~missing]), picture)
     share = 0.0 if missing is None else float(missing.mean())
-    noise = rough_noise(picture=picture, missing=share) if noise_sigma is None else noise_sigma
+    noise = rough_noise(picture=picture, missing=share)
     check()
     points = ridge_points(picture=picture, noise_sigma=noise, check=check)
     steep = noise / (_BLURRED * SMOOTHING * math.sqrt(2.0 * math.pi))
@@ -345,16 +336,6 @@ _COMPARABLE = 0.5  # of an edge's contrast over its noise, that a sharper one mu
 
 def without_soft(*, edges: Sequence[FoundEdge]) -> list[FoundEdge]:
     """Refuse edges that are far wider than the sharpest ones.
-
-    Parameters
-    ----------
-    edges : sequence of FoundEdge
-        Edges, used and refused.
-
-    Returns
-    -------
-    list of FoundEdge
-        The same, the soft ones with their reason.
 
     Notes
     -----

@@ -92,10 +92,6 @@ def edge_spread(
 
     Parameters
     ----------
-    picture : ndarray
-        Samples, shape (rows, columns).
-    line : EdgeLine
-        The edge.
     bins : int
         Bins on each side, a quarter sample wide along a row.
     rows : ndarray of bool, optional
@@ -157,13 +153,6 @@ def _derivatives(values: Vector) -> tuple[Vector, Vector]:
 
 def bin_response(*, frequency: Vector, variance: float) -> Vector:
     """Response of averaging in bins to waves across the edge.
-
-    Parameters
-    ----------
-    frequency : ndarray
-        Cycles per sample along a row.
-    variance : float
-        Of the distances within a bin, as `EdgeSpread` has it.
 
     Returns
     -------

@@ -144,14 +144,8 @@ def long_tails(
 
     Parameters
     ----------
-    picture : ndarray
-        Samples, shape (rows, columns), finite.
-    edges : sequence of FoundEdge
-        Those that are used.
     missing : ndarray of bool, optional
         Samples that hold no data; the mean of the others takes their place.
-    check : callable
-        Called between steps; may raise to stop.
 
     Returns
     -------

@@ -30,8 +30,6 @@ def why_no_picture(*, picture: NDArray[np.floating], interpolated_too: bool = Fa
 
     Parameters
     ----------
-    picture : ndarray
-        Samples, shape (rows, columns), finite.
     interpolated_too : bool
         Whether the edges of an interpolated picture may be measured, as they are in it.
 
@@ -78,16 +76,6 @@ def why_interpolated(*, picture: NDArray[np.floating]) -> str:
 
 def missing_samples(*, picture: NDArray[np.floating]) -> NDArray[np.bool_] | None:
     """Samples that hold one number in place of data, as borders of a warped picture do.
-
-    Parameters
-    ----------
-    picture : ndarray
-        Samples, shape (rows, columns), finite.
-
-    Returns
-    -------
-    ndarray of bool or None
-        True where a sample is missing; None where none seems to be.
 
     Notes
     -----
@@ -192,8 +180,6 @@ def block_steps(*, picture: NDArray[np.floating], period: int = 1) -> float:
 
     Parameters
     ----------
-    picture : ndarray
-        Samples, shape (rows, columns).
     period : int
         Of what else the steps of a block may repeat with: only steps of one phase are compared.
 

@@ -65,10 +65,6 @@ def straight_pieces(
 
     Parameters
     ----------
-    points : RidgePoints
-        Ridges of a picture.
-    shape : tuple of int
-        Rows and columns of it.
     least_length : float
         Of a piece, samples.
     least_strength, strength_of_16 : float
@@ -88,7 +84,9 @@ def straight_pieces(
     pieces: list[Piece] = []
     for shift in (0.0, _SECTOR_DEG / 2.0):
         sector = ((points.angle_deg + shift) % 360.0 // _SECTOR_DEG).astype(np.intp)
-        label = _components(*_within(pairs, sector), len(sector))
+        first, second = pairs
+        same = sector[first] == sector[second]
+        label = _components(first[same], second[same], len(sector))
         count = np.bincount(label)
         mean = np.bincount(label, points.strength) / np.maximum(count, 1)
         needed = np.maximum(least_strength, strength_of_16 * np.sqrt(16.0 / np.maximum(count, 1)))
@@ -122,13 +120,6 @@ def _neighbours(points: RidgePoints, shape: tuple[int, ...]) -> tuple[Index, Ind
         first.append(here[alike])
         second.append(there[alike])
     return np.concatenate(first), np.concatenate(second)
-
-
-def _within(pairs: tuple[Index, Index], sector: Index) -> tuple[Index, Index]:
-    """Pairs within one sector."""
-    first, second = pairs
-    same = sector[first] == sector[second]
-    return first[same], second[same]
 
 
 def _chains(label: Index, count: Index, enough: NDArray[np.bool_]) -> list[Index]:
@@ -261,8 +252,6 @@ def rough_noise(*, picture: Picture, missing: float = 0.0) -> float:
 
     Parameters
     ----------
-    picture : ndarray
-        Samples, shape (rows, columns).
     missing : float
         Share of them that have no noise, as they hold no data.
 
@@ -287,21 +276,9 @@ def rough_noise(*, picture: Picture, missing: float = 0.0) -> float:
 
 
 def ridge_points(
-    *,
-    picture: Picture,
-    noise_sigma: float,
-    check: Callable[[], None] = lambda: None,
+    *, picture: Picture, noise_sigma: float, check: Callable[[], None] = lambda: None
 ) -> RidgePoints:
     """Find the ridges of a picture's gradient.
-
-    Parameters
-    ----------
-    picture : ndarray
-        Samples, shape (rows, columns), finite.
-    noise_sigma : float
-        Standard deviation of a sample.
-    check : callable
-        Called between strips; may raise to stop.
 
     Notes
     -----
@@ -324,16 +301,8 @@ def ridge_points(
         part = (picture[first:last] - level).astype(np.float32)
         found = _ridges(_slope(part), _slope(part.T).T, least)
         own = (found.row + first >= top) & (found.row + first < top + _STRIP)
-        strips.append(
-            RidgePoints(
-                x=found.x[own],
-                y=found.y[own] + first,
-                column=found.column[own],
-                row=found.row[own] + first,
-                angle_deg=found.angle_deg[own],
-                strength=found.strength[own],
-            )
-        )
+        place = found.x[own], found.y[own] + first, found.column[own], found.row[own] + first
+        strips.append(RidgePoints(*place, found.angle_deg[own], found.strength[own]))
     return RidgePoints(
         *(np.concatenate([getattr(strip, f.name) for strip in strips]) for f in fields(RidgePoints))
     )
@@ -376,14 +345,8 @@ def _ridges(slope_x: Picture, slope_y: Picture, least: float) -> RidgePoints:
     curved = 2.0 * here - before - after
     off = np.clip(0.5 * (after - before) / np.maximum(curved, 1e-30), -0.7, 0.7)
     angle = np.degrees(np.arctan2(unit_y, unit_x)) % 360.0
-    return RidgePoints(
-        x=(column + off * unit_x).astype(np.float64),
-        y=(row + off * unit_y).astype(np.float64),
-        column=column,
-        row=row,
-        angle_deg=angle.astype(np.float64),
-        strength=here.astype(np.float64),
-    )
+    x, y = (column + off * unit_x).astype(np.float64), (row + off * unit_y).astype(np.float64)
+    return RidgePoints(x, y, column, row, angle.astype(np.float64), here.astype(np.float64))
 
 
 def _between(field: Picture, row: Vector, column: Vector) -> Vector:
@@ -406,22 +369,6 @@ def spread_out(
     *, x: Vector, y: Vector, angle_deg: Vector, merit: Vector, shape: tuple[int, ...]
 ) -> Index:
     """Order lines by merit, less where better ones lie near and run alike.
-
-    Parameters
-    ----------
-    x, y : ndarray
-        Places.
-    angle_deg : ndarray
-        Of the normals.
-    merit : ndarray
-        Larger is better; not negative.
-    shape : tuple of int
-        Rows and columns of the picture.
-
-    Returns
-    -------
-    ndarray of int
-        Their numbers, best first.
 
     Notes
     -----

@@ -76,8 +76,6 @@ def slanted_edge(
         Of a line the width is part of what is measured.
     window : {'tukey', 'hamming', 'none'}
         Weight of the line spread: flat over the middle half, or Hamming's.
-    check : callable
-        Called between steps; may raise to stop.
 
     Returns
     -------
@@ -157,13 +155,6 @@ def window_weight(*, place: Vector, window: Window) -> Vector:
 def modulus_error(*, whole: Complex, replicas: Complex) -> Vector:
     """Standard error of a modulus, from replicas each made without one of equal groups of rows.
 
-    Parameters
-    ----------
-    whole : ndarray of complex
-        Transform made with all rows, shape (frequencies,).
-    replicas : ndarray of complex
-        Those without one group, shape (groups, frequencies).
-
     Notes
     -----
     Jackknife (Efron 1982). Noise square to the transform lengthens it: |H + i·n| is longer than
@@ -203,13 +194,7 @@ _CUT_BY_WINDOW = 0.02  # share of the step outside the window's level half
 
 
 def check_spread(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread, target: Target) -> None:
-    """Refuse an edge that is not one, does not settle in the region, or is clipped.
-
-    Raises
-    ------
-    DataError
-        Saying which.
-    """
+    """Refuse an edge that is not one, does not settle in the region, or is clipped."""
     values = spread.values
     left, right = spread.levels
     height = abs(right - left) if target == "edge" else _line_height(spread)

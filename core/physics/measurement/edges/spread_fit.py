@@ -100,8 +100,6 @@ def spread_basis(
 
     Parameters
     ----------
-    spline : GradedSpline
-        The spline's functions.
     distance : ndarray
         Of the samples from the edge.
     away : ndarray
@@ -167,8 +165,8 @@ class SpreadFit:
     turn, bend : float
         By how many samples both ends of the edge were moved towards the brighter side: in
         opposite directions, and alike.
-    turn_error, bend_error : float
-        Their standard errors.
+    turn_error : float
+        Standard error of the turn.
     gap : float
         Largest distance near the edge between neighbouring samples.
     """
@@ -181,7 +179,6 @@ class SpreadFit:
     turn: float
     bend: float
     turn_error: float
-    bend_error: float
     gap: float
 
     @property
@@ -229,19 +226,8 @@ def fit_spread(
 
     Parameters
     ----------
-    samples : EdgeSamples
-        Samples about the edge.
-    reach : float
-        Of the samples across the edge.
-    half_length : float
-        Of the edge.
     coarse_turns, fine_turns : int
         Times the course is adjusted with a coarse spline, and with the fine one.
-
-    Returns
-    -------
-    SpreadFit
-        Spread about the adjusted course.
 
     Notes
     -----
@@ -288,7 +274,6 @@ def fit_spread(
         turn=float(course[0]),
         bend=float(course[1]),
         turn_error=float(error[0]),
-        bend_error=float(error[1]),
         gap=gap,
     )
 

@@ -15,12 +15,6 @@ def points(x, y, angle_deg=0.0):
     return RidgePoints(x, y, column, row, np.full(len(x), angle_deg), np.ones(len(x)))
 
 
-def test_a_straight_chain_is_one_piece():
-    y = np.arange(5.0, 35.0)
-    (piece,) = straight_pieces(points=points(20 + 0.1 * y, y), shape=(SIDE, SIDE), least_length=11)
-    assert piece.length > 28
-
-
 def test_a_chain_with_points_at_its_ends_alone_comes_to_an_end():
     """Two rows of points 13 apart; those that link them are placed on one or the other."""
     across = np.arange(6.0, 30.0)
