@@ -7,9 +7,8 @@ import threading
 from functools import partial
 
 from app.command.results import check_stop, show, written
-from app.measure.measurement_files import measurement_json
+from app.measure.measurement_files import measurement_json, measurement_text
 from app.measure.measurement_text import figure_rows, flat_rows, frame_rows, refused_lines, remarks
-from app.measure.measurement_writing import measurement_text
 from app.measure.measuring import MeasurePlan, measure_files
 from app.measure.picture_measurement import PictureMeasurement
 from app.options.command_options import Options

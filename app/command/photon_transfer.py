@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from app.command.results import check_stop, show, written
-from app.measure.photon_transfer_rows import transfer_rows
+from app.measure.measurement_text import transfer_rows
 from app.options.command_options import Options
 from app.options.progress import Progress
 from app.run.readout_tables import columns, json_text, number_text

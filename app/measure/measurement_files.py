@@ -1,4 +1,4 @@
-"""A measurement as JSON, and as a table of MTF that the module MTF File reads."""
+"""Files of a measurement: JSON, a table of MTF that the module MTF File reads, or a page."""
 
 from __future__ import annotations
 
@@ -6,25 +6,29 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from app.measure.measurement_text import TEMPORAL, file_warnings
-from app.measure.photon_transfer_rows import transfer_rows
+from app.measure.measurement_text import TEMPORAL, file_warnings, transfer_rows
 from app.measure.picture_measurement import (
     FlatCurve,
     MeasuredEdge,
-    MtfCurve,
     NoiseFigures,
     PictureMeasurement,
 )
-from core.errors import DataError
+from core.atomic import write_text
+from core.errors import DataError, UsageError
+from core.names import printable
+from core.physics.measurement.edges.edge_mtf import MtfCurve
 from core.physics.measurement.noise.frames_noise import FramesNoise
+from nodes.files.common.file_format import CSV, HTML, JSON, suffixes
 from nodes.files.common.table_cells import csv_lines
 from nodes.files.mtf_table import LARGEST_MTF
 
 Json = dict[str, Any]
+WRITTEN = (JSON, CSV, HTML)
 
 
 def measurement_json(measured: PictureMeasurement) -> str:
@@ -148,15 +152,7 @@ def _noise(noise: NoiseFigures | None, reason: str) -> Json:
             }
             for line in noise.lines
         ],
-        levels=[
-            {
-                "level": level.level,
-                "variance": level.variance,
-                "variance_error": level.variance_error,
-                "samples": level.samples,
-            }
-            for level in noise.levels
-        ],
+        levels=[asdict(level) for level in noise.levels],
         remarks=list(noise.remarks) or None,
         reason=noise.reason or None,
     )
@@ -215,3 +211,33 @@ def _flats(flats: FlatCurve | None, reason: str) -> Json:
             )
         ],
     }
+
+
+def measurement_text(measured: PictureMeasurement, path: Path) -> str:
+    """What a file of that suffix holds: .json everything, .csv the pooled MTF, .html a page.
+
+    Raises
+    ------
+    UsageError
+        Another suffix.
+    DataError
+        There is no MTF for a .csv.
+    """
+    if JSON.matches(path):
+        text = measurement_json(measured)
+    elif CSV.matches(path):
+        text = measurement_csv(measured)
+    elif HTML.matches(path):
+        # Imported only where a page is written: matplotlib and jinja2.
+        from app.measure.measurement_page import measurement_page
+
+        text = measurement_page(measured)
+    else:
+        raise UsageError(f"{path}: the file's name must end in {', '.join(suffixes(*WRITTEN))}")
+    # Names of files may hold what cannot be written.
+    return "\n".join(printable(line) for line in text.split("\n"))
+
+
+def write_measurement(measured: PictureMeasurement, path: Path) -> None:
+    """Write one file, whole or not at all."""
+    write_text(path, measurement_text(measured, path))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.measure.measurement_text import (
+    NYQUIST,
     REFUSED,
     USED,
     counted,
@@ -18,19 +19,13 @@ from app.measure.measurement_text import (
     remarks,
     with_error,
 )
-from app.measure.picture_measurement import (
-    MeasuredEdge,
-    MtfCurve,
-    NoiseFigures,
-    PictureMeasurement,
-    Preview,
-)
+from app.measure.picture_measurement import MeasuredEdge, NoiseFigures, PictureMeasurement, Preview
 from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
 from app.report.drawing.picture_drawing import COLOURS, figure
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
 from app.run.saving import robust_limits
-from core.physics.measurement.edges.edge_mtf import LARGEST_ANGLE_DEG
+from core.physics.measurement.edges.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 
 _MOST_REFUSED = 60
 _LEAST_LEVELS = 3
@@ -220,7 +215,6 @@ def _half(edge: MeasuredEdge) -> str:
 
 # Figures of a measurement: edges drawn on the pictures, and the MTF with its error.
 
-NYQUIST = 0.5
 _MOST_NUMBERED = 60
 _MOST_CURVES = 40
 _UNSURE = 0.25  # standard error from which on a single edge's MTF is not drawn

@@ -26,15 +26,15 @@ from app.measure.picture_measurement import (
     FlatCurve,
     MeasuredEdge,
     MeasuredFile,
-    MtfCurve,
     NoiseFigures,
     PictureMeasurement,
     Preview,
+    file_of,
 )
 from core.errors import DataError, ParameterError
 from core.physics.measurement.edges.edge_mtf import (
     LARGEST_ANGLE_DEG,
-    crossing_error,
+    MtfCurve,
     measure_edge,
     pooled_mtf,
 )
@@ -45,12 +45,10 @@ from core.physics.measurement.edges.picture_checks import (
     missing_samples,
     why_interpolated,
 )
-from core.physics.measurement.edges.slanted_edge import falls_to
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import photon_transfer
 from core.physics.measurement.noise.frames_noise import FramesNoise, SceneFrames
-from core.physics.measurement.noise.picture_noise import PictureNoise, noise_of_picture
-from core.physics.measurement.noise.power_parts import LineNoise
+from core.physics.measurement.noise.picture_noise import LineNoise, PictureNoise, noise_of_picture
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.frames.frame_reading import open_frames
 
@@ -121,15 +119,6 @@ def measure_files(
 ) -> PictureMeasurement:
     """Carry out a plan.
 
-    Parameters
-    ----------
-    plan : MeasurePlan
-        The files, and what is known of them.
-    check : callable
-        Called between steps; may raise to stop.
-    report : callable
-        Gets the name of what is measured next.
-
     Raises
     ------
     ImagechainError
@@ -171,10 +160,7 @@ def checked_pitch(pitch_um: float | None, name: str) -> float | None:
 
 
 def measure_pictures(
-    source: Source,
-    *,
-    check: Callable[[], None] = lambda: None,
-    report: Report = lambda _text: None,
+    source: Source, *, check: Callable[[], None] = lambda: None, report: Report = lambda _text: None
 ) -> PictureMeasurement:
     """Measure edges and noise of each picture in turn, and what they give together."""
     refuse_small(source.files[0].name, source.rows, source.columns)
@@ -204,7 +190,7 @@ def measure_pictures(
                 repeated.append(number)
                 continue
         own = edges_of(picture=picture, number=number, clip_levels=source.clip_levels, check=check)
-        if _place(source.files, number)[0].is_lossy:
+        if file_of(source.files, number)[0].is_lossy:
             edges += [replace(edge, why_not=edge.why_not or WITH_LOSS) for edge in own]
             continue
         edges += own
@@ -237,13 +223,7 @@ def measure_pictures(
 
 
 def refuse_small(name: str, rows: int, columns: int) -> None:
-    """Refuse a picture in which nothing can be measured.
-
-    Raises
-    ------
-    DataError
-        With what is needed.
-    """
+    """Refuse a picture in which nothing can be measured."""
     if min(rows, columns) >= _LEAST:
         return
     colours = (
@@ -286,11 +266,9 @@ def _preview(picture: Matrix, number: int) -> Preview:
     return Preview(number, squares.mean(axis=(1, 3)).astype(np.float32), factor)
 
 
-def without_edge(
-    measured: PictureMeasurement, place: int, why: str = BY_HAND
-) -> PictureMeasurement:
+def without_edge(measured: PictureMeasurement, place: int) -> PictureMeasurement:
     """The same without one of its edges, counted from 0; the MTF is pooled anew."""
-    return _with_reason(measured, place, why)
+    return _with_reason(measured, place, BY_HAND)
 
 
 def with_edge(measured: PictureMeasurement, place: int) -> PictureMeasurement:
@@ -305,7 +283,7 @@ def _with_reason(measured: PictureMeasurement, place: int, why: str) -> PictureM
     edges[place] = replace(edges[place], why_not=why)
     x, reason_x = pooled(edges, "x")
     y, reason_y = pooled(edges, "y")
-    return measured.with_edges(tuple(edges), x, y, (reason_x, reason_y))
+    return replace(measured, edges=tuple(edges), x=x, y=y, reason_x=reason_x, reason_y=reason_y)
 
 
 def measured_file(file: PictureFile) -> MeasuredFile:
@@ -314,18 +292,9 @@ def measured_file(file: PictureFile) -> MeasuredFile:
 
 
 def _name(files: Sequence[MeasuredFile], number: int) -> str:
-    file, frame = _place(files, number)
+    file, frame = file_of(files, number)
     name = Path(file.name).name
     return name if file.frames == 1 else f"{name}, frame {frame}"
-
-
-def _place(files: Sequence[MeasuredFile], number: int) -> tuple[MeasuredFile, int]:
-    """The file of a picture, and its number there."""
-    for file in files:
-        if number < file.frames:
-            return file, number
-        number -= file.frames
-    raise IndexError(number)
 
 
 def _frames(taken: SceneFrames | None, offset_dn: float) -> tuple[FramesNoise | None, str]:
@@ -393,13 +362,6 @@ def pooled_noise(
 ) -> tuple[NoiseFigures | None, str]:
     """The noise of the pictures that show it, or the reason why none does.
 
-    Parameters
-    ----------
-    measured : sequence of PictureNoise
-        One of each picture.
-    offset_dn : float
-        The level without light that they were measured with.
-
     Notes
     -----
     Variances are averaged; gain and read noise are means weighted by their errors.
@@ -415,13 +377,12 @@ def pooled_noise(
     read, read_error = _weighted((one.read_noise_dn, one.read_noise_error) for one in noises)
     no_gain = _once(one.gain_reason for one in noises) if gain is None else []
     no_read = _once(one.read_noise_reason for one in noises) if read is None else []
-    powers = [one.power for one in noises if one.power is not None]
     steps = [one.step for one in noises if one.step is not None]
     return NoiseFigures(
         sigma, error, math.fsum(one.mean_level for one in noises) / len(noises), gain, gain_error,
-        read, read_error, offset_dn, _lines(power.rows for power in powers),
-        _lines(power.columns for power in powers), min(steps) if steps else None,
-        next((power.lines for power in powers if power.lines), ()),
+        read, read_error, offset_dn, _lines(one.rows for one in noises),
+        _lines(one.columns for one in noises), min(steps) if steps else None,
+        next((one.lines for one in noises if one.lines), ()),
         tuple(level for one in noises for level in one.levels),
         _missing(_first(no_gain), _first(no_read)),
         tuple(_once(line for one in noises for line in one.remarks)),
@@ -500,19 +461,7 @@ def edges_of(
     clip_levels: tuple[float, float] | None = None,
     check: Callable[[], None] = lambda: None,
 ) -> tuple[MeasuredEdge, ...]:
-    """The edges of one picture, measured.
-
-    Parameters
-    ----------
-    picture : ndarray
-        Samples, shape (rows, columns), finite.
-    number : int
-        Of the picture among those measured.
-    clip_levels : tuple of float, optional
-        Lowest and highest number that a sample can have.
-    check : callable
-        Called between steps; may raise to stop.
-    """
+    """The edges of one picture, measured."""
     seen = find_edges(picture=picture, clip_levels=clip_levels, interpolated_too=True, check=check)
     used = [edge for edge in seen if edge.used]
     missing = missing_samples(picture=picture) if used else None
@@ -546,12 +495,7 @@ def pooled(
     together = pooled_mtf(edges=curves, axis=direction)
     if together is None:
         return None, _no_edge([edge for edge in edges if edge.direction == direction], direction)
-    frequency, mtf, sigma = together.frequency, together.mtf, together.sigma
-    half = falls_to(frequency=frequency, mtf=mtf, level=0.5)
-    error = None
-    if half is not None:
-        error = crossing_error(frequency=frequency, mtf=mtf, sigma=sigma, crossing=half)
-    return MtfCurve(frequency, mtf, sigma, half, error, together.edges, together.excess), ""
+    return together, ""
 
 
 def _no_edge(near: Sequence[MeasuredEdge], direction: str) -> str:

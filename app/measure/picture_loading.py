@@ -110,8 +110,6 @@ def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
 
     Parameters
     ----------
-    path : Path
-        Any picture file that the program reads, or a file of frames.
     band : int, optional
         Band or colour, counted from 0; without it luminance of colours, and the frames of a file
         whose bands have no wavelengths.
@@ -205,13 +203,7 @@ def limits_of(dtype: np.dtype[Any]) -> tuple[float, float] | None:
 
 
 def same_size(files: Sequence[PictureFile]) -> None:
-    """Refuse pictures that are not of one size.
-
-    Raises
-    ------
-    DataError
-        Naming the first that differs.
-    """
+    """Refuse pictures that are not of one size."""
     first = files[0]
     for file in files:
         if (file.rows, file.columns) != (first.rows, first.columns):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from core.physics.measurement.edges.edge_mtf import (
     LARGEST_ANGLE_DEG,
     EdgeMtf,
+    MtfCurve,
     crossing_error,
     pooled_mtf,
 )
@@ -22,39 +24,12 @@ from core.physics.measurement.noise.frames_noise import FramesNoise
 from core.physics.measurement.noise.periodic_lines import PeriodicLine
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
-Vector = NDArray[np.float64]
 Gamma = Literal["", "possible", "usual"]
 
 FREQUENCIES = tuple(step / 64.0 for step in range(65))
 """Cycles per sample at which every MTF is given: of 64 samples, and up to the samples' own."""
 BY_HAND = "removed by hand"
 WITH_LOSS = "compressed with loss: fine detail and noise are no longer the camera's"
-
-
-@dataclass(frozen=True, eq=False)
-class MtfCurve:
-    """An MTF against frequency, pooled over edges, with its standard error.
-
-    Parameters
-    ----------
-    frequency, mtf, sigma : ndarray
-        Cycles per sample, modulus, and its standard error.
-    mtf50, mtf50_sigma : float or None
-        Frequency at which the MTF falls to one half, and its standard error; None where it does
-        not within these frequencies.
-    edges : int
-        Edges that it is made of.
-    scatter : float
-        How many times more the edges differ than their own errors allow; 1 where they agree.
-    """
-
-    frequency: Vector
-    mtf: Vector
-    sigma: Vector
-    mtf50: float | None
-    mtf50_sigma: float | None
-    edges: int
-    scatter: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,8 +78,9 @@ class MeasuredEdge:
         alone = pooled_mtf(edges=[curve], axis="y" if self.direction == "y" else "x")
         if alone is None:
             return curve.mtf50_sigma
-        frequency, mtf, sigma = alone.frequency, alone.mtf, alone.sigma
-        return crossing_error(frequency=frequency, mtf=mtf, sigma=sigma, crossing=curve.mtf50)
+        return crossing_error(
+            frequency=alone.frequency, mtf=alone.mtf, sigma=alone.sigma, crossing=curve.mtf50
+        )
 
     @property
     def stretch(self) -> float:
@@ -275,18 +251,14 @@ class PictureMeasurement:
 
     def picture_name(self, number: int) -> str:
         """The name of a picture, with the frame's number in a file of several."""
-        for file in self.files:
-            if number < file.frames:
-                return file.name if file.frames == 1 else f"{file.name}, frame {number}"
-            number -= file.frames
-        raise IndexError(number)
+        file, frame = file_of(self.files, number)
+        return file.name if file.frames == 1 else f"{file.name}, frame {frame}"
 
-    def with_edges(
-        self,
-        edges: tuple[MeasuredEdge, ...],
-        x: MtfCurve | None,
-        y: MtfCurve | None,
-        reasons: tuple[str, str],
-    ) -> PictureMeasurement:
-        """The same with other edges in use."""
-        return replace(self, edges=edges, x=x, y=y, reason_x=reasons[0], reason_y=reasons[1])
+
+def file_of(files: Sequence[MeasuredFile], number: int) -> tuple[MeasuredFile, int]:
+    """The file of a picture, and its number there."""
+    for file in files:
+        if number < file.frames:
+            return file, number
+        number -= file.frames
+    raise IndexError(number)

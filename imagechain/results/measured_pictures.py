@@ -7,18 +7,17 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
-from app.measure.measurement_files import measurement_json
+from app.measure.measurement_files import measurement_json, write_measurement
 from app.measure.measurement_text import figure_rows, refused_lines, remarks
-from app.measure.measurement_writing import write_measurement
 from app.measure.measuring import without_edge
 from app.measure.picture_measurement import (
     MeasuredEdge,
-    MtfCurve,
     NoiseFigures,
     PictureMeasurement,
 )
 from app.run.readout_tables import columns
 from core.errors import ParameterError
+from core.physics.measurement.edges.edge_mtf import MtfCurve
 from imagechain.parts.plain_errors import plain_errors
 
 

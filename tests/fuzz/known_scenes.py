@@ -22,7 +22,7 @@ from scipy import fft
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from measured_cameras import INTERVAL_MRAD, network_of
+from measured_cameras import INTERVAL_MRAD, freed, network_of
 
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import FittedPictures, fit_known_scene
@@ -62,12 +62,7 @@ def fitted(seed, *, shifted):
     """The true values of a camera's parameters, and the fit's result."""
     camera, picture, cells = drawn(seed, shifted=shifted)
     network, truth = network_of(camera)
-    rng = np.random.default_rng([seed, 9])
-    count = min(len(truth), int(rng.integers(1, 4)))
-    free = sorted(rng.choice(sorted(truth), count, replace=False).tolist())
-    for name in free:
-        node, parameter = name.split(".")
-        network["nodes"][node]["params"][parameter] = truth[name] * 10 ** rng.uniform(-0.4, 0.4)
+    free = freed(network, truth, np.random.default_rng([seed, 9]))
     fov = [math.degrees(2 * math.atan(n * INTERVAL_MRAD / 2000)) for n in (COLUMNS, ROWS)]
     with tempfile.TemporaryDirectory() as folder:
         np.save(Path(folder) / "scene.npy", cells)

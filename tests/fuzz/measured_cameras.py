@@ -185,6 +185,16 @@ def network_of(camera):
     return network, truth
 
 
+def freed(network, truth, rng):
+    """One to three parameters to be fitted, which begin off the truth."""
+    count = min(len(truth), int(rng.integers(1, 4)))
+    free = sorted(rng.choice(sorted(truth), count, replace=False).tolist())
+    for name in free:
+        node, parameter = name.split(".")
+        network["nodes"][node]["params"][parameter] = truth[name] * 10 ** rng.uniform(-0.4, 0.4)
+    return free
+
+
 def fitted(network, picture, free, clip_levels=None):
     """A fit's result by the product's own way from the picture to the errors."""
     from app.fit.chain_fit import EdgeProblem, fit_chain
@@ -216,11 +226,7 @@ def _fit(camera, picture, rng):
     network, truth = network_of(camera)
     if not truth:
         return None
-    count = min(len(truth), int(rng.integers(1, 4)))
-    free = sorted(rng.choice(sorted(truth), count, replace=False).tolist())
-    for name in free:  # the search does not begin at the truth
-        node, parameter = name.split(".")
-        network["nodes"][node]["params"][parameter] = truth[name] * 10 ** rng.uniform(-0.4, 0.4)
+    free = freed(network, truth, rng)
     try:
         result = fitted(network, picture, free, (0.0, 2.0**camera.bits - 1))
     except ImagechainError as error:

@@ -114,20 +114,20 @@ def main(first=0, count=240):
             ("gain", noise.gain_e_per_dn, noise.gain_error, gain),
             ("read noise", noise.read_noise_dn, noise.read_noise_error, read),
         ]
-        if noise.power is not None:
+        if noise.sigma is not None:
             for name, part, truth in (
-                ("rows", noise.power.rows, camera.row_dn),
-                ("columns", noise.power.columns, camera.column_dn),
+                ("rows", noise.rows, camera.row_dn),
+                ("columns", noise.columns, camera.column_dn),
             ):
                 if part is not None:
                     rows.append((name, part.variance, part.variance_error, truth**2))
             amplitude, across, down = camera.periodic
             seen = [
                 line
-                for line in noise.power.lines
+                for line in noise.lines
                 if abs(line.across - across) < 0.5 / COLUMNS and abs(line.down - down) < 0.5 / ROWS
             ]
-            false = len(noise.power.lines) - len(seen)
+            false = len(noise.lines) - len(seen)
             figures.setdefault("lines that are none", []).append((False, float(false), 0.0))
             if amplitude > 0.2 * sigma:
                 figures.setdefault("lines missed", []).append((False, float(not seen), 0.0))

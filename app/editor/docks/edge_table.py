@@ -24,7 +24,8 @@ from app.editor.widgets import CopiedTable
 from app.measure.measurement_text import USED
 
 if TYPE_CHECKING:
-    from app.measure.picture_measurement import MeasuredEdge, MtfCurve, PictureMeasurement
+    from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
+    from core.physics.measurement.edges.edge_mtf import MtfCurve
 
 
 _PLACE = Qt.ItemDataRole.UserRole

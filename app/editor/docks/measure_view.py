@@ -186,7 +186,7 @@ class MeasureView(WorkerView):
             return
 
         def job(_check: Check, _report: Callable[[str], None]) -> Path:
-            from app.measure.measurement_writing import write_measurement
+            from app.measure.measurement_files import write_measurement
 
             write_measurement(measured, path)
             return path

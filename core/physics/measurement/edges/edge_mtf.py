@@ -82,21 +82,10 @@ def measure_edge(
 
     Parameters
     ----------
-    picture : ndarray
-        Samples, shape (rows, columns), finite.
-    edge : FoundEdge
-        Where it is, as `find_edges` gives it.
     frequency : ndarray
         Cycles per sample along the edge's normal, ascending from 0.
     tails : LongTails, optional
         What the picture shows of light far from the edge, beyond its reach.
-    check : callable
-        Called between steps; may raise to stop.
-
-    Returns
-    -------
-    EdgeMtf
-        MTF and its standard error.
 
     Raises
     ------
@@ -112,6 +101,7 @@ def measure_edge(
     transformed exactly.
     """
     check()
+    frequency = np.asarray(frequency, np.float64)
     samples = edge_samples(picture=picture, edge=edge)
     if len(samples.value) < _LEAST_SAMPLES:
         raise DataError(
@@ -126,23 +116,18 @@ def measure_edge(
             f"at most {_LARGEST_GAP:g}"
         )
     check()
-    mtf, sigma, shared = _modulus(samples, fit, edge, np.asarray(frequency, np.float64))
+    mtf, sigma, shared = _modulus(samples, fit, edge, frequency)
     if tails is not None:
-        place = np.asarray(frequency, np.float64)
-        moved, doubt = _with_tails(samples, fit, edge, place, tails)
+        moved, doubt = _with_tails(samples, fit, edge, frequency, tails)
         mtf = np.maximum(mtf + moved, 0.0)
         sigma, shared = np.hypot(sigma, doubt), np.hypot(shared, doubt)
-    half = falls_to(frequency=frequency, mtf=mtf, level=0.5)
     return EdgeMtf(
-        edge=edge,
-        frequency=np.asarray(frequency, np.float64),
-        mtf=mtf,
-        sigma=sigma,
-        shared_sigma=shared,
-        mtf50=half,
-        mtf50_sigma=None
-        if half is None
-        else crossing_error(frequency=frequency, mtf=mtf, sigma=sigma, crossing=half),
+        edge,
+        frequency,
+        mtf,
+        sigma,
+        shared,
+        *_half(frequency, mtf, sigma),
         tail=None if tails is None else tails.share,
     )
 
@@ -286,22 +271,18 @@ def _texture_response(frequency: Vector, edge: FoundEdge) -> Vector:
     return np.asarray(wave**2 * seen / (1.0 + (wave * _TEXTURE_LENGTH / 2.0) ** 2), np.float64)
 
 
+def _half(frequency: Vector, mtf: Vector, sigma: Vector) -> tuple[float | None, float | None]:
+    """Where the MTF falls to one half, and the standard error of that."""
+    half = falls_to(frequency=frequency, mtf=mtf, level=0.5)
+    if half is None:
+        return None, None
+    return half, crossing_error(frequency=frequency, mtf=mtf, sigma=sigma, crossing=half)
+
+
 def crossing_error(
     *, frequency: Vector, mtf: Vector, sigma: Vector, crossing: float
 ) -> float | None:
     """Standard error of the frequency at which an MTF falls to a level.
-
-    Parameters
-    ----------
-    frequency, mtf, sigma : ndarray
-        Cycles per sample, modulus, and its standard error.
-    crossing : float
-        Where it falls to the level, cycles per sample.
-
-    Returns
-    -------
-    float or None
-        Cycles per sample; None where the curve does not fall.
 
     Notes
     -----
@@ -328,19 +309,22 @@ _LAW = 0.15  # of 1 − MTF, by which an edge across the axis may depart from th
 _LEAST_VARIANCE = 1e-12
 
 
-@dataclass(frozen=True)
-class PooledMtf:
-    """MTF of one direction.
+@dataclass(frozen=True, eq=False)
+class MtfCurve:
+    """MTF of one direction, pooled over edges.
 
     Parameters
     ----------
     frequency : ndarray
         Cycles per sample along the axis.
     mtf, sigma : ndarray
-        Of the edges together, and its standard error, widened by `excess`.
+        Of the edges together, and its standard error, widened by `scatter`.
+    mtf50, mtf50_sigma : float or None
+        Frequency at which the MTF falls to one half, and its standard error; None where it does
+        not within these frequencies.
     edges : int
-        How many lie within `largest_angle_deg` of the axis.
-    excess : float
+        How many lie within 30° of the axis.
+    scatter : float
         Root of the mean square of all edges' departures over their errors; 1 where they agree
         within their errors, and for one edge.
     """
@@ -348,28 +332,21 @@ class PooledMtf:
     frequency: Vector
     mtf: Vector
     sigma: Vector
+    mtf50: float | None
+    mtf50_sigma: float | None
     edges: int
-    excess: float
+    scatter: float
 
 
-def pooled_mtf(
-    *, edges: Sequence[EdgeMtf], axis: Axis, largest_angle_deg: float = LARGEST_ANGLE_DEG
-) -> PooledMtf | None:
-    """Pool the MTFs of a picture's edges to that along an axis.
+def pooled_mtf(*, edges: Sequence[EdgeMtf], axis: Axis) -> MtfCurve | None:
+    """Pool the MTFs of a picture's edges to that along an axis; None if no edge lies near it.
 
     Parameters
     ----------
     edges : sequence of EdgeMtf
         Measured edges of any direction, all at the same frequencies.
     axis : {'x', 'y'}
-        Across the picture, or down it.
-    largest_angle_deg : float
-        Between the axis and a normal, within which at least one edge must lie.
-
-    Returns
-    -------
-    PooledMtf or None
-        None if no edge lies near the axis.
+        Across the picture, or down it; the normal of at least one edge must lie within 30° of it.
 
     Notes
     -----
@@ -386,7 +363,7 @@ def pooled_mtf(
     edges, as far as they are assumed.
     """
     angles = np.array([_off_axis(edge, axis) for edge in edges])
-    near = np.abs(angles) <= math.radians(largest_angle_deg)
+    near = np.abs(angles) <= math.radians(LARGEST_ANGLE_DEG)
     if not near.any():
         return None
     mtf = np.array([edge.mtf for edge in edges])
@@ -401,20 +378,16 @@ def pooled_mtf(
     value, variance, part, terms = _fitted(design, mtf, own, doubts)
     chi2 = np.sum((mtf - part) ** 2 / own, axis=0)
     degrees = len(edges) - terms
-    common, excess = np.zeros(len(chi2)), 1.0
+    common, scatter = np.zeros(len(chi2)), 1.0
     if len(edges) > design.shape[1]:
         spare = np.sum(1.0 / own, axis=0) * degrees / len(edges)
         common = np.maximum(chi2 - degrees, 0.0) / spare
         value, variance, _, _ = _fitted(design, mtf, own + common, doubts)
-        excess = math.sqrt(float(np.mean((chi2 / degrees)[1:])))
+        scatter = math.sqrt(float(np.mean((chi2 / degrees)[1:])))
     share = np.sum(shared / (own + common), axis=0) / np.sum(1.0 / (own + common), axis=0)
-    return PooledMtf(
-        frequency=edges[0].frequency,
-        mtf=value,
-        sigma=np.sqrt(variance + share**2),
-        edges=int(near.sum()),
-        excess=max(1.0, excess),
-    )
+    frequency, sigma = edges[0].frequency, np.sqrt(variance + share**2)
+    half = _half(frequency, value, sigma)
+    return MtfCurve(frequency, value, sigma, *half, int(near.sum()), max(1.0, scatter))
 
 
 def _mean(values: Matrix, variance: Matrix) -> Vector:

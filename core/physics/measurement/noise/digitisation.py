@@ -73,11 +73,6 @@ _MOST_ALIKE = 0.9  # of the gaps that are whole steps
 def rounding_step(*, picture: Matrix) -> float | None:
     """Smallest distance of two values where all are whole multiples of it; None of others.
 
-    Parameters
-    ----------
-    picture : ndarray
-        Samples; not all of a large picture are looked at, whole rows apart.
-
     Notes
     -----
     Steps that differ by some percent count as one: a table has turned the numbers to another
@@ -111,11 +106,6 @@ _TAIL = 4.0  # times the mean of neighbours' differences, at which edges are cut
 
 def compressed_in_blocks(*, picture: Matrix) -> bool:
     """Whether waves of blocks, wherever they begin, are rounded, and of shifted blocks not.
-
-    Parameters
-    ----------
-    picture : ndarray, shape (rows, columns)
-        Samples; blocks begin at the first one, or anywhere in a part of a file.
 
     Notes
     -----

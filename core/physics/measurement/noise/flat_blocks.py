@@ -93,13 +93,11 @@ def picture_blocks(
         Samples; what is left of whole blocks at the right and below is not looked at.
     good : ndarray of bool, optional
         Which samples count; all.
-    check : callable
-        Called between strips; may raise to stop.
     """
     grid = picture.shape[0] // SIDE, picture.shape[1] // SIDE
     transform = _transform()
     level, power, rows, columns, place = [], [], [], [], []
-    for first in range(0, grid[0], _STRIP):
+    for first in range(0, max(grid[0], 1), _STRIP):
         check()
         last = min(first + _STRIP, grid[0])
         samples = _in_blocks(picture, first, last, grid[1])
@@ -115,19 +113,10 @@ def picture_blocks(
         level.append(mean)
         power.append(np.square(coefficients, out=coefficients))
         place.append(at)
-    if not level:
-        empty = np.zeros(0)
-        waves = np.zeros((0, WAVES), np.float32)
-        nothing = np.zeros((0, SIDE * SIDE), np.float32)
-        return PictureBlocks(empty, nothing, waves, waves, np.zeros(0, np.intp), grid)
     return PictureBlocks(
-        np.concatenate(level),
-        np.concatenate(power),
-        np.concatenate(rows),
-        np.concatenate(columns),
-        np.concatenate(place),
-        grid,
-    )
+        np.concatenate(level), np.concatenate(power), np.concatenate(rows),
+        np.concatenate(columns), np.concatenate(place), grid,
+    )  # fmt: skip
 
 
 def _in_blocks(picture: NDArray[Any], first: int, last: int, across: int) -> NDArray[Any]:
@@ -171,6 +160,8 @@ def _cosines() -> Matrix:
 # of a few strong blocks shows less in the coarse waves, by which they were chosen.
 _FALL = 0.11, 0.037
 _MIDDLE_SPREAD, _FINE_SPREAD, _SHARED = 0.12, 0.05, 0.97
+_BOTH_SPREAD = _SHARED * _MIDDLE_SPREAD * _FINE_SPREAD
+_FALL_COVARIANCE = np.array([[_MIDDLE_SPREAD**2, _BOTH_SPREAD], [_BOTH_SPREAD, _FINE_SPREAD**2]])
 FINE_DOUBT = math.hypot(_FALL[1], _FINE_SPREAD)  # where none is taken off
 _STEP = 0.02  # of structure, by which the slope of the truncated mean is taken
 _NARROWEST, _WIDEST = 0.3, 8.0
@@ -251,23 +242,16 @@ def structure_share(
     slope = (_mean_of(1.0 + _STEP, limit, freedom[0]) / cut - 1.0) / _STEP
     chance = float(coarse.std()) / (math.sqrt(many) * level * cut * slope)
     share = seen**2 / (seen**2 + chance**2) if seen > 0.0 else 0.0
-    covariance = _fall_covariance()
     own = np.diag([2.0 / (many * freedom[1]), 2.0 / (many * freedom[2])])
     square = share * (share * seen**2 + chance**2)
-    weights = np.linalg.solve(own + square * covariance, np.ones(2))
+    weights = np.linalg.solve(own + square * _FALL_COVARIANCE, np.ones(2))
     weights /= weights.sum()
     fall = float(weights @ _FALL)
-    doubt = math.hypot(math.sqrt(float(weights @ covariance @ weights)), (1.0 - share) * fall)
+    doubt = math.hypot(math.sqrt(float(weights @ _FALL_COVARIANCE @ weights)), (1.0 - share) * fall)
     known = max(seen, _STEP)
     shown = (_mean_of(1.0 + known, limit, freedom[0]) / cut - 1.0) / known
     removal = share * fall / (shown - fall)
     return StructureShare(seen, chance, float(weights[0]), removal, shown, doubt, excess, error)
-
-
-def _fall_covariance() -> Matrix:
-    """Of the structure's power in middle and fine waves, over that in the coarse."""
-    both = _SHARED * _MIDDLE_SPREAD * _FINE_SPREAD
-    return np.array([[_MIDDLE_SPREAD**2, both], [both, _FINE_SPREAD**2]])
 
 
 def mean_below(*, limit: float, freedom: int) -> float:
@@ -361,13 +345,7 @@ class _Waves:
 
     def clear(self, variance: Vector) -> Mask:
         """Blocks whose noise does not reach a clipped end."""
-        reach = _FROM_END * np.sqrt(variance)
-        free = np.ones(len(self.level), bool)
-        if self.low is not None:
-            free &= self.level - reach > self.low
-        if self.high is not None:
-            free &= self.level + reach < self.high
-        return free
+        return clear_of_ends(level=self.level, variance=variance, low=self.low, high=self.high)
 
     def usual(self, chosen: Mask, least: float) -> Mask:
         """The chosen blocks of whose neighbours in level at least this share is chosen.
@@ -385,6 +363,18 @@ class _Waves:
         return usual
 
 
+def clear_of_ends(
+    *, level: Vector, variance: Vector, low: float | None, high: float | None
+) -> Mask:
+    """Blocks whose noise does not reach a clipped end."""
+    free = np.ones(len(level), bool)
+    if low is not None:
+        free &= level - _FROM_END * np.sqrt(variance) > low
+    if high is not None:
+        free &= level + _FROM_END * np.sqrt(variance) < high
+    return free
+
+
 def flat_blocks(
     *,
     blocks: PictureBlocks,
@@ -397,8 +387,6 @@ def flat_blocks(
 
     Parameters
     ----------
-    blocks
-        Of the picture.
     at : float
         Level at which the noise is to be known best.
     least : float

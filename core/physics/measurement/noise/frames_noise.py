@@ -12,12 +12,11 @@ from scipy import special
 
 from core.errors import DataError
 from core.physics.measurement.noise.digitisation import clipped_ends, rounding_step
-from core.physics.measurement.noise.flat_blocks import SIDE
+from core.physics.measurement.noise.flat_blocks import SIDE, clear_of_ends
 from core.physics.measurement.noise.variance_levels import (
     LevelVariance,
-    gain_figure,
+    gain_and_read_noise,
     level_variances,
-    read_noise_figure,
 )
 from core.physics.measurement.noise.variance_line import VarianceLine, variance_line
 from core.physics.noise.noise_components import MeasuredNoise, NoiseCube
@@ -28,7 +27,6 @@ Vector = NDArray[np.float64]
 _LEAST_BLOCKS = 24
 _KEPT = 0.999  # of the blocks of noise alone that count
 _MOVED = 0.3  # of the blocks with more, beyond which the scene moves
-_FROM_END = 5.0  # deviations from a clipped end within which noise is cut
 _STILL = 6.0  # deviations of what differs from the first frame, beyond which something moves
 _NORMAL = 1.4826  # deviation over the median of absolute deviations, of a normal distribution
 _ROUNDS = 10
@@ -92,7 +90,6 @@ class SceneFrames:
     def __init__(self, rows: int, columns: int) -> None:
         self._cube = NoiseCube(rows, columns)
         self._first: Matrix | None = None
-        self._sum = np.zeros((rows, columns))
         self._squares = np.zeros((rows, columns))
         self._own = np.zeros((rows, columns))
         self._still_squares = np.zeros((rows, columns))
@@ -140,7 +137,7 @@ class SceneFrames:
         variance = _with_means(variance, variance * share)
         low, high = clipped_ends(picture=self._first)
         step = rounding_step(picture=self._first)
-        level, power = _blocks(self._first + self._sum / n), _blocks(variance)
+        level, power = _blocks(self._first), _blocks(variance)
         freedom = (n - 1) * SIDE * SIDE
         rounding = 0.0 if step is None else step**2 / 12.0
         line, chosen, reason = _settled(level, power, freedom, low, high)
@@ -151,20 +148,16 @@ class SceneFrames:
             nothing = None, None, reason
             return FramesNoise(*nothing, mean, *nothing, *nothing, (), components, step)
         at_mean, error = line.bounded(offset).at(mean)
-        gain = gain_figure(line=line, level=level[chosen])
+        gain, read = gain_and_read_noise(
+            line=line, level=level[chosen], rounding=rounding, offset=offset
+        )
         return FramesNoise(
             math.sqrt(at_mean),
             error / (2.0 * math.sqrt(at_mean)),
             "",
             mean,
             *gain,
-            *read_noise_figure(
-                line=line,
-                level=level[chosen],
-                with_gain=gain[0] is not None,
-                rounding=rounding,
-                offset=offset,
-            ),
+            *read,
             level_variances(level=level[chosen], variance=power[chosen]),
             components,
             step,
@@ -225,14 +218,9 @@ def _settled(
     level: Vector, power: Vector, freedom: int, low: float | None, high: float | None
 ) -> tuple[VarianceLine | None, NDArray[np.bool_], str]:
     """Line through the blocks that have no more than noise, these, and why there is none."""
-    chosen = np.ones(len(level), bool)
-    if low is not None:
-        chosen &= level - _FROM_END * np.sqrt(power) > low
-    if high is not None:
-        chosen &= level + _FROM_END * np.sqrt(power) < high
-    inside = chosen.copy()
+    inside = clear_of_ends(level=level, variance=power, low=low, high=high)
     if np.count_nonzero(inside) < _LEAST_BLOCKS:
-        return None, chosen, f"fewer than {_LEAST_BLOCKS} blocks of {SIDE} × {SIDE} are not clipped"
+        return None, inside, f"fewer than {_LEAST_BLOCKS} blocks of {SIDE} × {SIDE} are not clipped"
     limit = 2.0 * float(special.gammaincinv(freedom / 2.0, _KEPT)) / freedom
     best: tuple[VarianceLine, NDArray[np.bool_]] | None = None
     for usual in (np.full_like(power, np.median(power[inside])), _by_level(level, power, inside)):
@@ -242,7 +230,7 @@ def _settled(
         if best is None or np.count_nonzero(settled[1]) > np.count_nonzero(best[1]):
             best = settled
     if best is None:
-        return None, chosen, _it_moves(1.0)
+        return None, inside, _it_moves(1.0)
     line, chosen = best
     moved = 1.0 - np.count_nonzero(chosen) / np.count_nonzero(inside)
     if moved > _MOVED:
@@ -268,11 +256,7 @@ def _by_level(level: Vector, power: Vector, inside: NDArray[np.bool_]) -> Vector
 
 
 def _from(
-    chosen: NDArray[np.bool_],
-    inside: NDArray[np.bool_],
-    level: Vector,
-    power: Vector,
-    limit: float,
+    chosen: NDArray[np.bool_], inside: NDArray[np.bool_], level: Vector, power: Vector, limit: float
 ) -> tuple[VarianceLine, NDArray[np.bool_]] | None:
     """Line and blocks that agree with it, from a first choice; None where too few do."""
     for _ in range(_ROUNDS):

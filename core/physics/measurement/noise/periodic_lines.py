@@ -45,8 +45,6 @@ class PeriodicLine:
         In the picture's unit, and the standard error.
     phase : float
         Radians, at the middle of the first sample.
-    significance : float
-        Power over the white floor, in the mean of the flat areas.
     """
 
     across: float
@@ -54,7 +52,6 @@ class PeriodicLine:
     amplitude: float
     amplitude_error: float
     phase: float
-    significance: float
 
     @property
     def frequency(self) -> float:
@@ -74,13 +71,6 @@ def line_frequencies(
     *, picture: Matrix, check: Callable[[], None] = lambda: None
 ) -> tuple[tuple[float, float], ...]:
     """Frequencies across and down at which a picture's spectrum has lines, the strongest first.
-
-    Parameters
-    ----------
-    picture : ndarray, shape (rows, columns)
-        Samples; edges and structure may give lines too.
-    check : callable
-        Called between steps; may raise to stop.
 
     Notes
     -----
@@ -218,14 +208,8 @@ def fitted_lines(
 
     Parameters
     ----------
-    picture : ndarray
-        Samples, the waves in them.
-    frequencies : tuple of (float, float)
-        Across and down.
     places : ndarray of int
         Blocks to fit in; the fit is to samples less a plane through each block.
-    grid : tuple of int
-        Rows and columns of blocks.
     variance : float
         Of the white noise.
     structure : ndarray, optional
@@ -277,12 +261,9 @@ def fitted_lines(
         # The phase was fitted about the middle of the picture.
         middle = across * fit.middle[1] + down * fit.middle[0]
         phase = math.remainder(cmath.phase(value) - 2.0 * math.pi * middle, 2.0 * math.pi)
-        significance = power / (2.0 * spread)
         # Structure of the scene makes quarters differ by more than noise does.
         error = math.sqrt(max(spread, 0.5 * scatter / (_PARTS - 1.0)))
-        lines.append(
-            PeriodicLine(float(across), float(down), amplitude, error, phase, significance)
-        )
+        lines.append(PeriodicLine(float(across), float(down), amplitude, error, phase))
     return tuple(sorted(lines, key=lambda line: -line.amplitude))
 
 
@@ -300,9 +281,7 @@ class _Fit:
 
     def weights(self, at: Matrix) -> tuple[NDArray[np.float64], Matrix]:
         """Real and imaginary amplitude of each wave, and what noise of variance 1 adds to them."""
-        matrix = self._matrix(self._waves(at))
-        covariance = np.asarray(np.linalg.pinv(matrix.T @ matrix), np.float64)
-        return covariance @ (matrix.T @ self._samples.ravel()), covariance
+        return self._fitted(self._waves(at), self._samples)
 
     def steps(self, at: Matrix, weights: NDArray[np.float64]) -> Matrix:
         """By how much the frequencies are off: a step of Gauss and Newton."""
@@ -315,10 +294,9 @@ class _Fit:
                 turned * self._x / (2.0 * self.middle[1]),
                 turned * self._y / (2.0 * self.middle[0]),
             ]
-        matrix = self._matrix([*waves, *turns])
         # In bins of the spectrum: all columns of one size.
         size = np.array([2.0 * self.middle[1], 2.0 * self.middle[0]])
-        fitted = np.linalg.pinv(matrix.T @ matrix) @ (matrix.T @ self._samples.ravel())
+        fitted, _ = self._fitted([*waves, *turns], self._samples)
         # No further than the bins of the spectrum that showed the line.
         return np.asarray(np.clip(fitted[len(waves) :].reshape(-1, 2), -0.5, 0.5) / size)
 
@@ -327,16 +305,14 @@ class _Fit:
         waves = self._waves(at)
         fits = []
         for part in np.array_split(np.arange(len(self._samples)), _PARTS):
-            matrix = self._matrix([wave[part] for wave in waves])
-            fitted = np.linalg.pinv(matrix.T @ matrix) @ (matrix.T @ self._samples[part].ravel())
+            fitted, _ = self._fitted([wave[part] for wave in waves], self._samples[part])
             fits.append(fitted[::2] + 1j * fitted[1::2])
         return np.array(fits)
 
     def power_over_noise(self, at: Matrix, part: Mask) -> NDArray[np.float64]:
         """Squared amplitudes in part of the blocks over what noise of variance 1 adds to each."""
-        matrix = self._matrix([wave[part] for wave in self._waves(at)])
-        covariance = np.linalg.pinv(matrix.T @ matrix)
-        fitted = covariance @ (matrix.T @ self._samples[part].ravel())
+        waves = [wave[part] for wave in self._waves(at)]
+        fitted, covariance = self._fitted(waves, self._samples[part])
         spread = np.diag(covariance)
         own = 0.5 * (spread[::2] + spread[1::2])
         return np.asarray((fitted[::2] ** 2 + fitted[1::2] ** 2) / own, np.float64)
@@ -348,8 +324,11 @@ class _Fit:
             waves += [np.cos(angle), -np.sin(angle)]
         return waves
 
-    def _matrix(self, waves: list[Matrix]) -> Matrix:
-        return np.stack([(wave @ self._off_plane).ravel() for wave in waves], axis=1)
+    def _fitted(self, waves: list[Matrix], samples: Matrix) -> tuple[NDArray[np.float64], Matrix]:
+        """Weights of waves, and what noise of variance 1 adds to them."""
+        matrix = np.stack([(wave @ self._off_plane).ravel() for wave in waves], axis=1)
+        covariance = np.asarray(np.linalg.pinv(matrix.T @ matrix), np.float64)
+        return covariance @ (matrix.T @ samples.ravel()), covariance
 
 
 def _off_plane() -> Matrix:

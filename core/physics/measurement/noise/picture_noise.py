@@ -29,12 +29,10 @@ from core.physics.measurement.noise.flat_blocks import (
 )
 from core.physics.measurement.noise.line_removal import flat_without_lines
 from core.physics.measurement.noise.periodic_lines import PeriodicLine
-from core.physics.measurement.noise.power_parts import NoisePower, noise_power
 from core.physics.measurement.noise.variance_levels import (
     LevelVariance,
-    gain_figure,
+    gain_and_read_noise,
     level_variances,
-    read_noise_figure,
 )
 
 Matrix = NDArray[np.float64]
@@ -60,6 +58,28 @@ _WITHIN, _CONFIDENCE = 0.03, 1.96
 
 
 @dataclass(frozen=True)
+class LineNoise:
+    """What whole rows, or columns, have of their own.
+
+    Parameters
+    ----------
+    sigma : float
+        Standard deviation of the rows' offsets; 0 where none shows.
+    variance, variance_error : float
+        Its unbiased square, which may come out below zero, and the standard error.
+    """
+
+    sigma: float
+    variance: float
+    variance_error: float
+
+    @property
+    def significant(self) -> bool:
+        """Whether it stands out by three standard errors."""
+        return self.variance > 3.0 * self.variance_error
+
+
+@dataclass(frozen=True)
 class PictureNoise:
     """What a picture shows of its noise; None, with a reason, of what it does not.
 
@@ -78,12 +98,12 @@ class PictureNoise:
         Noise at the level without light, rounding taken off.
     levels : tuple of LevelVariance
         Variance over the level, from dark to bright.
-    power : NoisePower or None
-        Parts of the noise; None where there is no sigma.
+    rows, columns : LineNoise or None
+        Offsets of rows, and of columns, that hold across the picture; None with too few flat areas.
+    lines : tuple of PeriodicLine
+        Sine waves all over the picture, the strongest first.
     step : float or None
         Of the converter, in the picture's unit; None where the samples show none.
-    flat : ndarray of bool, shape (rows // 8, columns // 8)
-        Blocks of 8 × 8 samples that were measured in.
     remarks : tuple of str
         What to know of the figures.
     """
@@ -99,15 +119,11 @@ class PictureNoise:
     read_noise_error: float | None
     read_noise_reason: str
     levels: tuple[LevelVariance, ...]
-    power: NoisePower | None
+    rows: LineNoise | None
+    columns: LineNoise | None
+    lines: tuple[PeriodicLine, ...]
     step: float | None
-    flat: Mask
     remarks: tuple[str, ...]
-
-    @property
-    def rounding_variance(self) -> float:
-        """What rounding adds to the variance of a sample (Bennett 1948)."""
-        return 0.0 if self.step is None else self.step**2 / 12.0
 
 
 def noise_of_picture(
@@ -121,14 +137,10 @@ def noise_of_picture(
 
     Parameters
     ----------
-    picture : ndarray, shape (rows, columns)
-        Samples of any unit.
     avoid : ndarray of bool, optional
         Samples that do not count.
     offset : float
         Level without light, for the read noise.
-    check : callable
-        Called between steps; may raise to stop.
 
     Raises
     ------
@@ -159,15 +171,15 @@ def noise_of_picture(
     blocks = picture_blocks(picture=picture, good=good, check=check)
     check()
     if avoid is not None and avoid.all():
-        return _nothing("no sample is left to measure in", math.nan, None, blocks)
+        return _nothing("no sample is left to measure in", math.nan, None)
     mean = float(picture.mean() if avoid is None else picture[~avoid].mean())
     step = rounding_step(picture=picture)
     check()
     if compressed_in_blocks(picture=picture):
-        return _nothing(_COMPRESSED, mean, step, blocks)
+        return _nothing(_COMPRESSED, mean, step)
     enough = len(blocks.level) >= _LEAST_BLOCKS
     if enough and _still(blocks):
-        return _nothing(_hidden(step), mean, step, blocks)
+        return _nothing(_hidden(step), mean, step)
     lines: tuple[PeriodicLine, ...] = ()
     pattern = lines
     flat = None
@@ -189,7 +201,6 @@ def noise_of_picture(
             f"samples are flat, of at least {_LEAST_BLOCKS}: texture or edges are everywhere",
             mean,
             step,
-            blocks,
         )
     return _measured(blocks, flat, lines, pattern, mean, step, offset, check)
 
@@ -246,17 +257,10 @@ def _measured(
         if at_mean < shown or (not flat.even and np.mean(variance < shown) > _HIDDEN_SHARE):
             refusal = _hidden(step)
     if refusal:
-        return _nothing(refusal, mean, step, blocks)
+        return _nothing(refusal, mean, step)
     remarks = []
     if flat.even:
-        gain = gain_figure(line=line, level=level)
-        read = read_noise_figure(
-            line=line,
-            level=level,
-            with_gain=gain[0] is not None,
-            rounding=rounding,
-            offset=offset,
-        )
+        gain, read = gain_and_read_noise(line=line, level=level, rounding=rounding, offset=offset)
     else:
         reason = "the noise differs from place to place by more than its level explains"
         remarks.append(
@@ -276,17 +280,12 @@ def _measured(
             f"a periodic line of {lines[0].amplitude:.3g} is far above the noise: it may be a "
             "pattern of the scene"
         )
-    where = np.zeros(blocks.grid[0] * blocks.grid[1], bool)
-    where[blocks.place[flat.chosen]] = True
-    power = noise_power(
-        blocks=blocks,
-        flat=flat,
-        white=at_mean,
-        white_error=error,
-        lines=lines,
-        check=check,
-    )
-    for name, part in (("rows", power.rows), ("columns", power.columns)):
+    down, across = np.divmod(blocks.place[flat.chosen], blocks.grid[1])
+    model = flat.line.over(level)
+    rows = line_noise(waves=blocks.rows[flat.chosen], noise=model, line=down)
+    check()
+    columns = line_noise(waves=blocks.columns[flat.chosen], noise=model, line=across)
+    for name, part in (("rows", rows), ("columns", columns)):
         if part is not None and part.significant and part.sigma > sigma:
             remarks.append(
                 f"whole {name} differ by {part.sigma:.3g}, more than the noise of a sample: it may "
@@ -300,9 +299,10 @@ def _measured(
         *gain,
         *read,
         level_variances(level=level, variance=variance),
-        power,
+        rows,
+        columns,
+        lines,
         step,
-        where.reshape(blocks.grid),
         tuple(remarks),
     )
 
@@ -344,8 +344,89 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
     return ""
 
 
-def _nothing(reason: str, mean: float, step: float | None, blocks: PictureBlocks) -> PictureNoise:
+def _nothing(reason: str, mean: float, step: float | None) -> PictureNoise:
     """No figures, and why."""
     nothing = None, None, reason
-    flat = np.zeros(blocks.grid, bool)
-    return PictureNoise(*nothing, mean, *nothing, *nothing, (), None, step, flat, ())
+    return PictureNoise(*nothing, mean, *nothing, *nothing, (), None, None, (), step, ())
+
+
+# What whole rows, or columns, of a picture have of their own.
+
+_LEAST_IN_ROW = 4  # flat blocks, for a median of a row of blocks
+_LEAST_ROWS = 4  # rows of blocks
+_NORMAL = 1.4826  # deviation over the median of absolute deviations, of a normal distribution
+_MEDIAN = math.pi / 2.0  # variance of a median over that of a mean
+_MEDIAN_SQUARE = 0.4549  # of a normal deviate
+_FAR_SQUARE, _WITHIN_FAR, _MEAN_WITHIN = 9.0, 0.9973, 0.9733  # share, and mean square, below 3 σ
+_ROUNDS = 30
+
+
+def line_noise(
+    *, waves: NDArray[np.float32], noise: Vector, line: NDArray[np.intp]
+) -> LineNoise | None:
+    """Offsets of rows from the waves down of the blocks that lie side by side.
+
+    Parameters
+    ----------
+    waves : ndarray, shape (blocks, waves)
+        Coefficients of waves down, constant across.
+    noise : ndarray, shape (blocks,)
+        Variance of a sample of each.
+    line : ndarray of int, shape (blocks,)
+        Which row of blocks.
+
+    Notes
+    -----
+    What a row has of its own is common to all blocks of it, and so in their median, beyond the
+    chance that their scatter leaves there. An edge along some blocks does not move a median; along
+    all of them it is left out, as more than three deviations of the others.
+    """
+    order = np.argsort(line, kind="stable")
+    ends = np.flatnonzero(np.diff(line[order])) + 1
+    middles, spreads, chances = [], [], []
+    for part in np.split(order, ends):
+        if len(part) < _LEAST_IN_ROW:
+            continue
+        values = waves[part] / np.sqrt(noise[part])[:, np.newaxis]
+        middle = np.median(values, axis=0)
+        # The deviation of few values comes out low by that much.
+        less = len(part) / (len(part) - 0.8)
+        spreads.append((less * _NORMAL * np.median(np.abs(values - middle), axis=0)) ** 2)
+        middles.append(np.median(waves[part], axis=0))
+        density = float(np.mean(1.0 / np.sqrt(noise[part])))  # at the median, of unlike normals
+        chances.append(_MEDIAN / (len(part) * density**2))
+    if len(middles) < _LEAST_ROWS:
+        return None
+    # Scatter beyond the white noise, that of structure, is that of its wave all over the picture.
+    scatter = np.median(spreads, axis=0)
+    square = np.square(middles).ravel().astype(np.float64)
+    chance = np.outer(chances, scatter).ravel()
+    if not chance.min() > 0.0:
+        return None
+    own, error = _common_variance(square, chance)
+    # A wave down of offsets σ is SIDE · σ² in an orthonormal transform of SIDE equal columns.
+    variance, error = own / SIDE, error / SIDE
+    return LineNoise(math.sqrt(max(variance, 0.0)), variance, error)
+
+
+def _common_variance(square: Vector, chance: Vector) -> tuple[float, float]:
+    """Variance beyond chance that normal deviates with these squares have, and its error."""
+    low, high = -float(chance.min()), float(square.max())
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if float(np.median(square / np.maximum(middle + chance, 1e-300))) > _MEDIAN_SQUARE:
+            low = middle
+        else:
+            high = middle
+    own = high
+    for _ in range(_ROUNDS):
+        total = max(own, 0.0) + chance
+        near = square < _FAR_SQUARE * total
+        weight = 1.0 / total[near] ** 2
+        scale = _WITHIN_FAR / _MEAN_WITHIN
+        before = own
+        own = float(weight @ (scale * square[near] - chance[near]) / weight.sum())
+        if abs(own - before) <= 1e-6 * float(total.mean()):
+            break
+    total = max(own, 0.0) + chance
+    return own, math.sqrt(2.0 / float((1.0 / total**2).sum()))

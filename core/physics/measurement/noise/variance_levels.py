@@ -43,7 +43,23 @@ class LevelVariance:
 Figure = tuple[float | None, float | None, str]
 
 
-def gain_figure(*, line: VarianceLine, level: Vector) -> Figure:
+def gain_and_read_noise(
+    *, line: VarianceLine, level: Vector, rounding: float, offset: float
+) -> tuple[Figure, Figure]:
+    """Each with its standard error, or None twice and the reason.
+
+    Parameters
+    ----------
+    line, level
+        Variance over the level, and the levels of the blocks that it is of.
+    rounding, offset : float
+        Variance that rounding adds, and the level without light.
+    """
+    gain = _gain(line, level)
+    return gain, _read_noise(line, level, rounding, offset, with_gain=gain[0] is not None)
+
+
+def _gain(line: VarianceLine, level: Vector) -> Figure:
     """Electrons of one unit, and the standard error, where the variance rises with the level."""
     between = f"between levels {level.min():.4g} and {level.max():.4g}"
     if line.slope <= _RISES * line.slope_error:
@@ -63,8 +79,8 @@ def gain_figure(*, line: VarianceLine, level: Vector) -> Figure:
     return gain, error, ""
 
 
-def read_noise_figure(
-    *, line: VarianceLine, level: Vector, with_gain: bool, rounding: float, offset: float
+def _read_noise(
+    line: VarianceLine, level: Vector, rounding: float, offset: float, *, with_gain: bool
 ) -> Figure:
     """Where the line meets the level without light."""
     low, high = np.quantile(level, (0.01, 0.99))

@@ -112,11 +112,6 @@ class VarianceLine:
 def variance_line(*, level: Vector, variance: Vector) -> VarianceLine:
     """Fit the line to the variance of blocks.
 
-    Parameters
-    ----------
-    level, variance : ndarray, shape (blocks,)
-        Of each block; at least two.
-
     Notes
     -----
     Weights are those of normal noise of the line's own variance, iterated (a weight from a block's

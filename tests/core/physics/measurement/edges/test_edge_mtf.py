@@ -168,14 +168,14 @@ def test_pool_of_edges_that_agree_and_that_do_not():
         edges=[pretended(a, truth + n, 0.02) for a, n in zip(angles, noise, strict=True)], axis="x"
     )
     assert pool.edges == 16
-    assert pool.excess < 1.15
+    assert pool.scatter < 1.15
     assert np.all(np.abs(pool.mtf - truth) < 4.0 * pool.sigma)
     assert np.all(pool.sigma < 0.012)
     worse = pooled_mtf(
         edges=[pretended(a, truth + 4.0 * n, 0.02) for a, n in zip(angles, noise, strict=True)],
         axis="x",
     )
-    assert worse.excess == pytest.approx(4.0, rel=0.2)
+    assert worse.scatter == pytest.approx(4.0, rel=0.2)
     assert np.median(worse.sigma) > 2.5 * np.median(pool.sigma)
 
 
