@@ -553,3 +553,18 @@ def test_a_judge_that_does_not_apply_is_left_out_with_a_warning():
         result = chain.run()
     assert result.image().shape == (6, 8)
     assert "measured" in chain
+
+
+def test_figures_are_computed_when_they_are_asked_for():
+    chain = ic.open("mwir_camera").set({"scene.width": 32, "scene.height": 32})
+    result = chain.run()
+    assert not {"merit", "budget"} & set(result.seconds)
+    assert result.readouts["merit"]
+    assert "merit" in result.seconds
+    chain = ic.open("first_steps")
+    chain.add(ic.modules.measured_mtf(), name="judge", after="back")
+    chain.scene = np.zeros((96, 128))
+    result = chain.run()
+    with pytest.warns(UserWarning, match="judge is left out: no edge found"):
+        assert "judge" not in result.readouts
+    assert result.image("back.image").shape == (96, 128)
