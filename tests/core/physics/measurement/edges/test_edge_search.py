@@ -11,6 +11,7 @@ from scipy.special import erf
 from core.physics.measurement.edges.edge_line import edge_samples
 from core.physics.measurement.edges.edge_mtf import measure_edge, pooled_mtf
 from core.physics.measurement.edges.edge_search import find_edges
+from core.physics.measurement.edges.ridges import spread_out
 from edge_pictures import edge_mtf, edge_picture
 from edge_truth import gaussian_edge
 
@@ -207,6 +208,18 @@ def test_enough_edges_of_a_chart_with_many():
         parts = {(e.x > 180.0, e.y > 135.0) for e in near}
         assert len(near) >= 16
         assert len(parts) == 4
+
+
+def test_lines_in_turn():
+    """The strongest first, one that is weak but alone before the third of a crowd."""
+    order = spread_out(
+        x=np.array([10.0, 11.0, 12.0, 90.0, 13.0]),
+        y=np.full(5, 50.0),
+        angle_deg=np.array([0.0, 5.0, 184.0, 0.0, 90.0]),
+        merit=np.array([9.0, 10.0, 8.0, 4.0, 1.0]),
+        shape=(100, 100),
+    )
+    assert order.tolist() == [1, 0, 3, 2, 4]
 
 
 def test_a_soft_edge_without_noise_is_not_clipped_where_its_sides_are_level():

@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from core.errors import DataError
-from core.physics.measurement.edges.slanted_edge import modulus_error, slanted_edge
+from core.physics.measurement.edges.slanted_edge import (
+    falls_to,
+    jackknife_error,
+    modulus_error,
+    slanted_edge,
+)
 from edge_pictures import edge_mtf, edge_picture, line_picture
 
 FREQUENCY = np.linspace(0, 0.5, 65)  # cycles per sample, to Nyquist
@@ -82,6 +87,14 @@ def test_noisy_edge_is_within_three_standard_errors(angle, sigma):
     assert 0.6 < np.mean(squares) < 1.5  # neither too small an error, nor one that is no help
 
 
+def test_standard_error_of_a_mean():
+    """Leaving out one value at a time, the jackknife of a mean is the usual standard error."""
+    values = np.random.default_rng(1).normal(size=24)
+    replicas = (values.sum() - values) / 23
+    usual = np.std(values, ddof=1) / np.sqrt(24)
+    assert jackknife_error(replicas=replicas) == pytest.approx(usual, rel=1e-12)
+
+
 @pytest.mark.parametrize("true", [0.0, 1.0, 2.0, 5.0, 50.0])
 def test_error_of_a_modulus_where_noise_matters_most(true):
     """Means of 24 complex normals about a transform of so many standard errors."""
@@ -93,6 +106,12 @@ def test_error_of_a_modulus_where_noise_matters_most(true):
     # Of 24 groups, 3 standard errors miss 0.64 % (Student's t), and more where H is lost in noise.
     assert np.mean(np.abs(np.abs(whole) - true) > 3 * error) < 0.01
     assert np.median(error) < 2.0
+
+
+def test_level_is_found_between_points():
+    frequency, mtf = np.array([0, 1.0, 2.0]), np.array([1, 0.6, 0.2])
+    assert falls_to(frequency=frequency, mtf=mtf, level=0.5) == pytest.approx(1.25)
+    assert falls_to(frequency=frequency, mtf=mtf, level=0.1) is None
 
 
 def bar(size=(64, 64)):
