@@ -366,11 +366,6 @@ def weighted_factors(
     )
 
 
-def light_shares(bands: BandStack, weights: Row, *, node: str | None = None) -> Recipe:
-    """Recipe of the share that every band has in a weighted sum of the picture's mean."""
-    return Step.of(_shares, bands.means(), node=node, weights=weights)
-
-
 @ends_lineage
 def _shares(_: Work, means: Array, *, weights: Row) -> Array:
     light = np.maximum(means * np.array(weights), 0.0)
