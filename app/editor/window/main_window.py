@@ -269,7 +269,9 @@ class MainWindow(QMainWindow):
             self.session, self.evaluator, self.viewers.images, self.viewers.plot, self
         )
         # A viewer that is made is in its place a moment later.
-        self.viewers.made.connect(lambda _: QTimer.singleShot(0, self.snapshots.follow))
+        self.viewers.made.connect(
+            lambda _: QTimer.singleShot(0, self.snapshots, self.snapshots.follow)
+        )
         self.snapshots_view = SnapshotsView(self.session, self.evaluator, self.snapshots)
         self.snapshots_dock = self._hidden_dock("Snapshots", "snapshots", self.snapshots_view)
         self.runs = BackgroundRuns(self.session, self, self.finish_typing)
