@@ -457,25 +457,25 @@ class Filtered(Protocol):
     """A `core.chain.back_transformed.Delivered`, whose file imports this one."""
 
     @property
-    def magnitude(self) -> Magnitude: ...  # noqa: D102
+    def magnitude(self) -> Magnitude: ...
     @property
-    def phase(self) -> Phase: ...  # noqa: D102
+    def phase(self) -> Phase: ...
     @property
-    def factor_x(self) -> int: ...  # noqa: D102
+    def factor_x(self) -> int: ...
     @property
-    def factor_y(self) -> int: ...  # noqa: D102
+    def factor_y(self) -> int: ...
     @property
-    def mode(self) -> Literal["mean", "sum"]: ...  # noqa: D102
+    def mode(self) -> Literal["mean", "sum"]: ...
     @property
-    def sampled(self) -> PixelSamples | None: ...  # noqa: D102
+    def sampled(self) -> PixelSamples | None: ...
     @property
-    def weights(self) -> Row | None: ...  # noqa: D102
+    def weights(self) -> Row | None: ...
     @property
-    def bands(self) -> BandStack: ...  # noqa: D102
+    def bands(self) -> BandStack: ...
     @property
-    def mirrored(self) -> bool: ...  # noqa: D102
+    def mirrored(self) -> bool: ...
     @property
-    def plain(self) -> bool: ...  # noqa: D102
+    def plain(self) -> bool: ...
 
 
 @dataclass(frozen=True)
