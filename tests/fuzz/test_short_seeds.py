@@ -12,11 +12,16 @@ FUZZ = Path(__file__).parent
 
 
 @pytest.mark.parametrize(
-    ("name", "count", "seed"),
-    [("networks.py", 20, 2), ("direct_sums.py", 20, 1), ("editor_kills.py", 1, 1)],
-    ids=["networks", "direct_sums", "editor_kills"],
+    ("name", "count", "seed", "end"),
+    [
+        ("networks.py", 20, 2, "cases 20"),
+        ("direct_sums.py", 20, 1, "cases 20"),
+        ("editor_kills.py", 1, 1, "cases 1"),
+        ("study_kills.py", 2, 1, "no faults"),
+    ],
+    ids=["networks", "direct_sums", "editor_kills", "study_kills"],
 )
-def test_no_finding(name, count, seed, tmp_path):
+def test_no_finding(name, count, seed, end, tmp_path):
     done = subprocess.run(
         [sys.executable, FUZZ / name, "--count", str(count), "--seed", str(seed)],
         cwd=tmp_path,
@@ -26,4 +31,4 @@ def test_no_finding(name, count, seed, tmp_path):
         check=False,
     )
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
-    assert f"cases {count}" in " ".join(done.stdout.split())
+    assert end in " ".join(done.stdout.split())
