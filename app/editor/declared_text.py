@@ -119,7 +119,6 @@ def _plain(text: str) -> str:
 
 
 def choice_text(choice: Any) -> str:
-    """A choice in words."""
     if choice is None:
         return "empty"
     if not isinstance(choice, str):
@@ -134,7 +133,6 @@ def placeholder_of(parameter: Parameter) -> str:
 
 
 def shown_value(parameter: Parameter, value: Any) -> str:
-    """A value in words."""
     if value is None or value == "":
         return "empty"
     if parameter.kind in ("number", "integer"):
@@ -147,7 +145,6 @@ def shown_value(parameter: Parameter, value: Any) -> str:
 
 
 def about(parameter: Parameter) -> str:
-    """Meaning, range and default, in lines."""
     unit = f" {parameter.param.unit}" if parameter.param.unit else ""
     lines = [parameter.param.text[:1].upper() + parameter.param.text[1:]]
     if parameter.kind not in ("switch", "choice"):

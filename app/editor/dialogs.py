@@ -24,7 +24,6 @@ def show_beside(window: QWidget, dialog: QDialog) -> None:
 
 
 def drop_dialogs(window: QWidget, name: str, but: QDialog | None = None) -> None:
-    """Close the dialogs of that name."""
     for dialog in window.findChildren(QDialog, name):
         if dialog is not but:
             dialog.reject()
@@ -66,7 +65,6 @@ class Question(QMessageBox):
 
     @property
     def answer(self) -> str:
-        """The name of what was answered."""
         button = self.clickedButton()
         return button.objectName() if button is not None else "cancel"
 
@@ -86,7 +84,6 @@ class SaveDialog(QFileDialog):
         self._agreed: str | None = None
 
     def accept(self) -> None:
-        """Take the name, unless a file of that name is there and the person has not agreed."""
         files = self.selectedFiles()
         if files and Path(files[0]).is_file() and files[0] != self._agreed:
             self._ask(files[0])
@@ -94,7 +91,6 @@ class SaveDialog(QFileDialog):
             super().accept()
 
     def done(self, result: int) -> None:
-        """Take the question away with the dialog."""
         drop_dialogs(self, "replace_file")
         super().done(result)
 

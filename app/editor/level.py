@@ -20,24 +20,14 @@ from core.network.network import Network
 
 
 class Level(QObject):
-    """The part of the session's document that lies in one macro; without a path, all of it.
+    """The part of the session's document that lies in one macro; without a path, all of it."""
 
-    Signals
-    -------
-    opened
-        Another network is shown: of another document, or of another macro.
-    changed(before, after)
-        The network shown has changed; both are `Network`.
-    selection_changed(names)
-        Other nodes are selected: a tuple of ids in the network shown.
-    message(kind, text)
-        A line for the person; kind is "note" or "error".
-    """
-
-    opened = Signal()
+    opened = Signal()  # another network is shown: of another document, or of another macro
+    # (before, after): the network shown has changed; both are `Network`
     changed = Signal(object, object)
+    # (names): other nodes are selected: a tuple of ids in the network shown
     selection_changed = Signal(tuple)
-    message = Signal(str, str)
+    message = Signal(str, str)  # (kind, text): a line for the person; kind is "note" or "error"
 
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -61,22 +51,18 @@ class Level(QObject):
 
     @property
     def network(self) -> Network:
-        """The network shown."""
         return self._network
 
     @property
     def library(self) -> Library:
-        """Modules by key."""
         return self.session.library
 
     @property
     def folder(self) -> Path:
-        """What file names in the network are relative to."""
         return self.session.folder
 
     @property
     def selection(self) -> tuple[str, ...]:
-        """Ids of the selected nodes that are shown here."""
         return self._local(self.session.selection)
 
     def value(self, name: str, parameter: str) -> Any:
@@ -84,28 +70,22 @@ class Level(QObject):
         return self.session.resolved.value(self.head + name, parameter)
 
     def declared(self, name: str) -> Declaration | None:
-        """The declaration of a node's module."""
         return self.session.declared(self.head + name)
 
     def do(self, operation: Operation, gesture: Hashable = None) -> bool:
-        """Carry out an operation of the network shown; as `Session.do`."""
         return self.session.do(at_level(self._path, operation), gesture)
 
     def end_gesture(self) -> None:
-        """The next operation is an undo step of its own."""
         self.session.end_gesture()
 
     def select(self, names: Iterable[str]) -> None:
-        """Select these nodes and no others."""
         self.session.select(self.head + name for name in names)
 
     def is_macro(self, name: str) -> bool:
-        """Whether a node shown here is a macro."""
         node = self._network.nodes.get(name)
         return node is not None and node.macro is not None
 
     def enter(self, name: str) -> None:
-        """Show the inside of a macro that is shown here."""
         if self.is_macro(name):
             self.go_to((*self._path, name))
 

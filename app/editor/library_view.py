@@ -27,7 +27,6 @@ _KEY = Qt.ItemDataRole.UserRole
 
 
 def module_data(key: str) -> QMimeData:
-    """What is dragged of a module."""
     data = QMimeData()
     data.setData(MIME_TYPE, key.encode())
     return data
@@ -41,8 +40,6 @@ def dragged_module(data: QMimeData) -> str:
 
 
 class ModuleTree(QTreeWidget):
-    """Groups with their modules, which can be dragged."""
-
     def __init__(self, library: Library, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("library.tree")
@@ -90,11 +87,9 @@ class ModuleTree(QTreeWidget):
             group.setExpanded(True)
 
     def mimeTypes(self) -> list[str]:
-        """What it can give."""
         return [MIME_TYPE]
 
     def mimeData(self, items: Iterable[QTreeWidgetItem]) -> QMimeData:
-        """The module of what is dragged."""
         keys = [item.data(0, _KEY) for item in items if item.data(0, _KEY)]
         return module_data(keys[0]) if keys else QMimeData()
 
@@ -132,15 +127,9 @@ class ModuleTree(QTreeWidget):
 
 
 class LibraryView(QWidget):
-    """The library with a field that filters it.
+    """The library with a field that filters it."""
 
-    Signals
-    -------
-    chosen(key)
-        A module or preset was double-clicked, or Enter pressed on it.
-    """
-
-    chosen = Signal(str)
+    chosen = Signal(str)  # (key): a module or preset was double-clicked, or Enter pressed on it
 
     def __init__(
         self, library: Library, parent: QWidget | None = None, presets: Sequence[Preset] = ()
@@ -168,7 +157,6 @@ class LibraryView(QWidget):
         self.set_theme(DARK)
 
     def set_theme(self, theme: Theme) -> None:
-        """Mark the groups in these colours."""
         self._theme = theme
         side = self.fontMetrics().height() // 2
         for name, item in self.tree.groups.items():
@@ -177,7 +165,6 @@ class LibraryView(QWidget):
             item.setIcon(0, QIcon(mark))
 
     def show_presets(self, presets: Sequence[Preset]) -> None:
-        """List these presets and no others."""
         self.tree.show_presets(presets)
         self.tree.show_matching(self.filter.text())
         self.set_theme(self._theme)

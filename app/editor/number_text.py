@@ -29,7 +29,6 @@ def shown_number(value: float) -> str:
 
 
 def shown_numbers(values: Sequence[float]) -> str:
-    """A list of numbers as text."""
     return ", ".join(shown_number(value) for value in values)
 
 
@@ -113,12 +112,10 @@ class FreeNumber:
 
     @property
     def place(self) -> tuple[str, str]:
-        """Node and parameter."""
         return self.node, self.name
 
     @property
     def port(self) -> str:
-        """As network files name it."""
         return f"{self.node}.{self.name}"
 
 
@@ -126,14 +123,9 @@ class FreeNumbers(QObject):
     """The free parameters of the open document. No file holds them, and undo leaves them.
 
     Those of a node that is removed come back with it.
-
-    Signals
-    -------
-    changed
-        Others are free, or their limits differ.
     """
 
-    changed = Signal()
+    changed = Signal()  # others are free, or their limits differ
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -142,26 +134,21 @@ class FreeNumbers(QObject):
 
     @property
     def all(self) -> tuple[FreeNumber, ...]:
-        """In the order in which they were freed."""
         return tuple(self._numbers.values())
 
     def has(self, node: str, name: str) -> bool:
-        """Whether a parameter is free."""
         return (node, name) in self._numbers
 
     def put(self, number: FreeNumber) -> None:
-        """Free a parameter, or give it other limits."""
         if self._numbers.get(number.place) != number:
             self._numbers[number.place] = number
             self.changed.emit()
 
     def fix(self, node: str, name: str) -> None:
-        """Free it no more."""
         if self._numbers.pop((node, name), None) is not None:
             self.changed.emit()
 
     def clear(self) -> None:
-        """Nothing is free any more."""
         self._removed.clear()
         if self._numbers:
             self._numbers.clear()

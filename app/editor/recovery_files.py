@@ -269,7 +269,6 @@ def _get(content: Any, name: str, kind: type) -> Any:
 
 
 def _sweep(folder: Path) -> None:
-    """Clear away what ended processes left beside their recovery files."""
     for lock in folder.glob(f"*{LOCK_SUFFIX}"):
         if lock.stem.isalnum() and is_held(lock) is False:
             # Named by core.atomic: the file's name between a dot and what makes it new.
@@ -287,15 +286,9 @@ DELAY_MS = 1000  # from the first change on; with the writing itself less than t
 
 
 class Autosaver(QObject):
-    """Writes the document's recovery file at most a second after each change.
+    """Writes the document's recovery file at most a second after each change."""
 
-    Signals
-    -------
-    failed(text)
-        Work could not be kept; emitted once until it works again.
-    """
-
-    failed = Signal(str)
+    failed = Signal(str)  # (text): work could not be kept; emitted once until it works again
     _written = Signal(object)
 
     def __init__(self, session: Session, folder: Path, parent: QObject) -> None:

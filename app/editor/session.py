@@ -28,26 +28,14 @@ from core.network.network import Network, Node
 
 
 class Session(QObject):
-    """One document in one window. The parts of the window hold none of its state.
+    """One document in one window. The parts of the window hold none of its state."""
 
-    Signals
-    -------
-    opened
-        Another document has taken the place of the last one.
-    changed(before, after)
-        The network has changed; both are `Network`.
-    state_changed
-        Path, modified mark or what undo and redo would do may have changed.
-    selection_changed(names)
-        Other nodes are selected: a tuple of ids.
-    message(kind, text)
-        A line for the person; kind is "note", "error", or "advice": a note on what is selected.
-    """
-
-    opened = Signal()
-    changed = Signal(object, object)
-    state_changed = Signal()
-    selection_changed = Signal(tuple)
+    opened = Signal()  # another document has taken the place of the last one
+    changed = Signal(object, object)  # (before, after): the network has changed; both are `Network`
+    state_changed = Signal()  # path, modified mark or what undo and redo would do may have changed
+    selection_changed = Signal(tuple)  # (names): other nodes are selected: a tuple of ids
+    # (kind, text): A line for the person; kind is "note", "error", or "advice": a note on
+    # what is selected
     message = Signal(str, str)
 
     def __init__(self, library: Library, parent: QObject | None = None) -> None:
@@ -63,7 +51,6 @@ class Session(QObject):
 
     @property
     def document(self) -> Document:
-        """The open document."""
         return self._document
 
     @property
@@ -96,7 +83,6 @@ class Session(QObject):
         return self._resolved[1]
 
     def valued(self, name: str) -> Node:
-        """The node with values in the place of its expressions."""
         node = self.resolved.node(name)
         if node is not None:
             return node
@@ -139,7 +125,6 @@ class Session(QObject):
 
     @property
     def stem(self) -> str:
-        """What files of the document are called after."""
         path = self._document.path
         if path is not None:
             return path.stem
@@ -161,7 +146,6 @@ class Session(QObject):
         return path_of(self._document.network, name)[-1]
 
     def open(self, document: Document) -> None:
-        """Put another document in the place of this one."""
         self._document = document
         self._network = unfolded(document.network)
         self._chosen.clear()
@@ -196,19 +180,15 @@ class Session(QObject):
         addressed(network, operation).apply(network)
 
     def end_gesture(self) -> None:
-        """The next operation is an undo step of its own."""
         self._document.end_gesture()
 
     def undo(self) -> None:
-        """Undo the last step."""
         self._document.undo()
 
     def redo(self) -> None:
-        """Do the step undone last again."""
         self._document.redo()
 
     def go_to(self, position: int) -> None:
-        """Undo, or do again, as many steps as lead to a position of the history."""
         self._document.go_to(position)
 
     def save(self, path: Path | None = None, *, over: bool = False) -> bool:
@@ -239,7 +219,6 @@ class Session(QObject):
             self._remember(self._document.path)
 
     def _remember(self, network: Path, before: Path | None = None) -> None:
-        """Note what was chosen in the user's record of the network's file, and of one before."""
         try:
             known = read_record(before).chosen if before is not None else frozenset()
             if known or self._chosen:
@@ -248,7 +227,6 @@ class Session(QObject):
             self.message.emit("note", f"not remembered as a file to be written: {error}")
 
     def select(self, names: Iterable[str]) -> None:
-        """Select these nodes and no others."""
         chosen = tuple(name for name in dict.fromkeys(names) if name in self.network.nodes)
         if chosen != self._selection:
             self._selection = chosen

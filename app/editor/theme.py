@@ -49,7 +49,6 @@ class Theme:
     channels: tuple[str, str, str]
 
     def palette(self) -> QPalette:
-        """For Qt's Fusion style."""
         role = QPalette.ColorRole
         colours = {
             role.Window: self.window,
@@ -206,7 +205,6 @@ def theme_of(widget: QWidget) -> Theme:
 
 
 def set_ink(widget: QWidget, colour: str) -> None:
-    """Write in that colour."""
     palette = widget.palette()
     if palette.color(QPalette.ColorRole.WindowText) != QColor(colour):
         for role in _INK:
@@ -215,7 +213,6 @@ def set_ink(widget: QWidget, colour: str) -> None:
 
 
 def set_ground(widget: QWidget, colour: str) -> None:
-    """Fill the background with that colour."""
     palette = widget.palette()
     palette.setColor(QPalette.ColorRole.Window, QColor(colour))
     widget.setPalette(palette)

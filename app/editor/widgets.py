@@ -61,7 +61,6 @@ class Toggle(QToolButton):
         self.setCheckable(True)
 
     def initStyleOption(self, option: QStyleOptionToolButton) -> None:
-        """Draw in the colours of what is marked while it is down."""
         super().initStyleOption(option)
         if self.isChecked():
             palette, role = QPalette(option.palette), QPalette.ColorRole
@@ -74,7 +73,6 @@ class Radio(QRadioButton):
     """A radio button with a ring round its indicator."""
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the ring over Qt's own."""
         super().paintEvent(event)
         _outline(self, QStyle.SubElement.SE_RadioButtonIndicator, round_=True)
 
@@ -91,7 +89,6 @@ class Check(QCheckBox):
         option.palette = palette
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the frame over Qt's own."""
         super().paintEvent(event)
         _outline(self, QStyle.SubElement.SE_CheckBoxIndicator, round_=False)
 
@@ -105,7 +102,6 @@ class OutlinedItems(QStyledItemDelegate):
         option: QStyleOptionViewItem,
         index: QModelIndex | QPersistentModelIndex,
     ) -> None:
-        """Draw the frame over Qt's own."""
         super().paint(painter, option, index)
         item = QStyleOptionViewItem(option)
         self.initStyleOption(item, index)
@@ -138,7 +134,6 @@ def tool_button(name: str, text: str, description: str, parent: QWidget) -> QToo
 
 
 def toggle_button(name: str, text: str, description: str, parent: QWidget) -> Toggle:
-    """One that stays down, in the accent colour."""
     button = Toggle(parent)
     _named(button, name, text, description)
     return button
@@ -170,40 +165,31 @@ class FlowLayout(QLayout):
         self._across, self._down = across, down
 
     def addItem(self, item: QLayoutItem) -> None:
-        """Put an item at the end."""
         self._items.append(item)
 
     def count(self) -> int:
-        """Number of items."""
         return len(self._items)
 
     def itemAt(self, index: int) -> QLayoutItem | None:
-        """The item there, if there is one."""
         return self._items[index] if 0 <= index < len(self._items) else None
 
     def takeAt(self, index: int) -> QLayoutItem | None:
-        """Take the item out."""
         return self._items.pop(index) if 0 <= index < len(self._items) else None
 
     def expandingDirections(self) -> Qt.Orientation:
-        """Takes no more room than it needs."""
         return Qt.Orientation(0)
 
     def hasHeightForWidth(self) -> bool:
-        """The narrower, the more lines."""
         return True
 
     def heightForWidth(self, width: int) -> int:
-        """Height of all lines at that width."""
         return self._place(QRect(0, 0, width, 0), really=False)
 
     def setGeometry(self, rect: QRect) -> None:
-        """Place the widgets."""
         super().setGeometry(rect)
         self._place(rect, really=True)
 
     def sizeHint(self) -> QSize:
-        """All on one line."""
         shown = [item for item in self._items if not item.isEmpty()]
         width = sum(item.sizeHint().width() for item in shown)
         width += self._across * max(0, len(shown) - 1)
@@ -211,7 +197,6 @@ class FlowLayout(QLayout):
         return self._with_margins(QSize(width, height))
 
     def minimumSize(self) -> QSize:
-        """The widest widget."""
         size = QSize()
         for item in self._items:
             size = size.expandedTo(item.minimumSize())
@@ -239,15 +224,9 @@ class FlowLayout(QLayout):
 
 
 class PageTabs(QWidget):
-    """One button for each page; one of them is down.
+    """One button for each page; one of them is down."""
 
-    Signals
-    -------
-    turned
-        Another page is to be shown.
-    """
-
-    turned = Signal()
+    turned = Signal()  # another page is to be shown
 
     def __init__(self, pages: tuple[str, ...], parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -273,16 +252,13 @@ class PageTabs(QWidget):
 
     @property
     def page(self) -> str:
-        """The page that is shown; empty where there are none."""
         return self._pages[self._group.checkedId()] if self._pages else ""
 
     def turn_to(self, page: str) -> None:
-        """Show a page."""
         if page in self._pages:
             self.buttons[self._pages.index(page)].setChecked(True)
 
     def offer(self, pages: Collection[str]) -> None:
-        """Offer only these pages."""
         for page, button in zip(self._pages, self.buttons, strict=True):
             button.setVisible(page in pages)
 
@@ -317,11 +293,9 @@ class ElidedLabel(QLabel):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def text(self) -> str:
-        """The whole text."""
         return self._line
 
     def show_text(self, text: str, about: str = "") -> None:
-        """Show a text; line ends become spaces."""
         line = " ".join(text.split(" ")).replace("\n", " ")
         if line != self._line:
             self._line = line
@@ -332,7 +306,6 @@ class ElidedLabel(QLabel):
             self.setToolTip(about or line)
 
     def sizeHint(self) -> QSize:
-        """Room for the text."""
         margins = self.contentsMargins()
         return QSize(
             self._width + margins.left() + margins.right(),
@@ -340,19 +313,16 @@ class ElidedLabel(QLabel):
         )
 
     def minimumSizeHint(self) -> QSize:
-        """Room for a few letters."""
         hint = self.sizeHint()
         hint.setWidth(min(hint.width(), self.fontMetrics().averageCharWidth() * 4))
         return hint
 
     def changeEvent(self, event: QEvent) -> None:
-        """Follow the font."""
         super().changeEvent(event)
         if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
             self._fit(0)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the text, or what there is room for."""
         painter = QPainter(self)
         text = self.fontMetrics().elidedText(
             self._line, Qt.TextElideMode.ElideRight, self.contentsRect().width()
@@ -390,7 +360,6 @@ def plain_label(
 
 
 def show_or_hide(label: QLabel, text: str) -> None:
-    """Show a text; nothing where there is none."""
     label.setText(text)
     label.setVisible(bool(text))
 
@@ -435,14 +404,12 @@ class CopiedTable(QTableWidget):
         QGuiApplication.clipboard().setText("\n".join("\t".join(row) for row in rows if row))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Copy."""
         if event.matches(QKeySequence.StandardKey.Copy):
             self.copy()
         else:
             super().keyPressEvent(event)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Break the lines anew."""
         super().resizeEvent(event)
         self.resizeRowsToContents()
 
@@ -461,11 +428,9 @@ class WheelScrollArea(QScrollArea):
 
     @property
     def is_scrolling(self) -> bool:
-        """Whether it was scrolled by the wheel just now."""
         return time.monotonic() - self._scrolled_at < PAUSE_S
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Scroll."""
         self._scrolled_at = time.monotonic()
         super().wheelEvent(event)
 

@@ -38,21 +38,12 @@ from core.network.network import Link
 
 
 class Canvas(QWidget):
-    """Shows the session's network and follows it; gestures become operations on the document.
+    """Shows the session's network and follows it; gestures become operations on the document."""
 
-    Signals
-    -------
-    activated(name)
-        A node was double-clicked, or Enter pressed on it.
-    files_dropped(paths, point)
-        Files were dropped at a point of the scene.
-    preset_dropped(key, point)
-        A preset of the library was dropped there.
-    """
-
-    activated = Signal(str)
+    activated = Signal(str)  # (name): a node was double-clicked, or Enter pressed on it
+    # (paths, point): files were dropped at a point of the scene
     files_dropped = Signal(list, QPointF)
-    preset_dropped = Signal(str, QPointF)
+    preset_dropped = Signal(str, QPointF)  # (key, point): a preset of the library was dropped there
 
     def __init__(self, session: Session | Level, theme: Theme) -> None:
         super().__init__()
@@ -102,11 +93,9 @@ class Canvas(QWidget):
     # For the window's actions
 
     def set_menus(self, node_actions: Sequence[QAction], canvas_actions: Sequence[QAction]) -> None:
-        """Give the right button's menus of nodes and of empty ground their actions."""
         self.menus.fill(node_actions, canvas_actions)
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw everything in these colours."""
         self._theme = theme
         style = self._style
         if not style.is_of(theme, self.font()):  # to measure letters takes long
@@ -120,11 +109,9 @@ class Canvas(QWidget):
         self._surface.hint.set_theme(theme)
 
     def set_badges(self, badges: Any) -> None:
-        """Show the states of the nodes, by their ids; those not named have none."""
         self.content.set_badges(dict(badges))
 
     def show_thumbnails(self, evaluator: Evaluator) -> None:
-        """Show what comes out of the nodes below them, as the evaluator has it."""
         self.thumbnails = NodeThumbnails(self._session, evaluator, self.view.scene(), self.content)
 
     def frame_all(self) -> None:
@@ -135,27 +122,22 @@ class Canvas(QWidget):
         self.view.frame(whole)
 
     def frame_selection(self) -> None:
-        """Show the selected nodes."""
         self.view.frame(self.content.bounds(self._session.selection))
 
     def zoom_by(self, factor: float) -> None:
-        """Enlarge about the pointer, or the middle."""
         pos = self._surface.pointer
         self.view.zoom_at(factor, None if pos is None else QPointF(pos))
 
     def sizes(self) -> dict[str, tuple[float, float]]:
-        """Width and height of every node, in units of the layout."""
         return self.content.sizes()
 
     def node_or_thumbnail_at(self, point: QPointF) -> str | None:
-        """The node at a point of the scene, or the one whose thumbnail is there."""
         node = node_at(self.content, point)
         if node is not None:
             return node.id
         return self.thumbnails.node_at(point) if self.thumbnails is not None else None
 
     def sizes_with_thumbnails(self) -> dict[str, tuple[float, float]]:
-        """The sizes with the room of what stands below the nodes."""
         below = self.thumbnails.heights() if self.thumbnails is not None else {}
         return {
             name: (width, height + below.get(name, 0.0))
@@ -175,28 +157,22 @@ class Canvas(QWidget):
         self.adding.add(key, self.cursor_point())
 
     def open_search(self) -> None:
-        """Open the list of modules to add one at the cursor."""
         self.adding.search(self.cursor_point())
 
     def search_is_open(self) -> bool:
-        """Whether a list waits for a choice."""
         return self.popup.is_open
 
     def toggle_thumbnails(self) -> None:
-        """Show what comes out of the nodes, or not."""
         if self.thumbnails is not None:
             self.thumbnails.toggle()
 
     def find_node(self) -> None:
-        """Open the list of the nodes; the chosen one is selected and shown."""
         self.adding.find_node()
 
     def edit_last_title(self) -> None:
-        """Open the title of the backdrop that was added last, to be typed."""
         self._edit_title(len(self.content.backdrops) - 1)
 
     def connect_selected(self) -> None:
-        """Open the list of wires the selected nodes could have, or lose."""
         self.adding.connect_selected()
 
     def add_dot(self) -> None:
@@ -204,19 +180,15 @@ class Canvas(QWidget):
         self.dots.add(self._surface.pointer)
 
     def finish_typing(self) -> None:
-        """Take what was typed and not taken yet, as before saving."""
         self.title_editor.finish()
 
     def selected_link(self) -> Link | None:
-        """The link of the selected wire."""
         return self.marks.link
 
     def delete_selected_backdrop(self) -> None:
-        """Take the selected backdrop away; the nodes on it stay."""
         self.menus.delete_backdrop()
 
     def changeEvent(self, event: QEvent) -> None:
-        """Follow the window's font."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.FontChange and hasattr(self, "adding"):
             self.set_theme(self._theme)
@@ -299,7 +271,6 @@ class EmptyHint(QLabel):
         self._follow()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Stay in the middle."""
         if watched is self._ground and event.type() is QEvent.Type.Resize:
             self._fill()
         return False

@@ -46,7 +46,6 @@ class Crumbs(QWidget):
         self._fill()
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
         self._theme = theme
         set_ground(self, theme.raised)
 
@@ -107,14 +106,9 @@ _ENDS = (Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class TitleEditor(QLineEdit):
-    """A field over the title; Enter and leaving it take the text, Esc does not.
+    """A field over the title; Enter and leaving it take the text, Esc does not."""
 
-    Signals
-    -------
-    edited(index, text)
-        The backdrop of that place in the document's list gets this title.
-    """
-
+    # (index, text): the backdrop of that place in the document's list gets this title
     edited = Signal(int, str)
 
     def __init__(self, view: GraphView) -> None:
@@ -128,7 +122,6 @@ class TitleEditor(QLineEdit):
         self.installEventFilter(self)
 
     def edit(self, backdrop: BackdropItem) -> None:
-        """Begin with this backdrop's title."""
         head = backdrop.head(self._view.zoom)
         corner = self._view.pixel(head.topLeft())
         far = self._view.pixel(QPointF(head.right(), head.bottom()))
@@ -146,12 +139,10 @@ class TitleEditor(QLineEdit):
         self.setFocus(Qt.FocusReason.PopupFocusReason)
 
     def finish(self) -> None:
-        """Take what has been typed so far, as before saving."""
         if self._index is not None:
             self._take()
 
     def dismiss(self) -> None:
-        """Stop without taking anything."""
         self._index = None
         if self.isVisible():
             self.hide()

@@ -54,17 +54,10 @@ class AddRun(QDialog):
 
     The document is taken as it stands when the run is added. `taken` gives the folders that other
     runs are to write in.
-
-    Signals
-    -------
-    about_to_add
-        What is being typed elsewhere is to be taken now.
-    added(title, job)
-        The person has added a run.
     """
 
-    about_to_add = Signal()
-    added = Signal(str, object)
+    about_to_add = Signal()  # what is being typed elsewhere is to be taken now
+    added = Signal(str, object)  # (title, job): the person has added a run
 
     def __init__(self, session: Session, taken: Callable[[], set[Path]], parent: QWidget) -> None:
         super().__init__(parent)
@@ -80,11 +73,9 @@ class AddRun(QDialog):
 
     @property
     def kind(self) -> Kind:
-        """What kind of run is chosen."""
         return KINDS[self.kinds.currentIndex()][0]
 
     def vary(self, node: str, name: str) -> None:
-        """Sweep this parameter, to begin with over its usual range."""
         self.parameter.choose(node, name)
         self._chosen(node, name)
 
@@ -257,7 +248,6 @@ class AddRun(QDialog):
     # --- adding ------------------------------------------------------------------------------
 
     def _add(self) -> None:
-        """Add the run, or say beside the fields what does not fit."""
         self.about_to_add.emit()
         self._forget_errors()
         choices: dict[str, Any] = {"report": self.report.isChecked()}
@@ -336,7 +326,6 @@ class AddRun(QDialog):
         return folder
 
     def _say(self, name: str, text: str) -> None:
-        """Say what is wrong with a field, in one line."""
         label = self.errors[name]
         first = bool(text) and not any(error.text() for error in self.errors.values())
         label.setText(text)

@@ -36,21 +36,12 @@ _HINT = (
 
 
 class EdgeCanvas(QWidget):
-    """Draws one picture of a measurement and its edges.
+    """Draws one picture of a measurement and its edges."""
 
-    Signals
-    -------
-    chosen(place)
-        An edge was clicked: its place among those of the measurement; -1 beside all.
-    stepped(by)
-        A key goes to the next edge, or the one before.
-    switched
-        A key removes the chosen edge, or uses it again.
-    """
-
+    # (place): an edge was clicked: its place among those of the measurement; -1 beside all
     chosen = Signal(int)
-    stepped = Signal(int)
-    switched = Signal()
+    stepped = Signal(int)  # (by): a key goes to the next edge, or the one before
+    switched = Signal()  # a key removes the chosen edge, or uses it again
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -80,19 +71,16 @@ class EdgeCanvas(QWidget):
         self.update()
 
     def show_unused(self, on: bool) -> None:
-        """Draw edges that cannot be used, too, or leave them out."""
         self._all = on
         self.update()
 
     def choose(self, place: int) -> None:
-        """Mark an edge; -1 marks none."""
         if place != self._current:
             self._current = place
             self._keep_in_sight()
             self.update()
 
     def fit(self) -> None:
-        """Show all of the picture."""
         self._zoom, self._middle = 1.0, None
         self.update()
 
@@ -112,23 +100,19 @@ class EdgeCanvas(QWidget):
         self.update()
 
     def point_of(self, place: int) -> QPointF:
-        """Where the middle of an edge lies on the widget."""
         assert self._measured is not None
         found = self._measured.edges[place].found
         return self._point(found.x, found.y)
 
     def sizeHint(self) -> QSize:
-        """Room for a picture."""
         line = self.fontMetrics().height()
         return QSize(24 * line, 18 * line)
 
     def minimumSizeHint(self) -> QSize:
-        """Room for a small one."""
         line = self.fontMetrics().height()
         return QSize(8 * line, 6 * line)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the picture and its edges, or the hint."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), self.palette().base())
         preview = self._preview
@@ -156,7 +140,6 @@ class EdgeCanvas(QWidget):
         painter.end()
 
     def event(self, event: QEvent) -> bool:
-        """Show, at the mouse, what an edge is and why it is not used."""
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
             place = self._edge_at(QPointF(event.pos()))
             text = "" if place < 0 or self._measured is None else self._words(place)
@@ -165,12 +148,10 @@ class EdgeCanvas(QWidget):
         return super().event(event)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take hold of the picture, or an edge."""
         if event.button() == Qt.MouseButton.LeftButton and self._preview is not None:
             self._drag = event.position(), self._middle or self._whole_middle()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag an enlarged picture."""
         if self._drag is not None and self._zoom > 1.0:
             start, middle = self._drag
             self._middle = middle - (event.position() - start) / self._scale()
@@ -181,7 +162,6 @@ class EdgeCanvas(QWidget):
         self.setCursor(shape)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Choose the edge there, unless the picture was dragged."""
         if self._drag is None or event.button() != Qt.MouseButton.LeftButton:
             return
         moved = QPointF(event.position() - self._drag[0]).manhattanLength()
@@ -190,11 +170,9 @@ class EdgeCanvas(QWidget):
             self.chosen.emit(self._edge_at(event.position()))
 
     def mouseDoubleClickEvent(self, _event: QMouseEvent) -> None:
-        """Show all of the picture."""
         self.fit()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Enlarge or shrink about the mouse."""
         self.zoom_by(1.25 ** (event.angleDelta().y() / 120.0), event.position())
         event.accept()
 
@@ -228,14 +206,12 @@ class EdgeCanvas(QWidget):
         return QPointF((columns * factor - 1) / 2.0, (rows * factor - 1) / 2.0)
 
     def _scale(self) -> float:
-        """Dots of the widget that a sample takes."""
         assert self._preview is not None
         rows, columns = (size * self._preview.factor for size in self._preview.samples.shape)
         whole = min(self.width() / columns, self.height() / rows)
         return float(max(whole, 1e-6) * self._zoom)
 
     def _placed(self) -> QTransform:
-        """From samples to dots of the widget."""
         scale, middle = self._scale(), self._middle or self._whole_middle()
         there = QTransform.fromTranslate(self.width() / 2.0, self.height() / 2.0)
         return there.scale(scale, scale).translate(-middle.x(), -middle.y())
@@ -244,7 +220,6 @@ class EdgeCanvas(QWidget):
         return self._placed().map(QPointF(x, y))
 
     def _keep_in_sight(self) -> None:
-        """Move an enlarged picture so that the chosen edge is seen."""
         measured = self._measured
         if measured is None or self._preview is None or not self._current >= 0:
             return
@@ -307,7 +282,6 @@ def _pen(colour: str, width: float, style: Qt.PenStyle) -> QPen:
 
 
 def _distance(point: QPointF, start: QPointF, end: QPointF) -> float:
-    """Of a point from a line between two others."""
     along, to = end - start, point - start
     square = QPointF.dotProduct(along, along)
     share = min(1.0, max(0.0, QPointF.dotProduct(to, along) / square)) if square else 0.0

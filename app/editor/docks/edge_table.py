@@ -35,18 +35,10 @@ _FIGURE_HEADS = ("Figure", "Value", "Unit")
 
 
 class EdgeTable(QTreeWidget):
-    """Every edge with its MTF50, or why it is not used.
+    """Every edge with its MTF50, or why it is not used."""
 
-    Signals
-    -------
-    chosen(place)
-        The person marks an edge.
-    switched
-        A key removes the marked edge, or uses it again.
-    """
-
-    chosen = Signal(int)
-    switched = Signal()
+    chosen = Signal(int)  # (place): the person marks an edge
+    switched = Signal()  # a key removes the marked edge, or uses it again
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -67,7 +59,6 @@ class EdgeTable(QTreeWidget):
         self.currentItemChanged.connect(self._marked)
 
     def changeEvent(self, event: QEvent) -> None:
-        """Write in the colours there are now."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.PaletteChange:
             self._write()
@@ -85,7 +76,6 @@ class EdgeTable(QTreeWidget):
         self._write()
 
     def choose(self, place: int) -> None:
-        """Mark an edge; -1 marks none."""
         with QSignalBlocker(self):
             item = self.topLevelItem(place) if place >= 0 else None
             self.setCurrentItem(item)  # type: ignore[arg-type] # None: no row
@@ -95,7 +85,6 @@ class EdgeTable(QTreeWidget):
                 self.clearSelection()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Remove the marked edge, or use it again."""
         if event.key() in _SWITCH_KEYS and not event.modifiers():
             self.switched.emit()
         else:
@@ -132,7 +121,6 @@ def _cells(place: int, edge: MeasuredEdge) -> tuple[str, str, str, str]:
 
 
 def edge_words(place: int, edge: MeasuredEdge) -> str:
-    """An edge in a line: its MTF50, or why it is not used."""
     found = edge.found
     angle = f"{found.angle_deg:.1f}".replace("-", "\N{MINUS SIGN}")
     where = f"edge {place + 1}, normal at {angle}°, {found.length:.0f} samples long"
@@ -145,8 +133,6 @@ def edge_words(place: int, edge: MeasuredEdge) -> str:
 
 
 class FigureTable(CopiedTable):
-    """Figures of a measurement; Ctrl+C copies them."""
-
     def __init__(self, parent: QWidget) -> None:
         super().__init__(0, len(_FIGURE_HEADS), parent)
         self.setObjectName("measure.figures")
@@ -155,7 +141,6 @@ class FigureTable(CopiedTable):
         self._rows: tuple[tuple[str, str, str], ...] = ()
 
     def cells(self, row: int) -> Sequence[str]:
-        """The texts of a row that are copied."""
         return self._rows[row]
 
     def show_rows(self, rows: Sequence[tuple[str, str, str, str]], remarks: Sequence[str]) -> None:
@@ -186,15 +171,9 @@ _DASH = Qt.PenStyle.DashLine
 
 
 class MtfChart(ChartWidget):
-    """Draws MTF against cycles per sample, across in full, along dashed.
+    """Draws MTF against cycles per sample, across in full, along dashed."""
 
-    Signals
-    -------
-    read(text)
-        What stands under the mouse; empty where nothing does.
-    """
-
-    read = Signal(str)
+    read = Signal(str)  # (text): what stands under the mouse; empty where nothing does
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(theme, width=20, height=13, parent=parent)
@@ -210,12 +189,10 @@ class MtfChart(ChartWidget):
         self._frame = QRectF()
 
     def show_measured(self, measured: PictureMeasurement | None, edge: MeasuredEdge | None) -> None:
-        """Draw the pooled curves of a measurement, and the curve of one of its edges."""
         self._measured, self._edge = measured, edge
         self.update()
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Draw the chart."""
         x = Axis(0.0, 1.0, "frequency (cycles/sample)")
         chart = Chart(painter, area, x, Axis(0.0, _HIGHEST, "MTF"), self._theme)
         self._frame = chart.frame
@@ -244,7 +221,6 @@ class MtfChart(ChartWidget):
             painter.drawText(inside, int(flags), "No edge could be used")
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Read the curves under the mouse."""
         frame, measured = self._frame, self._measured
         if measured is None or frame.width() <= 0 or not frame.contains(event.position()):
             self.read.emit("")
@@ -256,7 +232,6 @@ class MtfChart(ChartWidget):
         self.read.emit(f"{frequency:.3f} cycles/sample: {', '.join(parts)}" if parts else "")
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Read nothing any more."""
         super().leaveEvent(event)
         self.read.emit("")
 

@@ -32,8 +32,6 @@ _PAUSE_S = 0.05  # between edges that are shown while values change
 
 @dataclass(frozen=True)
 class FitTask:
-    """What is fitted to what."""
-
     network: Network  # its macros written out
     library: Library
     folder: Path
@@ -60,8 +58,6 @@ class FittedNumber(NamedTuple):
 
 
 class FitOutcome(NamedTuple):
-    """Values with errors, what is to be known of them in lines, and the edges that were fitted."""
-
     numbers: tuple[FittedNumber, ...]
     chi2_per_degree: float
     degrees: int
@@ -81,14 +77,12 @@ class CheckedWork(Work):
         self._check = check
 
     def check(self) -> None:
-        """Raise `Cancelled` if the caller has requested a stop."""
         self._check()
 
 
 def fit_to_picture(
     task: FitTask, check: Callable[[], None], report: Callable[[str], None], watch: Watch
 ) -> FitOutcome:
-    """Carry a fit out."""
     # Imported where it is used: the window opens without it.
     from app.fit.picture_fit import fit_known_scene, fit_pictures
     from core.chain.engine import Engine
@@ -119,7 +113,6 @@ def fit_to_picture(
 
 
 def limited_parameters(task: FitTask) -> tuple[FreeParameter, ...]:
-    """The free parameters with the limits that were set."""
     from app.fit.free_parameter import FREE, free_parameters
 
     if not task.numbers:
@@ -154,7 +147,6 @@ class _Paced:
 
 
 def drawn_edges(patches: tuple[Patch, ...], edges: EdgesAt) -> tuple[DrawnEdge, ...]:
-    """All edges, to be drawn."""
     drawn = []
     for row, patch in enumerate(patches):
         count = len(patch.value)

@@ -77,19 +77,16 @@ class FitView(WorkerView):
         return self._own if self._own is not None else self._default()
 
     def choose_pictures(self, pictures: Pictures) -> None:
-        """Fit to these from now on."""
         self._own = pictures
         self.show_state()
 
     def _choose_file(self) -> None:
-        """Ask the person for pictures."""
         window, name = self.window(), "fit_dialog"
         choose_pictures(window, "Fit to pictures", name=name, chosen=self.choose_pictures)
 
     # --- fitting -----------------------------------------------------------------------------
 
     def begin(self) -> None:
-        """Fit the network as it stands."""
         self._finish_typing()
         session, pictures = self._session, self.pictures
         if pictures is None:
@@ -119,12 +116,10 @@ class FitView(WorkerView):
         self._show_buttons()
 
     def close_worker(self) -> None:
-        """Stop the fit, and wait for its end."""
         self._run = None
         self.worker.close()
 
     def forget(self) -> None:
-        """Stop the fit, and show nothing of it: another network is open."""
         self._run = None
         self.worker.drop()
         self._show_outcome(None)
@@ -160,12 +155,10 @@ class FitView(WorkerView):
     # --- the widget --------------------------------------------------------------------------
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
         self.theme = theme
         self.chart.set_theme(theme)
 
     def sizeHint(self) -> QSize:
-        """Room for a table with a chart beside it."""
         line = self.fontMetrics().height()
         return QSize(48 * line, 20 * line)
 
@@ -250,7 +243,6 @@ class FitView(WorkerView):
         self._session.changed.connect(self._network_changed)
 
     def show_state(self, *_: object) -> None:
-        """Show what is free, and the picture."""
         self.table.write()
         pictures = self.pictures
         self.name.setText(_NO_PICTURE if pictures is None else pictures_name(pictures))
@@ -361,7 +353,6 @@ class FitView(WorkerView):
 
 
 def _lines(outcome: FitOutcome, pictures: Pictures | None) -> list[str]:
-    """What was fitted to, how well, warnings, and what was assumed."""
     to = [] if pictures is None else [f"Fitted to {pictures_name(pictures)}."]
     return [
         *to,
@@ -387,8 +378,6 @@ _DOT = 2.0  # pixels
 
 
 class SpreadChart(ChartWidget):
-    """Draws samples as dots and the chain's spread as a line, over the distance from the edge."""
-
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(theme, width=24, height=14, parent=parent)
         self.setObjectName("fit.spread")
@@ -406,7 +395,6 @@ class SpreadChart(ChartWidget):
         self.update()
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Draw the chart."""
         edge = self.edge
         reach = 8.0 if edge is None else max(1.0, float(np.abs(edge.distance).max(initial=0.0)))
         x = Axis(-reach, reach, "distance from the edge (samples)")

@@ -24,15 +24,9 @@ _UNDETERMINED = "not determined"
 
 
 class FreeTable(QTableWidget):
-    """Every free parameter in a row.
+    """Every free parameter in a row."""
 
-    Signals
-    -------
-    refused(text)
-        Why a limit is not taken.
-    """
-
-    refused = Signal(str)
+    refused = Signal(str)  # (text): why a limit is not taken
 
     def __init__(self, session: Session, parent: QWidget) -> None:
         super().__init__(0, len(_HEADS), parent)
@@ -57,31 +51,26 @@ class FreeTable(QTableWidget):
         self.itemChanged.connect(self._typed)
 
     def changeEvent(self, event: QEvent) -> None:
-        """Write in the colours there are now."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.PaletteChange:
             self.write()
 
     def show_fitted(self, fitted: tuple[FittedNumber, ...]) -> None:
-        """Show values with errors."""
         self._fitted = fitted
         self.write()
 
     def remove_marked(self) -> None:
-        """Fix the parameter of the marked row again."""
         free = self._session.free.all
         if 0 <= self.currentRow() < len(free):
             self._session.free.fix(*free[self.currentRow()].place)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Del fixes the marked one."""
         if event.key() in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace) and not event.modifiers():
             self.remove_marked()
         else:
             super().keyPressEvent(event)
 
     def write(self) -> None:
-        """Write all rows as they are now."""
         by_place = {one.number.place: one for one in self._fitted}
         free = self._session.free.all
         with QSignalBlocker(self):
@@ -126,7 +115,6 @@ class FreeTable(QTableWidget):
         return name, self._now(number), value, error, unit, low, high
 
     def _now(self, number: FreeNumber) -> str:
-        """Its value in the network."""
         node, parameter = self._session.network.nodes.get(number.node), self._parameter(number)
         if node is None or parameter is None:
             return ""
@@ -138,7 +126,6 @@ class FreeTable(QTableWidget):
         return declared.parameter(number.name) if declared is not None else None
 
     def _typed(self, item: QTableWidgetItem) -> None:
-        """Take a limit, or say why not."""
         row, column = item.row(), item.column()
         number = self._session.free.all[row]
         parameter, text = self._parameter(number), item.text().strip()

@@ -61,15 +61,9 @@ class _Measuring:
 
 
 class MeasureView(WorkerView):
-    """Measures what viewers show, or files, in the background, and shows what that gives.
+    """Measures what viewers show, or files, in the background, and shows what that gives."""
 
-    Signals
-    -------
-    source_changed
-        Other pictures are shown as measured.
-    """
-
-    source_changed = Signal()
+    source_changed = Signal()  # other pictures are shown as measured
 
     def __init__(self, session: Session, theme: Theme, viewers: Mapping[int, ImageViewer]) -> None:
         super().__init__("measure", "Measure a picture")
@@ -90,7 +84,6 @@ class MeasureView(WorkerView):
 
     @property
     def source(self) -> Pictures | None:
-        """The pictures whose measurement is shown."""
         return self._shown.pictures if self._shown is not None else None
 
     def measure_shown(self) -> None:
@@ -101,7 +94,6 @@ class MeasureView(WorkerView):
         self.measure_viewer((*in_use, *shown, 1)[0])
 
     def measure_viewer(self, number: int) -> None:
-        """Measure what a viewer shows."""
         try:
             picture = picture_of(number, self._viewers[number])
         except UsageError as error:
@@ -129,14 +121,12 @@ class MeasureView(WorkerView):
         self._begin(_Measuring(picture.name, picture, network), job)
 
     def measure_files(self, paths: tuple[Path, ...]) -> None:
-        """Measure pictures, or files of frames, of one camera together."""
         self._files = paths
         with QSignalBlocker(self.band):
             self.band.choose_none()
         self._measure_band()
 
     def _measure_band(self, *_: object) -> None:
-        """Measure the band of the files that were chosen last."""
         paths, band = self._files, self.band.band
         if not paths:
             return
@@ -158,7 +148,6 @@ class MeasureView(WorkerView):
         choose_pictures(self.window(), title, name=name, chosen=self.measure_files)
 
     def _choose_target(self) -> None:
-        """Ask the person where the results go."""
         dialog = SaveDialog(self.window(), "Write the measurement", str(Path.cwd()), _KINDS)
         dialog.setObjectName("measure_export_dialog")
         dialog.setDefaultSuffix(HTML.suffixes[0].removeprefix("."))
@@ -198,7 +187,6 @@ class MeasureView(WorkerView):
 
     @property
     def edge(self) -> MeasuredEdge | None:
-        """The chosen edge."""
         if self.measured is None or not 0 <= self.current < len(self.measured.edges):
             return None
         return self.measured.edges[self.current]
@@ -214,7 +202,6 @@ class MeasureView(WorkerView):
         self._show_edge()
 
     def step(self, by: int) -> None:
-        """Choose the next edge, or the one before."""
         if self.measured is not None and self.measured.edges:
             self.choose((self.current + by) % len(self.measured.edges))
 
@@ -252,11 +239,9 @@ class MeasureView(WorkerView):
     # --- the widget --------------------------------------------------------------------------
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
         self.chart.set_theme(theme)
 
     def sizeHint(self) -> QSize:
-        """Room for a picture with its curves beside it."""
         line = self.fontMetrics().height()
         return QSize(48 * line, 22 * line)
 
@@ -405,7 +390,6 @@ class MeasureView(WorkerView):
         self.canvas.show_measured(self.measured, max(0, self.pictures.currentIndex()))
 
     def _show_all(self) -> None:
-        """Show the measurement as it is now."""
         measured = self.measured
         self._show_picture(0)
         self.pictures.setVisible(self.pictures.count() > 1)
@@ -484,5 +468,4 @@ class BandBox(QSpinBox):
         return None if self.value() == _NONE else self.value()
 
     def choose_none(self) -> None:
-        """As at first."""
         self.setValue(_NONE)

@@ -27,8 +27,6 @@ from nodes.files.common.file_format import JSON
 
 @dataclass(frozen=True, eq=False)
 class ViewerPicture:
-    """A picture of a viewer: its samples, and what is known of them."""
-
     name: str
     samples: Any
     unit: str
@@ -38,7 +36,6 @@ class ViewerPicture:
 
 
 def picture_of(number: int, viewer: ImageViewer) -> ViewerPicture:
-    """What a viewer shows."""
     picture, port = viewer.picture, viewer.choices.port
     if picture is None or port is None:
         raise UsageError(f"viewer {number} shows no picture")
@@ -58,7 +55,6 @@ def picture_of(number: int, viewer: ImageViewer) -> ViewerPicture:
 
 
 def shown_in(viewers: Mapping[int, ImageViewer]) -> list[int]:
-    """Numbers of the viewers that show something."""
     return [number for number, viewer in sorted(viewers.items()) if viewer.picture is not None]
 
 
@@ -68,24 +64,12 @@ _LONGEST_END_S = 20.0
 
 
 class MeasureWorker(QObject):
-    """Carries out a job in a thread.
+    """Carries out a job in a thread."""
 
-    Signals
-    -------
-    progressed(text)
-        What the job has come to.
-    done(result)
-        It has ended.
-    failed(text)
-        It could not be carried out.
-    cancelled
-        It was stopped.
-    """
-
-    progressed = Signal(str)
-    done = Signal(object)
-    failed = Signal(str)
-    cancelled = Signal()
+    progressed = Signal(str)  # (text): what the job has come to
+    done = Signal(object)  # (result): it has ended
+    failed = Signal(str)  # (text): it could not be carried out
+    cancelled = Signal()  # it was stopped
     _ended = Signal(object, str, object)
 
     def __init__(self, parent: QObject | None = None) -> None:
@@ -110,7 +94,6 @@ class MeasureWorker(QObject):
         self._thread.start()
 
     def cancel(self) -> None:
-        """Stop the job."""
         if self._stop is not None:
             self.drop()
             self.cancelled.emit()
@@ -122,7 +105,6 @@ class MeasureWorker(QObject):
             self._stop = None
 
     def close(self) -> None:
-        """Stop the job, and wait until it has ended."""
         self.drop()
         if self._thread is not None:
             self._thread.join(_LONGEST_END_S)
@@ -166,11 +148,9 @@ class WorkerView(QWidget):
         self.worker = MeasureWorker(self)
 
     def cancel(self) -> None:
-        """Stop what goes on."""
         self.worker.cancel()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc stops what goes on."""
         if event.key() == Qt.Key.Key_Escape and self.worker.busy:
             self.cancel()
             event.accept()
@@ -188,7 +168,6 @@ _DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
 
 
 def pictures_name(pictures: Pictures) -> str:
-    """Short enough for a line."""
     if isinstance(pictures, ViewerPicture):
         return pictures.name
     more = len(pictures) - 1
@@ -196,7 +175,6 @@ def pictures_name(pictures: Pictures) -> str:
 
 
 def pictures_text(pictures: Pictures) -> str:
-    """In full, a line each."""
     if isinstance(pictures, ViewerPicture):
         return pictures.name
     return "\n".join(map(str, pictures))
@@ -212,7 +190,6 @@ class PictureDrops(QObject):
         widget.installEventFilter(self)
 
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
-        """Take pictures, as copies."""
         if not isinstance(event, QDropEvent) or event.type() not in _DRAGGING:
             return False
         paths = _dropped(event.mimeData())

@@ -69,17 +69,14 @@ class Entry:
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more becomes of it."""
         return self.state in _OVER
 
     @property
     def page(self) -> Path | None:
-        """The report or trade-off it has written."""
         return self.result.page if self.result is not None else None
 
     @property
     def folder(self) -> Path:
-        """Where its files are."""
         return self.job.output.parent if self.job.kind == "report" else self.job.output
 
     def left_s(self, now: float) -> float | None:
@@ -94,18 +91,10 @@ class Entry:
 
 
 class RunQueue(QObject):
-    """Carries runs out one after the other, reports at once.
+    """Carries runs out one after the other, reports at once."""
 
-    Signals
-    -------
-    changed(number)
-        An entry has another state, or is further.
-    listed
-        An entry has been added or removed.
-    """
-
-    changed = Signal(int)
-    listed = Signal()
+    changed = Signal(int)  # (number): an entry has another state, or is further
+    listed = Signal()  # an entry has been added or removed
 
     def __init__(self, parent: QObject, *, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__(parent)
@@ -117,20 +106,16 @@ class RunQueue(QObject):
 
     @property
     def entries(self) -> tuple[Entry, ...]:
-        """All of them, the first one that was added first."""
         return tuple(self._entries.values())
 
     @property
     def unfinished(self) -> tuple[Entry, ...]:
-        """Those that wait or run."""
         return tuple(entry for entry in self.entries if not entry.is_over)
 
     def entry(self, number: int) -> Entry | None:
-        """The entry of that number; None where it was removed."""
         return self._entries.get(number)
 
     def pids(self) -> tuple[int, ...]:
-        """The numbers of the processes that run."""
         return tuple(process.pid for process in self._processes.values())
 
     def add(self, title: str, job: Job) -> int:
@@ -153,14 +138,12 @@ class RunQueue(QObject):
             self._processes[number].stop()
 
     def remove(self, number: int) -> None:
-        """Take one that has ended off the list; its files stay."""
         entry = self._entries.get(number)
         if entry is not None and entry.is_over:
             del self._entries[number]
             self.listed.emit()
 
     def clear(self) -> None:
-        """Take all that have ended off the list."""
         self._entries = {entry.number: entry for entry in self.unfinished}
         self.listed.emit()
 
@@ -221,16 +204,11 @@ class RunProcess(QObject):
     """Starts the process of a job, and stops it.
 
     The process stops by itself when its input ends, which it does whatever becomes of this one.
-
-    Signals
-    -------
-    stepped(step)
-        How far it is.
-    ended(end, text, result)
-        It is "done" with a `Result`, "failed" with a line on why, or "cancelled"; the last signal.
     """
 
-    stepped = Signal(object)
+    stepped = Signal(object)  # (step): how far it is
+    # (end, text, result): it is "done" with a `Result`, "failed" with a line on why, or
+    # "cancelled"; the last signal
     ended = Signal(str, str, object)
 
     def __init__(self, job: Job, parent: QObject) -> None:
@@ -251,11 +229,9 @@ class RunProcess(QObject):
 
     @property
     def pid(self) -> int:
-        """The process's number; 0 where none runs."""
         return self._process.processId()
 
     def start(self) -> None:
-        """Begin."""
         program, *words = command("app.command.run_job")
         self._process.start(program, words)
         self._process.write((job_text(self._job) + "\n").encode("ascii"))
@@ -270,7 +246,6 @@ class RunProcess(QObject):
         self._force.start(_PATIENCE_MS)
 
     def close(self) -> None:
-        """Stop it and wait for its end: nothing of it goes on."""
         self.stop()
         if not self._over and not self._process.waitForFinished(_CLOSING_MS):
             self._process.kill()
@@ -322,7 +297,6 @@ class RunProcess(QObject):
 
 
 def python_environment() -> QProcessEnvironment:
-    """That of a Python process of ours."""
     made = QProcessEnvironment()
     for name, value in environment().items():
         made.insert(name, value)

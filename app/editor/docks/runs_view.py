@@ -60,15 +60,9 @@ _DROP_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 
 
 class RunsView(QWidget):
-    """The queue's entries with what one can do to them.
+    """The queue's entries with what one can do to them."""
 
-    Signals
-    -------
-    add_wanted
-        Another run is to be added.
-    """
-
-    add_wanted = Signal()
+    add_wanted = Signal()  # another run is to be added
 
     def __init__(self, queue: RunQueue) -> None:
         super().__init__()
@@ -134,12 +128,10 @@ class RunsView(QWidget):
 
     @property
     def current(self) -> Entry | None:
-        """The entry that is marked."""
         item = self.list.currentItem()
         return None if item is None else self._queue.entry(int(item.data(0, _NUMBER)))
 
     def mark(self, number: int) -> None:
-        """Mark an entry."""
         if number in self._items:
             self.list.setCurrentItem(self._items[number])
 
@@ -153,7 +145,6 @@ class RunsView(QWidget):
                 self._open_folder()
 
     def changeEvent(self, event: QEvent) -> None:
-        """Write in the colours there are now."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.PaletteChange:
             for number in self._items:
@@ -248,7 +239,6 @@ class RunsView(QWidget):
             item.setSizeHint(QSize(side + 2 * line, side + (2 * line if item.text() else 0)))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Fit the picture to the room."""
         super().resizeEvent(event)
         self._fit_previews()
 
@@ -277,15 +267,9 @@ class RunsView(QWidget):
 
 
 class _RunList(QTreeWidget):
-    """The entries; keys do what a person expects of a list.
+    """The entries; keys do what a person expects of a list."""
 
-    Signals
-    -------
-    opened, dropped
-        Enter or a double click; Del.
-    """
-
-    opened = Signal()
+    opened = Signal()  # Enter or a double click
     dropped = Signal()
 
     def __init__(self, parent: QWidget) -> None:
@@ -304,7 +288,6 @@ class _RunList(QTreeWidget):
         self.itemDoubleClicked.connect(lambda *_: self.opened.emit())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Enter opens, Del cancels or takes off."""
         if event.key() in _OPEN_KEYS and not event.modifiers():
             self.opened.emit()
         elif event.key() in _DROP_KEYS and not event.modifiers():
@@ -322,7 +305,6 @@ class _Progress(QStyledItemDelegate):
         option: QStyleOptionViewItem,
         index: QModelIndex | QPersistentModelIndex,
     ) -> None:
-        """Draw the bar, then the text."""
         share = index.data(_SHARE)
         if share is not None:
             room: QRect = option.rect.adjusted(1, 2, -1, -2)
@@ -340,15 +322,9 @@ class _Progress(QStyledItemDelegate):
 
 
 class ReportStatus(QWidget):
-    """Follows the report that was begun last.
+    """Follows the report that was begun last."""
 
-    Signals
-    -------
-    message(kind, text)
-        How it has ended, as `Session.message`.
-    """
-
-    message = Signal(str, str)
+    message = Signal(str, str)  # (kind, text): how it has ended, as `Session.message`
 
     def __init__(self, queue: RunQueue, parent: QWidget) -> None:
         super().__init__(parent)
@@ -384,14 +360,12 @@ class ReportStatus(QWidget):
         self.hide()
 
     def follow(self, number: int) -> None:
-        """Show this run of the queue, in place of another."""
         self._number = number
         entry = self._queue.entry(number)
         if entry is not None:
             self._show(entry)
 
     def cancel(self) -> None:
-        """Stop the report that is shown."""
         self._queue.cancel(self._number)
 
     def _changed(self, number: int) -> None:
@@ -444,7 +418,6 @@ def duration(seconds: float) -> str:
 
 
 def state_text(entry: Entry, now: float) -> str:
-    """The state of a run in a line."""
     if entry.state == "running":
         parts = [f"{100 * entry.share:.0f} %"]
         left = entry.left_s(now)
@@ -468,7 +441,6 @@ def failures_text(entry: Entry) -> str:
 
 
 def whole_text(entry: Entry, now: float) -> str:
-    """All there is to say of a run, in lines."""
     lines = [entry.title, state_text(entry, now), f"Output: {entry.job.output}"]
     if entry.result is not None:
         lines += [f"{name}: {why}" for name, why in entry.result.failures[1:10]]

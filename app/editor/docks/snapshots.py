@@ -63,16 +63,12 @@ def all_figures(passing: Passing, work: Work) -> Figures:
 
 @dataclass(frozen=True)
 class AllFiguresQuery(Query):
-    """The figures of the network as it stands, once edits pause."""
-
     waits: ClassVar[bool] = True
 
     def key(self, plan: Plan) -> Hashable:
-        """What the nodes make their figures of."""
         return tuple((name, content(planned)) for name, planned in plan.nodes.items())
 
     def answer(self, passing: Passing) -> Figures:
-        """The figures."""
         return all_figures(passing, SideWork(passing.work))
 
 
@@ -89,8 +85,6 @@ class Source:
 
 
 class Results(NamedTuple):
-    """What was computed of a snapshot: see there."""
-
     pictures: Mapping[str, KeptPicture]
     curves: Mapping[Query, Data | None]
     figures: Figures | None
@@ -179,13 +173,9 @@ class Snapshots(QObject):
     One of them is A, the one that the present, B, is compared with: the newest, until another is
     chosen. Pictures of A and B are compared in one way or the other; without one, B is shown alone.
     The document knows nothing of snapshots: undo leaves them alone.
-
-    Signals
-    -------
-    changed
-        The list, what was computed of a state, which one is A, or how it is compared.
     """
 
+    # the list, what was computed of a state, which one is A, or how it is compared
     changed = Signal()
 
     def __init__(
@@ -212,7 +202,6 @@ class Snapshots(QObject):
         self.follow()
 
     def keep(self) -> None:
-        """Keep the present state, with what the viewers show of it; it is A from now on."""
         session, evaluator = self._session, self._evaluator
         if not session.network.nodes:
             self._say("the network is empty: there is nothing to keep", "advice")
@@ -234,14 +223,12 @@ class Snapshots(QObject):
         self._update()
 
     def choose(self, state: Snapshot) -> None:
-        """Compare the present with that state."""
         if state is not self.chosen:
             self.chosen = state
             self._drop_pictures()
             self._update()
 
     def rename(self, state: Snapshot, name: str) -> None:
-        """Give a state another name; an empty one is not taken."""
         state.name = " ".join(name.split()) or state.name
         self._update()
 
@@ -359,7 +346,6 @@ class Snapshots(QObject):
         self._update()
 
     def _drop_pictures(self) -> None:
-        """Drop pictures beyond what may be kept, and say so."""
         dropped = drop_pictures(self.states, self.capacity_bytes, self.chosen, self._ports())
         if dropped:
             self._say(

@@ -61,27 +61,22 @@ class SnapshotsView(Viewer):
         self._follow_snapshots()
 
     def queries(self) -> Sequence[Query]:
-        """The present figures, where there is something to compare them with."""
         return () if self._snapshots.chosen is None else (AllFiguresQuery(),)
 
     def take(self, answer: Answer) -> None:
-        """Show which figures differ."""
         self._now = answer.value
         self._freshness.catch_up(answer.generation)
         self._fill_figures()
 
     def follow_opening(self) -> None:
-        """Show nothing of another document."""
         self._now = None
         self._follow_snapshots()
 
     def sizeHint(self) -> QSize:
-        """Room for some snapshots and figures."""
         width, line = self.fontMetrics().averageCharWidth(), self.fontMetrics().height()
         return QSize(75 * width, 20 * line)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Show what has changed meanwhile."""
         super().showEvent(event)
         self._follow_snapshots()
 
@@ -181,7 +176,6 @@ class SnapshotList(QTreeWidget):
         self.itemDoubleClicked.connect(lambda item, _: self.editItem(item, _NAME))
 
     def fill(self) -> None:
-        """Show the states as they are now, and which is A."""
         states, chosen = self._snapshots.states[::-1], self._snapshots.chosen
         with QSignalBlocker(self):
             rows = range(self.topLevelItemCount())
@@ -199,7 +193,6 @@ class SnapshotList(QTreeWidget):
                     self.setCurrentItem(item)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Rename, remove, go back."""
         item, key = self.currentItem(), event.key()
         if item is None or self.state() is QAbstractItemView.State.EditingState:
             super().keyPressEvent(event)
@@ -228,7 +221,6 @@ class _NameEditor(QStyledItemDelegate):
     """What is typed is the name alone, without the mark of A."""
 
     def setEditorData(self, editor: QWidget, index: QModelIndex | QPersistentModelIndex) -> None:
-        """Begin with the name as it is."""
         assert isinstance(editor, QLineEdit)
         if not editor.isModified():  # else the list was filled anew while one types
             editor.setText(index.data(_STATE).name)

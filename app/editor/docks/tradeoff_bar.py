@@ -15,18 +15,10 @@ from app.editor.widgets import Check, FlowLayout, toggle_button, tool_button
 
 
 class TradeOffBar(QWidget):
-    """What is varied, from where to where, and in how many steps.
+    """What is varied, from where to where, and in how many steps."""
 
-    Signals
-    -------
-    span_chosen(span)
-        Another range.
-    refused(text)
-        Why what was typed is no range.
-    """
-
-    span_chosen = Signal(object)
-    refused = Signal(str)
+    span_chosen = Signal(object)  # (span): another range
+    refused = Signal(str)  # (text): why what was typed is no range
 
     def __init__(self, session: Session, parent: QWidget) -> None:
         super().__init__(parent)
@@ -78,7 +70,6 @@ class TradeOffBar(QWidget):
         self.show_span(None)
 
     def show_span(self, span: Span | None) -> None:
-        """Show a range, without a signal."""
         self._span = span
         self._show()
 

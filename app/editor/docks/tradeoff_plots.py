@@ -49,24 +49,12 @@ class Graph:
 
 
 class TradeOffPlots(QWidget):
-    """Charts side by side and below one another, all over the same abscissae.
+    """Charts side by side and below one another, all over the same abscissae."""
 
-    Signals
-    -------
-    moved(value)
-        The mark is dragged, or was put elsewhere by a click.
-    stepped(steps)
-        The mark is moved by the keys: so many small steps.
-    released
-        Mouse or key is up.
-    pointed(value)
-        The mouse is at this abscissa; NaN where it is at none.
-    """
-
-    moved = Signal(float)
-    stepped = Signal(int)
-    released = Signal()
-    pointed = Signal(float)
+    moved = Signal(float)  # (value): the mark is dragged, or was put elsewhere by a click
+    stepped = Signal(int)  # (steps): the mark is moved by the keys: so many small steps
+    released = Signal()  # mouse or key is up
+    pointed = Signal(float)  # (value): the mouse is at this abscissa; NaN where it is at none
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -83,23 +71,19 @@ class TradeOffPlots(QWidget):
         self._dragged = False
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
         self._theme = theme
         self.update()
 
     def show_graphs(self, graphs: Sequence[Graph], span: Span | None, label: str) -> None:
-        """Draw these over that range, which `label` names."""
         self.graphs, self.span, self._label = tuple(graphs), span, label
         self.update()
 
     def show_mark(self, value: float | None) -> None:
-        """Mark the parameter's present value; None: there is none."""
         if value != self.mark:
             self.mark = value
             self.update()
 
     def show_hint(self, text: str) -> None:
-        """Show what to do, while there is nothing to draw."""
         if text != self._hint:
             self._hint = text
             self.setAccessibleDescription(text)
@@ -112,17 +96,14 @@ class TradeOffPlots(QWidget):
         return QPointF(frame.left() + self.span.share(value) * frame.width(), frame.center().y())
 
     def sizeHint(self) -> QSize:
-        """Room for two charts."""
         line = self.fontMetrics().height()
         return QSize(26 * line, 12 * line)
 
     def minimumSizeHint(self) -> QSize:
-        """Room for one."""
         line = self.fontMetrics().height()
         return QSize(10 * line, (_LINES - 1) * line)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the charts, or the hint."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(self._theme.base))
         self._frames = []
@@ -155,7 +136,6 @@ class TradeOffPlots(QWidget):
             self._drag(event.position())
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag the mark, or read what is there."""
         if self._dragged:
             self._drag(event.position())
         frame = self._frame_at(event.position())
@@ -164,13 +144,11 @@ class TradeOffPlots(QWidget):
         self.pointed.emit(math.nan if frame is None else self._value(frame, event.position()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """End the drag of the mark."""
         if self._dragged and event.button() == Qt.MouseButton.LeftButton:
             self._dragged = False
             self.released.emit()
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Show no values any more."""
         super().leaveEvent(event)
         self.pointed.emit(math.nan)
 
@@ -184,7 +162,6 @@ class TradeOffPlots(QWidget):
         self.stepped.emit(steps * far)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """The end of stepping."""
         super().keyReleaseEvent(event)
         if event.key() in _STEPS and not event.isAutoRepeat():
             self.released.emit()

@@ -43,7 +43,6 @@ class Span:
     count: int = DEFAULT_COUNT
 
     def values(self) -> tuple[float | int, ...]:
-        """The numbers."""
         return spaced(self.low, self.high, self.count, log=self.log, whole=self.whole)
 
     def share(self, value: float) -> float:
@@ -146,7 +145,6 @@ class Varied:
 
     @property
     def parameter(self) -> Parameter | None:
-        """Its declaration; None where nothing is varied."""
         declared = self._session.declared(self.node)
         return declared.parameter(self.name) if declared is not None else None
 
@@ -158,7 +156,6 @@ class Varied:
 
     @property
     def label(self) -> str:
-        """Its name in words, and the unit."""
         parameter = self.parameter
         unit = parameter.param.unit if parameter is not None else ""
         return label_of(self.name) + (f" ({unit})" if unit else "")
@@ -177,7 +174,6 @@ class Varied:
             return None
 
     def choose(self, node: str = "", name: str = "") -> None:
-        """Vary another one, or none."""
         self.release()
         self.node, self.name = node, name
 
@@ -210,7 +206,6 @@ class Varied:
         self.move(value)
 
     def release(self) -> None:
-        """What follows is another step."""
         if self._gesture is not None:
             self._gesture = None
             self._session.end_gesture()
@@ -223,15 +218,9 @@ _NOTHING = "Choose a parameter"
 
 
 class ParameterChoice(NodeChoice):
-    """Every number of every node, under the names of the nodes.
+    """Every number of every node, under the names of the nodes."""
 
-    Signals
-    -------
-    chosen(node, parameter)
-        The person has chosen one.
-    """
-
-    chosen = Signal(str, str)
+    chosen = Signal(str, str)  # (node, parameter): the person has chosen one
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, _NOTHING, parent)
@@ -284,7 +273,6 @@ class ParameterChoice(NodeChoice):
         self._field.setCursorPosition(0)
 
     def choose(self, node: str, parameter: str) -> None:
-        """Show one as chosen, without a signal; empty names: none."""
         self.show_value(f"{node}.{parameter}" if node else "")
 
     def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:

@@ -52,15 +52,9 @@ _HOW = "The upright line is the value now: drag it, or press ← and →"
 
 
 class TradeOffView(Viewer):
-    """Charts of figures over one parameter.
+    """Charts of figures over one parameter."""
 
-    Signals
-    -------
-    export_wanted
-        The person is to be asked where to write it.
-    """
-
-    export_wanted = Signal()
+    export_wanted = Signal()  # the person is to be asked where to write it
 
     def __init__(
         self,
@@ -85,14 +79,12 @@ class TradeOffView(Viewer):
 
     @property
     def shown(self) -> tuple[Figure, ...]:
-        """The figures that are ticked."""
         chosen = self._chosen
         if chosen is None:
             chosen = first_figures(self.session.network, self.figures, self.varied.analysis)
         return tuple(figure for name, figure in self.figures.items() if name in chosen)
 
     def trade_off(self, node: str, name: str) -> None:
-        """Vary this parameter, over its usual range."""
         self.varied.choose(node, name)
         parameter = self.varied.parameter
         if parameter is None:
@@ -103,12 +95,10 @@ class TradeOffView(Viewer):
         self._begin()
 
     def set_span(self, span: Any) -> None:
-        """Vary it over another range."""
         self.span = span
         self._begin()
 
     def show_figure(self, name: str, on: bool) -> None:
-        """Show a figure, or leave it out."""
         chosen = {figure.text for figure in self.shown}
         self._chosen = frozenset(chosen | {name} if on else chosen - {name})
         self._fill_list()
@@ -130,7 +120,6 @@ class TradeOffView(Viewer):
             export_picture(self.plots, path)
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
         self.plots.set_theme(theme)
         self._fill_list()
 
@@ -165,14 +154,12 @@ class TradeOffView(Viewer):
         self._show_mark()
 
     def follow_opening(self) -> None:
-        """Vary nothing of another document."""
         self._chosen = None
         self.varied.choose()
         self.span = None
         self._follow_nodes()
 
     def sizeHint(self) -> QSize:
-        """Room for some charts."""
         width, line = self.fontMetrics().averageCharWidth(), self.fontMetrics().height()
         return QSize(75 * width, 20 * line)
 
@@ -206,7 +193,6 @@ class TradeOffView(Viewer):
         self.plots.pointed.connect(self._read)
 
     def _begin(self) -> None:
-        """Show what is varied now, and post its queries."""
         self.points.clear()
         self._state = None
         self.bar.parameter.choose(self.varied.node, self.varied.name)
@@ -233,7 +219,6 @@ class TradeOffView(Viewer):
             self.list.scroll_to_ticked()
 
     def _fill_list(self) -> None:
-        """List the figures, once they are seen."""
         self._listed = self.isVisible()
         if not self._listed:
             return
@@ -416,7 +401,6 @@ class TradeOffQuery(Query):
         return self, self._state(plan)
 
     def answer(self, passing: Passing) -> Part:
-        """The points."""
         parameter_of(passing.plan.network, passing.engine, self.node, self.parameter)
         sweep = TradeOff(self.node, self.parameter, self.values, self.figures)
         points = sweep.points(passing.engine, passing.plan, SideWork(passing.work))
@@ -470,7 +454,6 @@ class SideStore(Store):
         self._base = base
 
     def peek(self, key: str, default: Any = None) -> Any:
-        """The value of `key` in either store, else `default`."""
         value = super().peek(key, self)
         return self._base.peek(key, default) if value is self else value
 
@@ -483,9 +466,7 @@ class SideWork(Work):
         self._work = work
 
     def check(self) -> None:
-        """Raise `Cancelled` if the other one is to stop."""
         self._work.check()
 
     def for_each(self, function: Callable[[Any], None], items: Sequence[Any]) -> None:
-        """Call `function` on every item, in the other one's threads."""
         self._work.for_each(function, items)

@@ -120,7 +120,6 @@ class MainWindow(QMainWindow):
         self._follow_level()
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw everything in these colours."""
         self.theme = theme
         app = QApplication.instance()
         if isinstance(app, QApplication):
@@ -146,7 +145,6 @@ class MainWindow(QMainWindow):
             )
 
     def show_welcome(self) -> None:
-        """Show the first page."""
         self.status.forget()
         self._show_lists()
         self.pages.show_first()
@@ -155,12 +153,10 @@ class MainWindow(QMainWindow):
         self.welcome.show_lists(self.settings.recent, recoverable(self._recovery))
 
     def show_canvas(self) -> None:
-        """Show the network."""
         self.pages.show_work()
         self.canvas.setFocus()
 
     def choose_layout(self, name: LayoutName) -> None:
-        """Place the docks by a named layout."""
         self.full_screen.leave()
         self.pages.choose_layout(name)
 
@@ -286,14 +282,12 @@ class MainWindow(QMainWindow):
         measuring.source_changed.connect(self.fitting.show_state)
 
     def _hidden_dock(self, title: str, name: str, widget: QWidget) -> QDockWidget:
-        """A dock at the bottom, hidden until it is wanted."""
         dock = add_dock(self, title, f"dock.{name}", widget, _BOTTOM)
         dock.hide()
         dock.visibilityChanged.connect(self.viewers.name_tabs)
         return dock
 
     def _targets(self) -> dict[str, Callable[..., object]]:
-        """What each action does, by its name."""
         session, files, edits, canvas = self.session, self.files, self.edits, self.canvas
         viewers, snapshots = self.viewers, self.snapshots
         return {
@@ -367,7 +361,6 @@ class MainWindow(QMainWindow):
         }
 
     def _spread_actions(self) -> None:
-        """Offer actions in the menus of parts, and let their keys work there."""
         actions, viewers = self.actions_by_name, self.viewers
         viewers.set_picture_actions(actions["full_screen"], actions["export"])
         compare = actions.of_names(("keep_snapshot", "flip", "wipe"))
@@ -387,7 +380,6 @@ class MainWindow(QMainWindow):
             dock.visibilityChanged.connect(actions[name].setChecked)
 
     def _add_dock_toggles(self, menu: QMenu) -> None:
-        """Entries that show and hide docks, those made later too."""
         viewers = self.viewers
         menu.addSeparator()
         sides = (self.library_dock, self.panel_dock, viewers.plot_dock)
@@ -483,7 +475,6 @@ class MainWindow(QMainWindow):
         self.evaluator.generate()
 
     def cancel(self) -> None:
-        """Stop the computation."""
         self.evaluator.cancel()
         self.measuring.cancel()
         self.fitting.cancel()

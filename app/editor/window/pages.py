@@ -46,12 +46,10 @@ class Pages(QStackedWidget):
         return self.currentWidget() is self._first
 
     def show_first(self) -> None:
-        """Show the first page, without docks."""
         self.setCurrentWidget(self._first)
         self._hide_docks()
 
     def show_work(self) -> None:
-        """Show the network, with the docks."""
         if self.at_first:
             self._second_click.drop()
         self.setCurrentWidget(self._work)
@@ -61,14 +59,12 @@ class Pages(QStackedWidget):
             (self._layout.keep if self.sizes_remembered else self._layout.begin)()
 
     def show_docks(self) -> None:
-        """Show the docks, on either page."""
         docks, self._docks = self._docks, None
         if docks is not None:
             with self._layout.placing():
                 self._window.restoreState(docks)
 
     def _hide_docks(self) -> None:
-        """Hide those that belong to the window."""
         if self._docks is None:
             self._docks = self._window.saveState()
             for dock in self._window.findChildren(QDockWidget):
@@ -91,15 +87,9 @@ NOTE_MS = 8000
 
 
 class StatusBar(QStatusBar):
-    """Shows notes for a while and errors until another message, or until they no longer hold.
+    """Shows notes for a while and errors until another message, or until they no longer hold."""
 
-    Signals
-    -------
-    cancel_wanted
-        Stop the computation.
-    """
-
-    cancel_wanted = Signal()
+    cancel_wanted = Signal()  # stop the computation
 
     def __init__(self, theme: Theme, parent: QWidget) -> None:
         super().__init__(parent)
@@ -146,7 +136,6 @@ class StatusBar(QStatusBar):
             self.showMessage(text, NOTE_MS)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Show as much of the error as there is room for."""
         super().resizeEvent(event)
         self._elide_error()
 
@@ -165,7 +154,6 @@ class StatusBar(QStatusBar):
             self.clearMessage()
 
     def forget_error(self) -> None:
-        """Clear the error."""
         if not self.error:
             return  # as with nearly every edit
         self._error.setText("")
@@ -186,5 +174,4 @@ class StatusBar(QStatusBar):
         self._behind.setVisible(behind)
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
         self._behind.setStyleSheet(f"color: {theme.badges['stale']};")

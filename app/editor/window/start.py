@@ -35,7 +35,6 @@ _WAKE_MS = 200  # Python handles a signal only while its code runs
 
 
 def application() -> QApplication:
-    """The one QApplication, in our style."""
     app = QApplication.instance()
     if not isinstance(app, QApplication):
         app = QApplication(["imagechain"])
@@ -214,7 +213,6 @@ def _picture(window: MainWindow, size: tuple[int, int]) -> QImage:
 
 
 def encoded(image: QImage) -> bytes:
-    """As PNG."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "window.png"
         if not image.save(str(file)):

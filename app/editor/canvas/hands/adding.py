@@ -26,8 +26,6 @@ from core.network.network import Link, Network, Node, reached
 
 
 class Adding:
-    """Opens the lists, and does what is chosen."""
-
     def __init__(self, surface: Surface, popup: ChoicePopup) -> None:
         self._surface = surface
         self._popup = popup
@@ -36,19 +34,16 @@ class Adding:
         popup.abandoned.connect(self._abandoned)
 
     def dismiss(self) -> None:
-        """Close the list: what it was opened for is gone."""
         self._popup.dismiss()
         self._forget_wire()
 
     def search(self, at: Point) -> None:
-        """List every module; the chosen one is added at a point of the scene."""
         library = self._surface.session.library
         choices = [self._module_choice(key, partial(self.add, key, at)) for key in library]
         pixel = self._surface.view.pixel(QPointF(*at))
         self._popup.open_at(pixel, "Add a module", choices)
 
     def find_node(self) -> None:
-        """List the nodes by their names; the chosen one is selected and shown."""
         session, view = self._surface.session, self._surface.view
         choices = []
         for name, item in self._surface.content.nodes.items():
@@ -108,7 +103,6 @@ class Adding:
             surface.content.wires[loose].setVisible(False)
 
     def connect_selected(self) -> None:
-        """List the wires that the selected nodes could have, and those they have to take away."""
         surface = self._surface
         session = surface.session
         if not session.selection:
@@ -180,7 +174,6 @@ class Adding:
         return free_place(self._surface, candidate.module, (at.x(), at.y()))
 
     def _disconnect_loose(self) -> None:
-        """Take away the link whose wire was dropped on empty ground."""
         if self._loose is not None:
             self._surface.session.do(Rewire(remove=(self._loose,)))
 
@@ -250,7 +243,6 @@ Size = tuple[float, float]
 
 
 def size_of(surface: Surface, module: str) -> Size:
-    """Width and height that a new node of a module will have."""
     known = declaration(surface.session.library[module])
     geometry = geometry_of(face_of(Node(module, module), known, ()), surface.content.style)
     return geometry.width, geometry.height

@@ -14,25 +14,20 @@ _REACH_PX = 12.0
 
 
 class DragDot(Gesture):
-    """Move a dot, by its place on its wire; the wire follows."""
-
     def __init__(self, surface: Surface, pos: QPoint, wire: WireItem, index: int) -> None:
         super().__init__(surface, pos)
         self._link, self._index = wire.link, index
         self._from = wire.dots[index]
 
     def drag(self, _pos: QPoint, point: QPointF) -> None:
-        """It follows the pointer."""
         at = self._from + point - self.start
         self.surface.content.place_dot(self._link, self._index, at)
 
     def drop(self, _pos: QPoint, point: QPointF) -> None:
-        """Put it there."""
         session, at = self.surface.session, self._from + point - self.start
         session.do(move_dot(session.network, self._link, self._index, whole(at)))
 
     def leave(self) -> None:
-        """Where the document has it."""
         self.surface.content.restore()
 
 
@@ -44,7 +39,6 @@ class Dots:
         self._marks = marks
 
     def add_at(self, wire: WireItem, point: QPointF) -> None:
-        """Bend a wire through a point, and select the dot."""
         index = place_on_wire(wire, point)
         session, link = self._surface.session, wire.link
         if session.do(add_dot(session.network, link, index, whole(point))):
@@ -80,7 +74,6 @@ class Dots:
         return True
 
     def straighten(self) -> None:
-        """Take all dots of the selected wire away."""
         session, link = self._surface.session, self._marks.link
         if link is not None:
             self._marks.choose(link, None)

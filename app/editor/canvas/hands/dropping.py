@@ -35,7 +35,6 @@ class Dropping:
         return module.startswith(KEY) or bool(_files(event.mimeData()))
 
     def left(self) -> None:
-        """It is dragged elsewhere."""
         self._mark(None)
 
     def drop(self, event: QDropEvent) -> bool:

@@ -32,14 +32,12 @@ class Gesture(ABC):
         self.dragging = False
 
     def to(self, pos: QPoint) -> None:
-        """The pointer is there now."""
         if not self.dragging and (pos - self.pressed).manhattanLength() >= DRAG_PX:
             self.dragging = True
         if self.dragging:
             self.drag(pos, self.surface.view.scene_point(pos))
 
     def release(self, pos: QPoint) -> None:
-        """Handle the release of the button there."""
         self.to(pos)
         point = self.surface.view.scene_point(pos)
         self.leave()
@@ -65,15 +63,12 @@ class Gesture(ABC):
 
 
 class Pan(Gesture):
-    """Move the picture."""
-
     def __init__(self, surface: Surface, pos: QPoint) -> None:
         super().__init__(surface, pos)
         self._last = pos
         surface.view.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def drag(self, pos: QPoint, _point: QPointF) -> None:
-        """The picture follows the pointer."""
         self.surface.view.pan(QPointF(pos - self._last))
         self._last = pos
 
@@ -81,7 +76,6 @@ class Pan(Gesture):
         """Change nothing more: the view has been moved already."""
 
     def leave(self) -> None:
-        """The pointer is an arrow again."""
         self.surface.view.viewport().unsetCursor()
 
 
@@ -94,7 +88,6 @@ class RubberBand(Gesture):
         self._inside: tuple[str, ...] = ()
 
     def drag(self, pos: QPoint, point: QPointF) -> None:
-        """Show the frame, and mark what it would select."""
         band = self.surface.view.rubber_band
         band.setGeometry(QRect(self.pressed, pos).normalized())
         band.show()
@@ -104,7 +97,6 @@ class RubberBand(Gesture):
         self.surface.content.mark_selected((*self._already_selected, *self._inside))
 
     def drop(self, _pos: QPoint, _point: QPointF) -> None:
-        """Select them."""
         self.surface.session.select((*self._already_selected, *self._inside))
 
     def click(self) -> None:
@@ -112,27 +104,21 @@ class RubberBand(Gesture):
         self.surface.session.select(self._already_selected)
 
     def leave(self) -> None:
-        """No frame, and the marks as the session has them."""
         self.surface.view.rubber_band.hide()
         self.surface.content.mark_selected(self.surface.session.selection)
 
 
 class Cut(Gesture):
-    """Draw a line; the wires it crosses are taken away."""
-
     def drag(self, _pos: QPoint, point: QPointF) -> None:
-        """Show the line."""
         self.surface.live.show_cut(self.start, point, self.surface.content.style.error)
 
     def drop(self, _pos: QPoint, point: QPointF) -> None:
-        """Take the wires away."""
         links = tuple(wire.link for wire in wires_crossed(self.surface.content, self.start, point))
         if links:
             label = f"Cut {links[0]}" if len(links) == 1 else f"Cut {len(links)} wires"
             self.surface.session.do(Rewire(remove=links, label=label))
 
     def leave(self) -> None:
-        """No line."""
         self.surface.live.setVisible(False)
 
 
@@ -168,31 +154,18 @@ class Hint(QLabel):
         self.raise_()
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw it in these colours."""
         palette = theme.palette()
         palette.setColor(QPalette.ColorRole.Window, QColor(theme.raised))
         self.setPalette(palette)
 
 
 class Surface(QObject):
-    """The session of what is shown, the view, its items, and what is shown during a gesture.
+    """The session of what is shown, the view, its items, and what is shown during a gesture."""
 
-    Signals
-    -------
-    activated(name)
-        A node was double-clicked, or Enter pressed on it.
-    search_wanted(point)
-        A module is to be added at that point of the scene.
-    title_wanted(index)
-        A backdrop's title is to be edited.
-    files_dropped(paths, point), preset_dropped(key, point)
-        As of `Canvas`.
-    """
-
-    activated = Signal(str)
-    search_wanted = Signal(QPointF)
-    title_wanted = Signal(int)
-    files_dropped = Signal(list, QPointF)
+    activated = Signal(str)  # (name): a node was double-clicked, or Enter pressed on it
+    search_wanted = Signal(QPointF)  # (point): a module is to be added at that point of the scene
+    title_wanted = Signal(int)  # (index): a backdrop's title is to be edited
+    files_dropped = Signal(list, QPointF)  # (paths, point): as of `Canvas`
     preset_dropped = Signal(str, QPointF)
 
     def __init__(
@@ -207,12 +180,10 @@ class Surface(QObject):
         """The pixel of the view under the mouse."""
 
     def cursor_point(self) -> Point:
-        """The point of the scene under the mouse, or in the middle, in whole units."""
         pos, view = self.pointer, self.view
         return whole(view.visible_rect().center() if pos is None else view.scene_point(pos))
 
     def hit(self, point: QPointF) -> Hit:
-        """What lies at a point of the scene."""
         return hit(self.content, point, self.view.zoom)
 
 

@@ -57,7 +57,6 @@ class Keys:
         return False
 
     def release(self, event: QKeyEvent) -> None:
-        """End a nudge when its key is released."""
         if self._nudging and event.key() in _ARROWS and not event.isAutoRepeat():
             self._nudging = False
             self._surface.session.end_gesture()
@@ -101,7 +100,6 @@ class Keys:
         session.do(operation, gesture=gesture)
 
     def _go(self, arrow: tuple[float, float], *, adding: bool) -> None:
-        """Select the next node, or backdrop, in that direction."""
         surface = self._surface
         session, content = surface.session, surface.content
         spots: dict[str | int, QPointF] = {

@@ -21,8 +21,6 @@ from core.editing.operations import ABSENT, Rewire, Together, named, set_node_fi
 
 
 class Menus:
-    """Pops menus up without blocking."""
-
     def __init__(self, surface: Surface, marks: Marks, dots: Dots, parent: QWidget) -> None:
         self._dots, self._surface, self._marks = dots, surface, marks
         self.node_menu = _menu("canvas.menu.node", parent)
@@ -49,14 +47,12 @@ class Menus:
         self.backdrop_menu.addMenu(self._colours)
 
     def fill(self, node_actions: Sequence[QAction], canvas_actions: Sequence[QAction]) -> None:
-        """Give the menus of nodes and of empty ground their actions."""
         for menu, actions in ((self.node_menu, node_actions), (self.canvas_menu, canvas_actions)):
             menu.clear()
             menu.addActions(list(actions))
         self.node_menu.addMenu(self._colours)
 
     def delete_backdrop(self, *_: object) -> None:
-        """Take the selected backdrop away; the nodes on it stay."""
         session, backdrop = self._surface.session, self._marks.backdrop
         if backdrop is not None:
             self._marks.choose(None, None)
@@ -107,7 +103,6 @@ class Menus:
         return Hit(), view.viewport().rect().center()
 
     def _colour(self, name: str, *_: object) -> None:
-        """Give the selected nodes, or the selected backdrop, that colour."""
         session, backdrop = self._surface.session, self._marks.backdrop
         if session.selection:
             value = name or ABSENT

@@ -39,11 +39,9 @@ class Mouse:
 
     @property
     def busy(self) -> bool:
-        """Whether a gesture is under way."""
         return self._gesture is not None
 
     def press(self, event: QMouseEvent) -> None:
-        """Begin what begins there."""
         self._surface.pointer = event.position().toPoint()
         self._surface.view.setFocus(Qt.FocusReason.MouseFocusReason)
         if self._gesture is not None:
@@ -53,7 +51,6 @@ class Mouse:
         self._button = event.button()
 
     def move(self, event: QMouseEvent) -> None:
-        """Go on with it, or mark what is under the pointer."""
         self._surface.pointer = pos = event.position().toPoint()
         if self._gesture is not None:
             self._gesture.to(pos)
@@ -61,26 +58,22 @@ class Mouse:
             self._marks.hover(self._surface.hit(self._surface.view.scene_point(pos)))
 
     def release(self, event: QMouseEvent) -> None:
-        """End it."""
         self._surface.pointer = pos = event.position().toPoint()
         if self._gesture is not None and event.button() == self._button:
             gesture, self._gesture = self._gesture, None
             gesture.release(pos)
 
     def cancel(self) -> None:
-        """Give up what is under way."""
         if self._gesture is not None:
             gesture, self._gesture = self._gesture, None
             gesture.leave()
 
     def leave(self) -> None:
-        """The pointer is elsewhere."""
         self._surface.pointer = None
         if self._gesture is None:
             self._marks.hover(Hit())
 
     def double_click(self, event: QMouseEvent) -> None:
-        """Open what is there, or search for what could be."""
         if event.button() != _LEFT or self._gesture is not None:
             return
         point = self._surface.view.scene_point(event.position())
@@ -158,7 +151,6 @@ class DragWire(Gesture):
         self._candidates: list[NodePort] = []
 
     def drag(self, pos: QPoint, point: QPointF) -> None:
-        """The wire's end follows the pointer, to a port where it fits."""
         surface = self.surface
         if not self._candidates:
             self._begin()
@@ -175,7 +167,6 @@ class DragWire(Gesture):
         surface.view.viewport().setCursor(shape)
 
     def drop(self, pos: QPoint, point: QPointF) -> None:
-        """Wire it, show why not, or offer modules to put there."""
         session = self.surface.session
         old = self._carried.link if self._carried is not None else None
         port, refused = self._target(point)
@@ -188,7 +179,6 @@ class DragWire(Gesture):
             self._dropped(self._fixed, old, pos)
 
     def leave(self) -> None:
-        """Remove the live wire and the marks."""
         surface = self.surface
         surface.live.setVisible(False)
         surface.hint.hide()
@@ -242,7 +232,6 @@ class DragWire(Gesture):
 
 
 def link_between(one: NodePort, other: NodePort) -> Link:
-    """The link between an output and an input, in whichever order."""
     output, entry = (one, other) if one.side == "output" else (other, one)
     return Link(output.node.id, output.name, entry.node.id, entry.name)
 
@@ -274,7 +263,6 @@ class DragNodes(Gesture):
         self._inserting: Operation | None = None
 
     def drag(self, _pos: QPoint, point: QPointF) -> None:
-        """The items follow the pointer; a wire that takes the node is marked."""
         by = point - self.start
         self.surface.content.place({name: at + by for name, at in self._from.items()})
         if self._backdrop is not None:
@@ -282,7 +270,6 @@ class DragNodes(Gesture):
         self._look_for_wire(point)
 
     def drop(self, _pos: QPoint, point: QPointF) -> None:
-        """Put them there, as one step."""
         by = point - self.start
         session = self.surface.session
         places = {name: at + by for name, at in self._from.items()}
@@ -303,7 +290,6 @@ class DragNodes(Gesture):
             self.surface.session.select([self._grabbed])
 
     def leave(self) -> None:
-        """Everything where the document has it."""
         self._mark(None)
         self.surface.content.restore()
 
@@ -324,25 +310,20 @@ class DragNodes(Gesture):
 
 
 class ResizeBackdrop(Gesture):
-    """Drag a backdrop's corner."""
-
     def __init__(self, surface: Surface, pos: QPoint, backdrop: BackdropItem) -> None:
         super().__init__(surface, pos)
         self._backdrop = backdrop
         self._frame = backdrop.frame()
 
     def drag(self, _pos: QPoint, point: QPointF) -> None:
-        """The corner follows the pointer."""
         self._backdrop.place(self._resized(point))
 
     def drop(self, _pos: QPoint, point: QPointF) -> None:
-        """Resize it."""
         session = self.surface.session
         changed = backdrop_at(self._backdrop.shown, self._resized(point))
         session.do(change(session.network, self._backdrop.index, changed))
 
     def leave(self) -> None:
-        """As the document has it."""
         self.surface.content.restore()
 
     def _resized(self, point: QPointF) -> QRectF:
@@ -354,14 +335,12 @@ class ResizeBackdrop(Gesture):
 def moved_together(
     network: Network, backdrop: BackdropItem, frame: QRectF, places: Mapping[str, QPointF]
 ) -> Operation:
-    """Move a backdrop, and nodes with it."""
     moved = change(network, backdrop.index, backdrop_at(backdrop.shown, frame))
     moving = moved_with_dots(network, Move({name: whole(at) for name, at in places.items()}))
     return Together((moved, moving), f"Move {backdrop.title or 'backdrop'}")
 
 
 def backdrop_at(backdrop: Backdrop, frame: QRectF) -> Backdrop:
-    """The backdrop with this frame, in whole units."""
     x, y = whole(frame.topLeft())
     size = frame.size().expandedTo(SMALLEST)
     width, height = float(round(size.width())), float(round(size.height()))

@@ -21,7 +21,6 @@ _WRAPPED = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop | Qt.TextF
 
 
 def rect_of(backdrop: Backdrop) -> QRectF:
-    """Where it is in the scene."""
     return QRectF(backdrop.x, backdrop.y, backdrop.width, backdrop.height)
 
 
@@ -45,7 +44,6 @@ class BackdropItem(AbstractNodeItem):
         return self.shown.title
 
     def show_backdrop(self, shown: Backdrop) -> None:
-        """Show another state of it."""
         if shown != self.shown:
             self.shown = shown
             self.update()
@@ -53,14 +51,12 @@ class BackdropItem(AbstractNodeItem):
             self.place(rect_of(shown))
 
     def place(self, rect: QRectF) -> None:
-        """Put it there."""
         self.prepareGeometryChange()
         self.setPos(rect.topLeft())
         self._width, self._height = rect.width(), rect.height()
         self.update()
 
     def frame(self) -> QRectF:
-        """Where it is in the scene."""
         return QRectF(self.pos(), QSizeF(self._width, self._height))
 
     def head(self, zoom: float) -> QRectF:
@@ -70,16 +66,13 @@ class BackdropItem(AbstractNodeItem):
         return self._head(zoom).translated(self.pos())
 
     def handle(self) -> QRectF:
-        """The corner that resizes it."""
         corner = self.frame().bottomRight()
         return QRectF(corner - QPointF(HANDLE, HANDLE), corner)
 
     def boundingRect(self) -> QRectF:
-        """The ground with its border, and its title wherever it stands."""
         return QRectF(-2, -_HIGHEST, self._width + 4, self._height + _HIGHEST + 2)
 
     def set_style(self, style: CanvasStyle) -> None:
-        """Draw it in other colours."""
         self.style = style
         self.update()
 
@@ -89,7 +82,6 @@ class BackdropItem(AbstractNodeItem):
         _option: QStyleOptionGraphicsItem,
         _widget: QWidget | None = None,
     ) -> None:
-        """Draw ground, title and handle."""
         zoom = max(painter.worldTransform().m11(), 1e-3)
         style = self.style
         frame = QRectF(0, 0, self._width, self._height)
@@ -125,7 +117,6 @@ class BackdropItem(AbstractNodeItem):
         painter.drawText(area, _WRAPPED, self.title)
 
     def _corner(self, painter: QPainter, frame: QRectF) -> None:
-        """The handle that resizes it."""
         painter.setPen(QPen(self.style.faint, 1.4))
         corner = frame.bottomRight()
         for step in (5.0, 10.0):

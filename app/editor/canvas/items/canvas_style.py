@@ -57,14 +57,12 @@ class NodeFace:
 
     @property
     def tooltip(self) -> str:
-        """Text shown at the pointer."""
         state = " (disabled: passes its input through)" if self.disabled else ""
         mark = "\nIts picture is marked as the network's output." if self.output else ""
         within = "\nDouble-click, or Enter, shows the nodes inside." if self.macro else ""
         return f"{self.id} · {self.module}{state}\n{self.summary}{mark}{within}"
 
     def ports(self, side: Side) -> tuple[Port, ...]:
-        """Those of a side, from top to bottom."""
         return self.inputs if side == "input" else self.outputs
 
 
@@ -98,7 +96,6 @@ def face_of(
 
 
 def colour_of(node: Node) -> str:
-    """Name of the colour that the user gave a node."""
     colour = node.extra.get(COLOUR)
     return colour if isinstance(colour, str) else ""
 
@@ -167,15 +164,12 @@ class CanvasStyle:
         self._ports = {name: QColor(colour) for name, colour in theme.ports.items()}
 
     def is_of(self, theme: Theme, font: QFont) -> bool:
-        """Whether it is made of this theme and this font."""
         return theme is self.theme and font == self._font
 
     def font(self, role: TextRole) -> QFont:
-        """The font for a kind of text."""
         return self.sized(_SIZES[role], bold=role in ("title", "backdrop"))
 
     def sized(self, size: int, *, bold: bool = False) -> QFont:
-        """A font of that many units."""
         font = self._fonts.get((size, bold))
         if font is None:
             font = QFont(self._font)
@@ -187,21 +181,18 @@ class CanvasStyle:
         return font
 
     def metrics(self, size: int) -> QFontMetricsF:
-        """What measures texts of that many units."""
         metrics = self._sized_metrics.get(size)
         if metrics is None:
             metrics = self._sized_metrics[size] = QFontMetricsF(self.sized(size))
         return metrics
 
     def width(self, role: TextRole, text: str) -> float:
-        """Width of a text in units."""
         width = self._widths.get((role, text))
         if width is None:
             width = self._widths[role, text] = self._metrics[role].horizontalAdvance(text)
         return width
 
     def elided(self, role: TextRole, text: str, width: float) -> str:
-        """The text, cut to the width where it is too long."""
         if self.width(role, text) <= width:
             return text
         return self._metrics[role].elidedText(text, Qt.TextElideMode.ElideRight, width)
@@ -216,12 +207,10 @@ class CanvasStyle:
         return 9.0 + 5.0 * (order.index(types[0]) if types and types[0] in order else len(order))
 
     def tint(self, name: str) -> QColor | None:
-        """The colour of that name that a person can give; None where there is none."""
         colour = _TINTS[self.theme.look].get(name)
         return QColor(colour) if colour is not None else None
 
     def head(self, group: str) -> QColor:
-        """Colour of the head of a node of this group."""
         return self.group.get(group, self.unknown_group)
 
 
@@ -239,8 +228,6 @@ BADGE_ROOM = 20.0
 
 @dataclass(frozen=True)
 class NodeGeometry:
-    """Size of a node, height of its head, and the centres of its ports."""
-
     width: float
     height: float
     head: float
@@ -253,7 +240,6 @@ class NodeGeometry:
 
 
 def geometry_of(face: NodeFace, style: CanvasStyle) -> NodeGeometry:
-    """Lay a node out, as narrow as its texts allow."""
     head = HEAD_WITH_ID if face.subtitle else HEAD
     title = style.width("title", face.id) + 2 * _PADDING + BADGE_ROOM
     rows = max(len(face.inputs), len(face.outputs))

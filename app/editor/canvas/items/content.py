@@ -47,12 +47,10 @@ class Content:
         """Called once nodes stand elsewhere, for what stands beside them."""
 
     def clear(self) -> None:
-        """Take everything out."""
         self._badges = {}
         self.follow(Network())
 
     def follow(self, network: Network) -> None:
-        """Show this network."""
         links_differ = network.links != self._links
         touched = links_at(network) if links_differ else {}
         for name in [name for name in self.nodes if name not in network.nodes]:
@@ -88,11 +86,9 @@ class Content:
             self._follow_backdrops(backdrops_of(network))
 
     def wires_at(self, name: str) -> list[WireItem]:
-        """The wires that begin or end at a node."""
         return self._at.get(name, [])
 
     def place(self, places: Mapping[str, QPointF]) -> None:
-        """Put nodes' items somewhere; their wires follow."""
         moved = {name for name, at in places.items() if self.nodes[name].pos() != at}
         for name in moved:
             self.nodes[name].setPos(places[name])
@@ -112,7 +108,6 @@ class Content:
         self.route()
 
     def sizes(self) -> dict[str, tuple[float, float]]:
-        """Width and height of every node."""
         return {name: item.size for name, item in self.nodes.items()}
 
     def route(self) -> None:
@@ -124,7 +119,6 @@ class Content:
                 self._lead(wire)
 
     def place_dot(self, link: Link, index: int, at: QPointF) -> None:
-        """Put a dot somewhere; its wire follows."""
         wire = self.wires[link]
         wire.lead((*wire.dots[:index], at, *wire.dots[index + 1 :]), self._ground)
 
@@ -151,7 +145,6 @@ class Content:
         return whole
 
     def mark_selected(self, names: Iterable[str]) -> None:
-        """Show which nodes are selected, and light their wires."""
         chosen = frozenset(name for name in names if name in self.nodes)
         touched = chosen ^ self._selected
         self._selected = chosen
@@ -162,13 +155,11 @@ class Content:
                 wire.set_state(lit=bool({wire.link.source, wire.link.target} & chosen))
 
     def set_badges(self, badges: Mapping[str, Badge]) -> None:
-        """Show these badges and no others."""
         self._badges = badges
         for name, item in self.nodes.items():
             item.set_badge(badges.get(name))
 
     def set_style(self, style: CanvasStyle) -> None:
-        """Draw everything in other colours."""
         self.style = style
         for node in self.nodes.values():
             node.set_style(style)
@@ -250,7 +241,6 @@ class Content:
 
 
 def links_at(network: Network) -> dict[str, list[Link]]:
-    """The links at each node."""
     links: dict[str, list[Link]] = {}
     for link in network.links:
         for name in {link.source, link.target}:

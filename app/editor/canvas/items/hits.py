@@ -33,7 +33,6 @@ class Hit:
 
 
 def hit(content: Content, point: QPointF, zoom: float) -> Hit:
-    """What lies at a point of the scene."""
     node = node_at(content, point)
     port = port_near(content, point, zoom)
     if port is not None and (node is None or node is port.node):
@@ -60,7 +59,6 @@ def node_at(content: Content, point: QPointF) -> NodeItem | None:
 
 
 def port_near(content: Content, point: QPointF, zoom: float) -> NodePort | None:
-    """The nearest port within reach."""
     if zoom / content.style.natural_zoom < _PORTS_FROM:
         return None
     reach = min(max(_PORT_PX / zoom, _PORT_LEAST), _PORT_MOST)
@@ -109,7 +107,6 @@ def wires_near(content: Content, point: QPointF, reach: float) -> list[WireItem]
 
 
 def wires_crossed(content: Content, start: QPointF, end: QPointF) -> list[WireItem]:
-    """The wires that a straight cut meets."""
     area = QRectF(start, end).normalized().adjusted(-1, -1, 1, 1)
     return [
         wire
@@ -119,7 +116,6 @@ def wires_crossed(content: Content, start: QPointF, end: QPointF) -> list[WireIt
 
 
 def distance(line: list[QPointF], point: QPointF) -> float:
-    """From a point to the nearest place of a broken line."""
     best = float("inf")
     px, py = point.x(), point.y()
     for a, b in pairwise(line):

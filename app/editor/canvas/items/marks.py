@@ -30,14 +30,12 @@ class Marks:
 
     @property
     def backdrop(self) -> BackdropItem | None:
-        """The selected backdrop, while it is there."""
         backdrops = self._content.backdrops
         index = self._backdrop
         return backdrops[index] if index is not None and index < len(backdrops) else None
 
     @property
     def dot(self) -> int | None:
-        """Which dot of the selected wire is selected, while it is there."""
         wire = self._content.wires.get(self._link) if self._link is not None else None
         there = wire is not None and self._dot is not None and self._dot < len(wire.dots)
         return self._dot if there else None
@@ -45,14 +43,12 @@ class Marks:
     def choose(
         self, link: Link | None, backdrop: BackdropItem | None, dot: int | None = None
     ) -> None:
-        """Select a wire or a dot of it, a backdrop, or neither."""
         self._show_chosen(False)
         self._link, self._dot = link, dot
         self._backdrop = backdrop.index if backdrop is not None else None
         self._show_chosen(True)
 
     def hover(self, hit: Hit) -> None:
-        """Mark the port or the wire under the pointer, and no other."""
         port = hit.port
         over = (port.node.id, port.side, port.name) if port is not None else None
         if over != self._over_port:

@@ -57,24 +57,19 @@ class NodePort(QGraphicsItem):
         self.setToolTip(f"{port.name}: {about}")
 
     def boundingRect(self) -> QRectF:
-        """Where the pointer meets it."""
         return _PORT_RECT
 
     @property
     def node(self) -> NodeItem:
-        """The node that it is a port of."""
         node = self.parentItem()
         assert isinstance(node, NodeItem)
         return node
 
     def centre(self) -> QPointF:
-        """Its point in the scene."""
         return self.scenePos()
 
 
 class NodeItem(AbstractNodeItem):
-    """A node drawn from its face."""
-
     def __init__(self, face: NodeFace, style: CanvasStyle) -> None:
         super().__init__(face.id)
         self.id = face.id
@@ -96,15 +91,12 @@ class NodeItem(AbstractNodeItem):
         self.setToolTip(face.tooltip)
 
     def boundingRect(self) -> QRectF:
-        """The frame with what stands out from it."""
         return self._bounds
 
     def frame(self) -> QRectF:
-        """The frame in the scene."""
         return QRectF(self.pos(), QSizeF(self._width, self._height))
 
     def box(self) -> Box:
-        """The frame in the scene, as plain numbers."""
         x, y = self.x(), self.y()
         return x, y, x + self._width, y + self._height
 
@@ -114,7 +106,6 @@ class NodeItem(AbstractNodeItem):
         _option: QStyleOptionGraphicsItem,
         _widget: QWidget | None = None,
     ) -> None:
-        """Draw the node with its ports; the zoom is read off the painter."""
         zoom = max(painter.worldTransform().m11(), 1e-3)
         relative = zoom / self.style.natural_zoom
         if not self.face.known:
@@ -133,11 +124,9 @@ class NodeItem(AbstractNodeItem):
 
     @property
     def badge(self) -> Badge | None:
-        """The mark of the node's state in its corner."""
         return self._badge.badge if self._badge is not None else None
 
     def set_badge(self, badge: Badge | None) -> None:
-        """Show a badge in the corner, or none."""
         if badge == self.badge:
             return
         if badge is None:
@@ -172,7 +161,6 @@ class NodeItem(AbstractNodeItem):
         return True
 
     def set_style(self, style: CanvasStyle) -> None:
-        """Draw it in other colours."""
         self.style = style
         if self._badge is not None:
             self._badge.style = style
@@ -361,8 +349,6 @@ _LARGEST = 3.0  # times the normal size
 
 
 class BadgeItem(QGraphicsItem):
-    """A badge, its tooltip the badge's text."""
-
     def __init__(self, badge: Badge, style: CanvasStyle, parent: QGraphicsItem) -> None:
         super().__init__(parent)
         self.style = style
@@ -370,13 +356,11 @@ class BadgeItem(QGraphicsItem):
         self.show_badge(badge)
 
     def show_badge(self, badge: Badge) -> None:
-        """Show another badge."""
         self.badge = badge
         self.setToolTip(badge.text)
         self.update()
 
     def boundingRect(self) -> QRectF:
-        """Where it may draw, at any zoom."""
         return _BOUNDS
 
     def paint(
@@ -385,7 +369,6 @@ class BadgeItem(QGraphicsItem):
         _option: QStyleOptionGraphicsItem,
         _widget: QWidget | None = None,
     ) -> None:
-        """Draw it, never too small to be seen."""
         zoom = max(painter.worldTransform().m11(), 1e-3)
         painter.save()
         scale = min(max(1.0, _SMALLEST_PX / (_RADIUS * zoom)), _LARGEST)

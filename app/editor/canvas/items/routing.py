@@ -61,7 +61,6 @@ def _way(points: Sequence[QPointF], place: int, long: float) -> QPointF:
 
 
 def length(way: QPointF) -> float:
-    """Of a vector."""
     return math.hypot(way.x(), way.y())
 
 
@@ -88,7 +87,6 @@ class Ground:
             self.put(str(number), box)
 
     def put(self, name: str, box: Box) -> None:
-        """Have a node there, and nowhere else."""
         if self.boxes.get(name) == box:
             return
         self.drop(name)
@@ -98,7 +96,6 @@ class Ground:
         self._change(box)
 
     def drop(self, name: str) -> None:
-        """Have no node of that name."""
         box = self.boxes.pop(name, None)
         if box is not None:
             for cell in _cells(box):
@@ -106,7 +103,6 @@ class Ground:
             self._change(box)
 
     def within(self, area: Box) -> set[Box]:
-        """The nodes that overlap an area."""
         columns, rows = _cell_ranges(area)
         if len(columns) * len(rows) > len(self.boxes):
             near: Iterable[Box] = self.boxes.values()
@@ -146,7 +142,6 @@ class Ground:
 
 
 def overlap(one: Box, other: Box) -> bool:
-    """Whether two boxes have an area in common."""
     return one[0] < other[2] and one[2] > other[0] and one[1] < other[3] and one[3] > other[1]
 
 
@@ -240,7 +235,6 @@ def _free(
 
 
 def _weights(t: float) -> tuple[float, float, float, float]:
-    """Of the four points of a cubic, at a place from 0 to 1."""
     u = 1 - t
     return u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
 
@@ -249,7 +243,6 @@ _CUBIC = [_weights(n / 20) for n in range(1, 20)]
 
 
 def _points(start: Spot, end: Spot) -> list[Spot]:
-    """Points of the plain curve."""
     reach = _reach(end[0] - start[0], abs(end[1] - start[1]))
     xs = start[0], start[0] + reach, end[0] - reach, end[0]
     ys = start[1], start[1], end[1], end[1]

@@ -71,7 +71,6 @@ class WireItem(QGraphicsPathItem):
         self._bounds = path.controlPointRect().adjusted(-reach, -reach, reach, reach)
 
     def restyle(self) -> None:
-        """Take the colour and width of the state."""
         style = self.style_of_canvas
         types = self.output_port.types or self.input_port.types
         self.colour = colour = style.port(types)
@@ -84,25 +83,21 @@ class WireItem(QGraphicsPathItem):
         self.update()
 
     def set_state(self, **changes: bool) -> None:
-        """Change which of `lit`, `chosen`, `hovered` and `target` it is."""
         if any(getattr(self, name) != on for name, on in changes.items()):
             vars(self).update(changes)
             self.restyle()
 
     def set_style(self, style: CanvasStyle) -> None:
-        """Draw it in other colours."""
         self.style_of_canvas = style
         self.restyle()
 
     def line(self) -> list[QPointF]:
-        """Points along the wire, from its output to its input."""
         if not self._line:
             path, samples = self.path(), _SAMPLES * (len(self.dots) + 1)
             self._line = [path.pointAtPercent(n / samples) for n in range(samples + 1)]
         return self._line
 
     def boundingRect(self) -> QRectF:
-        """The curve with the widest pen."""
         return self._bounds
 
     def shape(self) -> QPainterPath:
@@ -120,7 +115,6 @@ class WireItem(QGraphicsPathItem):
         _option: QStyleOptionGraphicsItem,
         _widget: QWidget | None = None,
     ) -> None:
-        """Draw the curve."""
         zoom = max(painter.worldTransform().m11(), 1e-3)
         pen = QPen(self._pen_colour, max(self._pen_width, _LEAST_PX / zoom))
         if self.output_port.node.disabled or self.input_port.node.disabled:
@@ -137,7 +131,6 @@ class WireItem(QGraphicsPathItem):
             painter.drawEllipse(dot, radius, radius)
 
     def forget(self) -> None:
-        """Leave the ports and the scene."""
         for port in (self.output_port, self.input_port):
             port.wires -= 1
             port.node.update()
@@ -153,13 +146,11 @@ class LiveWire(QGraphicsPathItem):
         self.setVisible(False)
 
     def show_wire(self, start: QPointF, end: QPointF, colour: QColor) -> None:
-        """Show a wire from an output to an input."""
         self.setPen(_cosmetic(colour, 2.2, Qt.PenStyle.DashLine))
         self.setPath(wire_path(start, end))
         self.setVisible(True)
 
     def show_cut(self, start: QPointF, end: QPointF, colour: QColor) -> None:
-        """Show a straight line."""
         self.setPen(_cosmetic(colour, 1.6, Qt.PenStyle.DashDotLine))
         path = QPainterPath(start)
         path.lineTo(end)

@@ -47,8 +47,6 @@ def by_fingers(event: QWheelEvent) -> bool:
 
 @dataclass(frozen=True)
 class Handler:
-    """What is done with the view's events."""
-
     press: Callable[[QMouseEvent], None]
     move: Callable[[QMouseEvent], None]
     release: Callable[[QMouseEvent], None]
@@ -72,14 +70,9 @@ class GraphView(NodeViewer):
     """Shows a part of the scene. `handler` decides what the mouse and the keys do.
 
     Of its base nothing acts by itself: neither menus nor search, nor its ways with wires.
-
-    Signals
-    -------
-    looked_elsewhere
-        It shows another part of the scene, or at another zoom.
     """
 
-    looked_elsewhere = Signal()
+    looked_elsewhere = Signal()  # it shows another part of the scene, or at another zoom
     handler: Handler
 
     def __init__(self, style: CanvasStyle, parent: QWidget | None = None) -> None:
@@ -115,11 +108,9 @@ class GraphView(NodeViewer):
 
     @property
     def rubber_band(self) -> QWidget:
-        """The frame that selects."""
         return self._rubber_band
 
     def visible_rect(self) -> QRectF:
-        """The part of the scene that is shown."""
         size = self.viewport().size()
         rect = QRectF(0, 0, size.width() / self._zoom, size.height() / self._zoom)
         rect.moveCenter(self._centre)
@@ -132,27 +123,22 @@ class GraphView(NodeViewer):
         return wide, max(size.height() - 2 * _MARGIN, 20) / natural
 
     def scene_point(self, pos: QPoint | QPointF) -> QPointF:
-        """The point of the scene under a pixel."""
         return QPointF(self.mapToScene(QPointF(pos).toPoint()))
 
     def pixel(self, point: QPointF) -> QPoint:
-        """The pixel a point of the scene is shown at."""
         return QPoint(self.mapFromScene(point))
 
     def pan(self, by: QPointF) -> None:
-        """Move the picture by so many pixels."""
         self._framed = None
         self._centre -= by / self._zoom
         self._show()
 
     def look_at(self, point: QPointF) -> None:
-        """Show this point of the scene in the middle."""
         self._framed = None
         self._centre = QPointF(point)
         self._show()
 
     def zoom_at(self, factor: float, pos: QPointF | None = None) -> None:
-        """Enlarge about a pixel, or the middle."""
         self._framed = None
         natural = self.style_of_canvas.natural_zoom
         zoom = self._zoom * factor
@@ -165,7 +151,6 @@ class GraphView(NodeViewer):
         self._show()
 
     def zoom_by_wheel(self, event: QWheelEvent, pos: QPointF | None = None) -> None:
-        """Enlarge by what the wheel was turned, about a pixel or the middle."""
         angle = event.angleDelta()
         self.zoom_at(_STEP ** (angle.y() or angle.x()), pos)
 
@@ -198,7 +183,6 @@ class GraphView(NodeViewer):
             self._show()
 
     def set_style(self, style: CanvasStyle) -> None:
-        """Draw in other colours; what is natural may have changed with the font."""
         self._zoom *= style.natural_zoom / self.style_of_canvas.natural_zoom
         self.style_of_canvas = style
         self._show()
@@ -222,7 +206,6 @@ class GraphView(NodeViewer):
     # Qt's events
 
     def drawBackground(self, painter: QPainter, rect: QRectF | QRect) -> None:
-        """Fill the ground and draw the grid, coarser where the picture is small."""
         theme = self.style_of_canvas.theme
         painter.fillRect(rect, theme.canvas)
         step = _GRID
@@ -263,7 +246,6 @@ class GraphView(NodeViewer):
         QGraphicsView.focusInEvent(self, event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Only what every view does."""
         QGraphicsView.focusOutEvent(self, event)
 
     def focusNextPrevChild(self, onward: bool) -> bool:
@@ -293,23 +275,18 @@ class GraphView(NodeViewer):
         return bool(QGraphicsView.viewportEvent(self, event))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Pass it to the handler."""
         self.handler.press(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Pass it to the handler."""
         self.handler.move(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Pass it to the handler."""
         self.handler.release(event)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Pass it to the handler."""
         self.handler.double_click(event)
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Pass it to the handler."""
         QGraphicsView.leaveEvent(self, event)
         self.handler.leave()
 
@@ -329,31 +306,25 @@ class GraphView(NodeViewer):
             event.ignore()
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """Pass it to the handler."""
         self.handler.key_released(event)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """Pass it to the handler."""
         self.handler.menu(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Take what the handler takes."""
         self.dragMoveEvent(event)
 
     def dragMoveEvent(self, event: QDragMoveEvent) -> None:
-        """Take what the handler takes."""
         if self.handler.drag_over(event):
             accept_copy(event)
         else:
             event.ignore()
 
     def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
-        """Pass it to the handler."""
         self.handler.drag_left()
         event.accept()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Give it to the handler."""
         if self.handler.drop(event):
             accept_copy(event)
         else:

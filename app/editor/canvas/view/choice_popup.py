@@ -82,18 +82,10 @@ def _rank(choice: Choice, word: str) -> int:
 
 
 class ChoicePopup(QFrame):
-    """The list with its field to type in.
+    """The list with its field to type in."""
 
-    Signals
-    -------
-    chosen(value)
-        An entry was chosen; the popup has closed.
-    abandoned
-        It was closed by Esc, or because the focus went elsewhere.
-    """
-
-    chosen = Signal(object)
-    abandoned = Signal()
+    chosen = Signal(object)  # (value): an entry was chosen; the popup has closed
+    abandoned = Signal()  # it was closed by Esc, or because the focus went elsewhere
 
     passed_on = QKeySequence("Ctrl+Q")
     """Keys that mean what they mean everywhere: whatever is searched, one can quit."""
@@ -133,7 +125,6 @@ class ChoicePopup(QFrame):
 
     @property
     def is_open(self) -> bool:
-        """Whether it waits for a choice."""
         return self._open
 
     def open_at(self, pos: QPoint, title: str, choices: Sequence[Choice]) -> None:
@@ -161,19 +152,16 @@ class ChoicePopup(QFrame):
         self._close()
 
     def choose(self) -> None:
-        """Take the marked entry."""
         item = self.list.currentItem()
         if item is not None:
             self._choose_item(item)
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw it in these colours."""
         palette = theme.palette()
         palette.setColor(QPalette.ColorRole.Window, QColor(theme.raised))
         self.setPalette(palette)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Lead the keys of the field to the list."""
         if watched is self.field and self._open:
             if isinstance(event, QKeyEvent) and event.type() in _KEYS:
                 if event.type() == QEvent.Type.ShortcutOverride:
@@ -245,13 +233,11 @@ class ChoicePopup(QFrame):
         return place
 
     def _wide(self) -> int:
-        """Wide enough for every choice with its detail, up to a limit."""
         metrics = self.fontMetrics()
         letters = [len(choice.text) + len(choice.detail) + 8 for choice in self._choices]
         return min(max([_NARROW, *letters]), _WIDE) * metrics.averageCharWidth()
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the border."""
         super().paintEvent(event)
         painter = QPainter(self)
         painter.setPen(self.palette().color(QPalette.ColorRole.Mid))
@@ -260,8 +246,6 @@ class ChoicePopup(QFrame):
 
 
 class _Row(QStyledItemDelegate):
-    """Draws a choice: mark, text, and the detail at the right."""
-
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Any) -> None:
         choice: Choice = index.data(_ROLE)
         metrics = option.fontMetrics

@@ -38,22 +38,18 @@ class Minimap(QWidget):
 
     @property
     def wanted(self) -> bool:
-        """Whether it is shown where it is of use."""
         return self._wanted
 
     def toggle(self) -> None:
-        """Show it where it is of use, or never."""
         self._wanted = not self._wanted
         self._shown = None
         self.follow()
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in these colours."""
         self._theme = theme
         self.update()
 
     def follow(self) -> None:
-        """Show what there is now, and which part of it the view shows."""
         whole, seen = self._content.bounds(), self._view.visible_rect()
         if (whole, seen) == self._shown and self.isVisible():
             self.update()  # the nodes may have moved within
@@ -67,14 +63,12 @@ class Minimap(QWidget):
         self.setVisible(useful)
 
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
-        """Stay in the corner of a view that is resized."""
         if event.type() == QEvent.Type.Resize:
             self._shown = None
             self.follow()
         return False
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the nodes as blocks of their groups' colours, and a frame round what is shown."""
         style = self._view.style_of_canvas
         whole = self._content.bounds()
         with QPainter(self) as painter:
@@ -98,12 +92,10 @@ class Minimap(QWidget):
             painter.drawRect(seen.intersected(QRectF(self.rect()).adjusted(1, 1, -2, -2)))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Go there."""
         if event.button() == Qt.MouseButton.LeftButton:
             self._go(event.position())
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Go on to there."""
         if event.buttons() & Qt.MouseButton.LeftButton:
             self._go(event.position())
 
@@ -117,7 +109,6 @@ class Minimap(QWidget):
         self._go(event.position())
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom about the middle of what is shown."""
         self._view.zoom_by_wheel(event)
         event.accept()
 

@@ -54,18 +54,15 @@ class NodeThumbnails(QObject):
 
     @property
     def on(self) -> bool:
-        """Whether they are shown."""
         return self._on
 
     def toggle(self) -> None:
-        """Show them, or none."""
         self._on = not self._on
         if not self._on:
             self._clear()
         self._ask()
 
     def set_style(self, style: CanvasStyle) -> None:
-        """Draw them in other colours."""
         for item in self.items.values():
             item.style = style
             item.update()
@@ -100,16 +97,13 @@ class NodeThumbnails(QObject):
             self._ask()
 
     def heights(self) -> dict[str, float]:
-        """How much room each node's thumbnail takes below it."""
         return {name: item.boundingRect().bottom() for name, item in self.items.items()}
 
     def node_at(self, point: QPointF) -> str | None:
-        """The node whose thumbnail is at a point of the scene."""
         at = (name for name, item in self.items.items() if item.frame().contains(point))
         return next(at, None)
 
     def bounds(self) -> QRectF:
-        """What they take up; null where there are none."""
         whole = QRectF()
         for item in self.items.values():
             whole = whole.united(item.frame())
@@ -164,8 +158,6 @@ _LEAST_SHARE = 0.35  # of the node's width, of a picture that is very high
 
 
 class ThumbnailItem(QGraphicsItem):
-    """A small picture or curve as wide as its node, in the scene's units."""
-
     def __init__(self, small: Small, width: float, style: CanvasStyle) -> None:
         super().__init__()
         self.style = style
@@ -175,7 +167,6 @@ class ThumbnailItem(QGraphicsItem):
         self.show_small(small)
 
     def show_small(self, small: Small) -> None:
-        """Show another one."""
         self.prepareGeometryChange()
         self.small = small
         self._box = box_of(small, self._room)
@@ -188,11 +179,9 @@ class ThumbnailItem(QGraphicsItem):
         self.update()
 
     def boundingRect(self) -> QRectF:
-        """Its box with the border."""
         return self._box.adjusted(-1, -1, 1, 1)
 
     def frame(self) -> QRectF:
-        """Where it is in the scene."""
         return self._box.translated(self.pos())
 
     def paint(
@@ -201,7 +190,6 @@ class ThumbnailItem(QGraphicsItem):
         _option: QStyleOptionGraphicsItem,
         _widget: QWidget | None = None,
     ) -> None:
-        """Draw it with a border."""
         style, box = self.style, self._box
         painter.fillRect(box, QColor(style.theme.base))
         if box.height() * painter.worldTransform().m11() < _LEAST_PX:
@@ -297,7 +285,6 @@ class NodeThumbnailQuery(Query):
     node: str
 
     def key(self, plan: Plan) -> Hashable:
-        """What is drawn."""
         planned = plan.node(self.node)
         if planned.error is not None:
             return str(planned.error)

@@ -40,7 +40,6 @@ class EditCommands(QObject):
         self._canvas = canvas
 
     def copy(self) -> None:
-        """Copy the selected nodes as JSON text."""
         names = self._session.selection
         if names:
             session = self._session
@@ -48,14 +47,12 @@ class EditCommands(QObject):
             QGuiApplication.clipboard().setText(text)
 
     def cut(self) -> None:
-        """Copy the selected nodes and take them out; what they passed on is led past them."""
         session = self._session
         if session.selection:
             self.copy()
             self._take_out(dissolved(session.network, session.library, session.selection, "Cut"))
 
     def paste(self) -> None:
-        """Put the clipboard's nodes at the mouse."""
         session = self._session
         text = QGuiApplication.clipboard().text()
         try:
@@ -73,12 +70,10 @@ class EditCommands(QObject):
             session.select(names)
 
     def copy_values(self) -> None:
-        """Copy the values of the node selected last."""
         whole = self._session.session
         copy_values(whole, whole.selection)
 
     def paste_values(self) -> None:
-        """Give the selected nodes the copied values that fit them."""
         whole = self._session.session
         if whole.selection:
             paste_values(whole, whole.selection)
@@ -124,7 +119,6 @@ class EditCommands(QObject):
             )
 
     def select_all(self) -> None:
-        """Select every node."""
         self._session.select(self._session.network.nodes)
 
     def disable(self) -> None:
@@ -138,7 +132,6 @@ class EditCommands(QObject):
             self._session.do(steps[0] if len(steps) == 1 else Together(steps))
 
     def mark_output(self) -> None:
-        """Mark the selected node as the network's output; marked: take the mark away."""
         session = self._session
         for name in session.selection[-1:]:
             try:
@@ -147,7 +140,6 @@ class EditCommands(QObject):
                 session.message.emit("error", str(error))
 
     def group(self) -> None:
-        """Make one node of the selected ones, a macro, and select it."""
         session = self._session
         try:
             name, operation = group(
@@ -164,7 +156,6 @@ class EditCommands(QObject):
             session.select([name])
 
     def ungroup(self) -> None:
-        """Put the nodes of the selected macro in its place, and select them."""
         session = self._session
         for macro in session.selection[-1:]:
             try:
@@ -176,7 +167,6 @@ class EditCommands(QObject):
                 session.select(names)
 
     def backdrop(self) -> None:
-        """Put a backdrop behind the selected nodes, or at the cursor; its title is typed."""
         session = self._session
         if session.selection:
             operation = around(session.network, session.selection, self._canvas.sizes())
@@ -187,7 +177,6 @@ class EditCommands(QObject):
             self._canvas.edit_last_title()
 
     def note(self) -> None:
-        """Put a note at the cursor; its text is typed."""
         x, y = self._canvas.cursor_point()
         operation = add(self._session.network, Backdrop("Note", x, y, *_NEW_NOTE, note=True))
         if self._session.do(operation):
@@ -212,11 +201,9 @@ class EditCommands(QObject):
         return Together((moving, straighten(network, bent)), moving.text) if bent else moving
 
     def align(self, edge: Edge) -> None:
-        """Bring the selected nodes to one line."""
         self._arranged(aligned, edge, f"Align at the {edge}")
 
     def distribute(self, way: Way) -> None:
-        """Give the selected nodes equal gaps."""
         self._arranged(distributed, way, f"Distribute {way}")
 
     def _arranged(self, places: Callable[..., dict[str, Point]], how: str, label: str) -> None:
@@ -228,7 +215,6 @@ class EditCommands(QObject):
             session.message.emit("note", f"{label.lower()}: select two nodes or more")
 
     def frame(self) -> None:
-        """Show the selected nodes, or all."""
         if self._session.selection:
             self._canvas.frame_selection()
         else:

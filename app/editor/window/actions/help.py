@@ -71,11 +71,9 @@ class Help(QObject):
         viewers.tradeoff.export_wanted.connect(lambda: self._export_of(viewers.tradeoff))
 
     def shortcuts(self) -> None:
-        """List every shortcut."""
         show_beside(self._window, ShortcutList(self._actions(), self._window))
 
     def module(self) -> None:
-        """Show what the selected node's module does."""
         name = self._session.selection[-1] if self._session.selection else ""
         declared = self._session.declared(name)
         if declared is None:
@@ -86,7 +84,6 @@ class Help(QObject):
             show_beside(self._window, text)
 
     def handbook_of(self, name: str) -> None:
-        """Open the handbook at the page of a node's module."""
         declared = self._session.declared(name)
         if declared is not None:
             self._open_page(declared.key)
@@ -95,7 +92,6 @@ class Help(QObject):
         self.handbook.open(key if key in self._session.library else _MACROS)
 
     def about(self) -> None:
-        """Version and sources."""
         box = QMessageBox(self._window)
         box.setObjectName("message")
         box.setWindowTitle("Imagechain")
@@ -107,7 +103,6 @@ class Help(QObject):
         show_beside(self._window, box)
 
     def export(self) -> None:
-        """Ask the person where to write what the viewer used last shows."""
         self._export_of(self._viewer())
 
     def _export_of(self, viewer: Exported) -> None:
@@ -171,7 +166,6 @@ class HandbookOpening(QObject):
         self._long.start(_PATIENCE_MS)
 
     def close(self) -> None:
-        """Stop what is being written; nothing of it goes on."""
         self._closed = True
         self._long.stop()
         if self._process.state() != QProcess.ProcessState.NotRunning:
@@ -210,15 +204,9 @@ _WIDE, _HIGH = 96, 34  # letters, lines
 
 
 class ModuleText(QDialog):
-    """A window with what a module does; it scrolls where that is long.
+    """A window with what a module does; it scrolls where that is long."""
 
-    Signals
-    -------
-    more_wanted(key)
-        The module's page in the handbook is to be opened.
-    """
-
-    more_wanted = Signal(str)
+    more_wanted = Signal(str)  # (key): the module's page in the handbook is to be opened
 
     def __init__(self, declared: Declaration, parent: QWidget) -> None:
         super().__init__(parent)

@@ -34,11 +34,9 @@ class Actions(dict[str, QAction]):
             self[spec.name] = action
 
     def of_names(self, names: Iterable[str]) -> list[QAction]:
-        """The actions of these names, in their order."""
         return [self[name] for name in names]
 
     def fill(self, bar: QMenuBar) -> dict[str, QMenu]:
-        """Make the menus; returns them by title."""
         menus: dict[str, QMenu] = {}
         for spec in ACTIONS:
             menu = menus.get(spec.menu)
@@ -51,13 +49,11 @@ class Actions(dict[str, QAction]):
         return menus
 
     def follow_selection(self, selected: bool) -> None:
-        """Grey out what works on selected nodes where there are none."""
         for spec in ACTIONS:
             if spec.needs_selection:
                 self[spec.name].setEnabled(selected)
 
     def follow_history(self, history: History) -> None:
-        """Have the entries of undo and redo name what each would do."""
         for name, verb, step in (
             ("undo", "&Undo", history.undo_text),
             ("redo", "&Redo", history.redo_text),

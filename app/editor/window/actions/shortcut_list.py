@@ -44,7 +44,6 @@ class ShortcutRow(NamedTuple):
 
     @property
     def text(self) -> str:
-        """All that is shown of it."""
         return " ".join(self[:4]).casefold()
 
 
@@ -87,8 +86,6 @@ MOUSE = (
 
 
 class ShortcutList(QDialog):
-    """A window with every shortcut, and a line to search them."""
-
     def __init__(self, actions: Actions, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("shortcuts")
@@ -166,14 +163,10 @@ class ShortcutList(QDialog):
 
 
 class KeyCatcher(QPushButton):
-    """A button after which the next key combination is taken as such: it does nothing else.
+    """A button after which the next key combination is taken as such: it does nothing else."""
 
-    Signals
-    -------
-    pressed_keys(sequences)
-        A tuple of texts: the combination, and what it is called where Shift belongs to the letter.
-    """
-
+    # (sequences): A tuple of texts: the combination, and what it is called where Shift
+    # belongs to the letter
     pressed_keys = Signal(tuple)
 
     def __init__(self, parent: QWidget) -> None:
@@ -186,7 +179,6 @@ class KeyCatcher(QPushButton):
         self.toggled.connect(self._say)
 
     def sizeHint(self) -> QSize:
-        """Room for either text."""
         hint = super().sizeHint()
         return hint.expandedTo(QSize(self.fontMetrics().averageCharWidth() * 22, hint.height()))
 
@@ -224,7 +216,6 @@ def _pressed(event: QKeyEvent) -> tuple[str, ...]:
 
 
 def shortcuts_of(actions: Actions) -> list[ShortcutRow]:
-    """A row for every action that has keys, read off the actions."""
     rows = []
     for spec in ACTIONS:
         action = actions[spec.name]
@@ -269,6 +260,5 @@ def rows_for(rows: Sequence[ShortcutRow], text: str) -> list[ShortcutRow]:
 
 
 def rows_of_keys(rows: Sequence[ShortcutRow], pressed: Sequence[str]) -> list[ShortcutRow]:
-    """The rows that have one of these key combinations."""
     wanted = {one.casefold() for one in pressed}
     return [row for row in rows if wanted & {one.casefold() for one in row.sequences}]

@@ -47,7 +47,6 @@ class BackgroundRuns(QObject):
         session.opened.connect(self._drop_dialogs)
 
     def report(self) -> None:
-        """Ask the person where to write the report of the network as it stands."""
         path = self._session.document.path
         folder = path.parent if path is not None else Path.cwd()
         kinds = dialog_filter("Reports", HTML)
@@ -59,7 +58,6 @@ class BackgroundRuns(QObject):
         show_beside(self._window, dialog)
 
     def report_to(self, text: str) -> None:
-        """Write the report to that file, in the background."""
         self._finish_typing()
         file = Path(text)
         if not any(form.matches(file) for form in REPORTS):
@@ -76,7 +74,6 @@ class BackgroundRuns(QObject):
                 self.status.follow(self.queue.add(f"Report {file.name}", job))
 
     def add(self) -> None:
-        """Open the dialog that adds a run."""
         dialog = AddRun(self._session, self._taken, self._window)
         dialog.about_to_add.connect(self._finish_typing)
         dialog.added.connect(self._added)
@@ -137,7 +134,6 @@ class BackgroundRuns(QObject):
 
 
 def runs_go_on(parent: QWidget, runs: Sequence[str]) -> Question:
-    """Whether runs in the background are to end with the window."""
     box = Question(parent, "runs_go_on", "Stop the runs?")
     number = f"{len(runs)} runs are" if len(runs) > 1 else "A run is"
     box.setText(f"{number} not done yet: {runs[0]}{' …' if len(runs) > 1 else ''}")

@@ -124,7 +124,6 @@ class FirstViews(QObject):
             self._look_beside()
 
     def _look_beside(self) -> None:
-        """Show what stands beside the first picture, where nothing does."""
         look, self._beside = self._beside, None
         if look is None:
             return

@@ -29,7 +29,6 @@ class FullScreen(QObject):
         QApplication.instance().focusChanged.connect(self._focus_changed)
 
     def toggle(self) -> None:
-        """Show the viewer that was used last over the whole screen, or put it back."""
         docks = (self._used, *self._viewers.docks.values(), self._viewers.plot_dock)
         dock = next((dock for dock in docks if dock is not None and dock.isVisible()), None)
         if self.page is not None:
@@ -63,7 +62,6 @@ class FullScreen(QObject):
             focus.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def close(self) -> None:
-        """Put the viewer back, and follow the focus no more: the window closes."""
         self.leave()
         QApplication.instance().focusChanged.disconnect(self._focus_changed)
 

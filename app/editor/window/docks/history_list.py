@@ -47,7 +47,6 @@ class HistoryModel(QAbstractListModel):
         return self._session.document.history
 
     def follow(self) -> None:
-        """Show the history as it is now."""
         rows, had = self._history.last + 1, self._rows
         self._rows = rows
         if rows > had:
@@ -59,11 +58,9 @@ class HistoryModel(QAbstractListModel):
         self.dataChanged.emit(self.index(0), self.index(rows - 1), [])
 
     def rowCount(self, parent: _Index = QModelIndex()) -> int:  # noqa: B008
-        """The start, and one for each step."""
         return 0 if parent.isValid() else self._rows
 
     def data(self, index: _Index, role: int = _ROLE.DisplayRole) -> Any:
-        """A line, its mark and looks."""
         history, row = self._history, index.row()
         if not 0 <= row <= history.last:  # changed, and not followed yet
             return None
@@ -122,7 +119,6 @@ class HistoryList(QListView):
         session.state_changed.connect(self._follow)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Enter goes to the line that the arrows have led to."""
         enter = event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter)
         if enter and not event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             self._go(self.currentIndex())
@@ -131,12 +127,10 @@ class HistoryList(QListView):
             super().keyPressEvent(event)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Show what was done while it was away."""
         super().showEvent(event)
         self._follow()
 
     def sizeHint(self) -> QSize:
-        """Room for a line with its values."""
         unit = self.fontMetrics().averageCharWidth()
         return QSize(45 * unit, 40 * unit)
 

@@ -21,15 +21,9 @@ _BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 
 
 class ViewerDocks(QObject):
-    """Viewers by number; one that is not there yet is made when something is shown in it.
+    """Viewers by number; one that is not there yet is made when something is shown in it."""
 
-    Signals
-    -------
-    made(dock)
-        A dock has been made.
-    """
-
-    made = Signal(object)
+    made = Signal(object)  # (dock): a dock has been made
 
     def __init__(
         self, session: Session, evaluator: Evaluator, theme: Theme, window: QMainWindow
@@ -50,7 +44,6 @@ class ViewerDocks(QObject):
         self.tradeoff_dock.hide()
 
     def set_picture_actions(self, *actions: QAction) -> None:
-        """Offer these actions of the window in the menus of pictures."""
         self.picture_actions = actions
         for viewer in self.images.values():
             viewer.window_actions = actions
@@ -63,13 +56,11 @@ class ViewerDocks(QObject):
             viewer.add_compare_actions(self._compare_actions)
 
     def look_at(self, number: int, port: str) -> None:
-        """Show what is on ``node.port`` in an image viewer, and bring that to the front."""
         self._viewer(number).look_at(port)
         self.docks[number].show()
         self.docks[number].raise_()
 
     def plot_port(self, port: str) -> None:
-        """Show the curve or table on ``node.port``, and bring it to the front."""
         self.plot.look_at(port)
         self.plot_dock.show()
         self.plot_dock.raise_()
@@ -94,12 +85,10 @@ class ViewerDocks(QObject):
             self._session.message.emit("advice", f"{name} has nothing to show")
 
     def trade_off(self, node: str, parameter: str) -> None:
-        """Show figures of merit as a parameter moves."""
         self.tradeoff.trade_off(*self._session.plain.parameter_behind(node, parameter))
         bring_forward(self.tradeoff_dock, self.tradeoff.bar.parameter)
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
         self.tradeoff.set_theme(theme)
 
     def forget_pictures(self) -> None:
@@ -110,7 +99,6 @@ class ViewerDocks(QObject):
                 self.docks[number].hide()
 
     def _look_at_input(self, name: str, number: int) -> None:
-        """Show the input of a node without outputs."""
         for link in self._session.network.links_into(name):
             self.look_at(number, f"{link.source}.{link.output}")
             return
@@ -173,7 +161,6 @@ def in_front(dock: QDockWidget) -> bool:
 
 
 def bring_forward(dock: QDockWidget, focus: QWidget) -> None:
-    """Show a dock, with the focus in it."""
     dock.show()
     dock.raise_()
     focus.setFocus(Qt.FocusReason.OtherFocusReason)

@@ -43,14 +43,12 @@ class WindowLayout(QObject):
         window.installEventFilter(self)
 
     def choose(self, name: LayoutName) -> None:
-        """Place and size every dock by that layout."""
         self.name = name
         self._shares = {}
         self.place()
         self.begin()
 
     def place(self) -> None:
-        """Place every dock by the layout in use."""
         with self.placing():
             place(self._window, self.name)
 
@@ -64,7 +62,6 @@ class WindowLayout(QObject):
             self._placing = False
 
     def begin(self) -> None:
-        """Size the docks, which are shown from now on."""
         self._shown = True
         self._follow_docks()
         self._size()
@@ -79,7 +76,6 @@ class WindowLayout(QObject):
             self._shares = shares
 
     def state(self) -> str:
-        """The layout in use and the shares that are kept, to be remembered."""
         return json.dumps({"name": self.name, "shares": self._shares})
 
     def restore(self, state: str) -> bool:
@@ -112,7 +108,6 @@ class WindowLayout(QObject):
         return False
 
     def _sizes(self) -> Sizes:
-        """Width and height of the docks that are seen in the window."""
         window = self._window
         return {
             dock.objectName(): (dock.width(), dock.height())

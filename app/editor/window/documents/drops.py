@@ -26,8 +26,6 @@ _STEP = 30.0  # from one file dropped to the next
 
 
 class Drops(QObject):
-    """Modules and files that come in."""
-
     def __init__(self, session: Level, files: Files, canvas: Canvas, window: QWidget) -> None:
         super().__init__(window)
         self._session = session

@@ -27,17 +27,10 @@ class Files(QObject):
     Dialogs open without stopping the window; what is to follow a question is a function that is
     called once it is answered. Only questions block the window: Qt keeps a close that its manager
     sends from a window that is blocked.
-
-    Signals
-    -------
-    opened
-        Another document is in the window.
-    about_to_save
-        What has been typed but not yet entered is to be taken now.
     """
 
-    opened = Signal()
-    about_to_save = Signal()
+    opened = Signal()  # another document is in the window
+    about_to_save = Signal()  # what has been typed but not yet entered is to be taken now
 
     def __init__(self, session: Session, settings: Settings, window: QWidget) -> None:
         super().__init__(window)
@@ -48,11 +41,9 @@ class Files(QObject):
         self._question: Question | None = None
 
     def new(self, following: Next | None = None) -> None:
-        """Begin an empty network, after the question about unsaved work; then go on."""
         self.after_asking(lambda: self._new(following))
 
     def open_dialog(self) -> None:
-        """Ask the person for a file and open it."""
         dialog = QFileDialog(*self._words("Open a network"))
         dialog.setObjectName(_DIALOG)
         dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
@@ -61,7 +52,6 @@ class Files(QObject):
         show_beside(self._window, dialog)
 
     def open(self, text: str) -> None:
-        """Open a network by path or shipped name, after the question about unsaved work."""
         self.after_asking(lambda: self.open_now(text))
 
     def open_now(self, text: str) -> bool:
@@ -75,7 +65,6 @@ class Files(QObject):
         return True
 
     def show(self, opened: Opened) -> None:
-        """Put an opened document in the window."""
         drop_dialogs(self._window, _DIALOG)  # it names a file for the document that is closed
         if opened.document.path is not None:
             self._settings.add_recent(opened.document.path)
@@ -184,7 +173,6 @@ class Files(QObject):
 
 
 def save_changes(parent: QWidget, network: str) -> Question:
-    """What is to become of unsaved work."""
     box = Question(parent, "save_changes", "Save changes?")
     box.setText(f"Save the changes of {network or 'this network'}?")
     box.setInformativeText("Without saving they are lost.")
@@ -201,7 +189,6 @@ def save_changes(parent: QWidget, network: str) -> Question:
 
 
 def changed_file(parent: QWidget, file: str, done: str) -> Question:
-    """What is to become of a file that was changed or removed by another program."""
     box = Question(parent, "changed_file", "Save over it?")
     box.setText(f"{file} has been {done} by another program since it was opened or saved here.")
     box.offer("save_as", "Save &As…", ROLE.AcceptRole)

@@ -19,8 +19,6 @@ NETWORK_SUFFIX = ".json"
 
 @dataclass(frozen=True)
 class Opened:
-    """A document read from a file, and a remark on it."""
-
     document: Document
     remark: str = ""
 

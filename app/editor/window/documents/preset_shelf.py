@@ -24,8 +24,6 @@ from core.network.network import Network
 
 
 class PresetShelf(QObject):
-    """The presets there are, and what is done with them."""
-
     def __init__(
         self, level: Level, canvas: Canvas, library_view: LibraryView, folder: Path, parent: QObject
     ) -> None:
@@ -39,7 +37,6 @@ class PresetShelf(QObject):
         canvas.preset_dropped.connect(self.add_at)
 
     def refresh(self) -> None:
-        """List what there is now."""
         library = self._level.library
         self.presets = (*shipped_presets(library), *own_presets(self.folder, library))
         self._view.show_presets(self.presets)
@@ -52,12 +49,10 @@ class PresetShelf(QObject):
         return True
 
     def add_at(self, key: str, point: QPointF) -> None:
-        """Put a preset at a point of the scene."""
         self._put(key, (round(point.x()), round(point.y())))
         self._canvas.view.setFocus()
 
     def save(self) -> None:
-        """Save the selected macro as a preset."""
         level = self._level
         for name in level.selection[-1:]:
             try:

@@ -41,7 +41,6 @@ class RecentMenu(QMenu):
         self._fill()
 
     def stand_after(self, action: QAction, menu: QMenu) -> None:
-        """Take the place below an action of a menu."""
         actions = menu.actions()
         below = actions[actions.index(action) + 1 :]
         menu.insertMenu(below[0], self) if below else menu.addMenu(self)
@@ -117,7 +116,6 @@ class Settings:
 
     @property
     def look(self) -> Look:
-        """Dark or light."""
         stored = self._stored.value("look", "dark")
         return stored if stored in THEMES else "dark"
 
@@ -132,13 +130,11 @@ class Settings:
         return tuple(islice(there, MOST_RECENT))
 
     def add_recent(self, path: Path) -> None:
-        """Store a file as the last one opened."""
         text = str(path.absolute())
         others = [other for other in self._stored_recent() if other != text]
         self._stored.setValue("recent", [text, *others][:_MOST_STORED])
 
     def forget_recent(self) -> None:
-        """Forget which files were opened or saved."""
         self._stored.remove("recent")
 
     def _stored_recent(self) -> list[str]:
@@ -150,12 +146,10 @@ class Settings:
 
     @property
     def layout(self) -> str:
-        """What the window's layout gave to be remembered; empty where nothing is."""
         stored = self._stored.value("layout", "")
         return stored if isinstance(stored, str) else ""
 
     def remember_window(self, window: QMainWindow, layout: str) -> None:
-        """Store size, place, docks and layout of a window, in the file at once."""
         self._stored.setValue("geometry", window.saveGeometry())
         self._stored.setValue("layout", layout)
         self._stored.setValue("docks", window.saveState(_DOCKS_VERSION))

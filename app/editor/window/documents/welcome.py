@@ -35,22 +35,12 @@ FIRST = "first_steps"  # stands before the others
 
 
 class WelcomePage(QScrollArea):
-    """Where to begin.
+    """Where to begin."""
 
-    Signals
-    -------
-    chosen(text)
-        Open this path or shipped network.
-    new_wanted, open_wanted
-        Begin an empty network; choose a file.
-    recovered(work)
-        Open work that a crash left behind: a `Recovered`.
-    """
-
-    chosen = Signal(str)
-    new_wanted = Signal()
+    chosen = Signal(str)  # (text): open this path or shipped network
+    new_wanted = Signal()  # begin an empty network
     open_wanted = Signal()
-    recovered = Signal(object)
+    recovered = Signal(object)  # (work): open work that a crash left behind: a `Recovered`
 
     def __init__(self, library: Library, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -86,7 +76,6 @@ class WelcomePage(QScrollArea):
         return super().event(event)
 
     def show_lists(self, recent: Sequence[Path], recovered: Sequence[Recovered]) -> None:
-        """Show which files were opened lately, and what work can be recovered."""
         _clear(self._lists)
         if recovered:
             self._lists.addWidget(_heading("Recovered work", 1.25))
@@ -175,7 +164,6 @@ class WelcomePage(QScrollArea):
 
 
 def thumbnail_path(network: Path) -> Path:
-    """Where the picture of a shipped network lies."""
     return network.parent / "pictures" / f"thumbnail_{network.stem}.png"
 
 
@@ -246,11 +234,9 @@ class NetworkCard(QToolButton):
         return QSize(_PICTURE.width() * line + 2 * _MARGIN, self._column.totalHeightForWidth(width))
 
     def minimumSizeHint(self) -> QSize:
-        """The same: nothing of it is cut."""
         return self.sizeHint()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Ask for the height that the new width needs."""
         super().resizeEvent(event)
         if event.size().width() != event.oldSize().width():
             self.updateGeometry()
