@@ -25,5 +25,4 @@ def state_folder() -> Path:
 
 
 def cache_folder() -> Path:
-    """What can be made again."""
     return platformdirs.user_cache_path(_NAME, appauthor=False)

@@ -335,7 +335,6 @@ def _of_gain(trial: _Trial) -> Iterator[str]:
 
 
 def _of_noise(trial: _Trial) -> Iterator[str]:
-    """What a step makes of noise that was there."""
     engine, plan = trial.planned()
     work = engine.work(Policy(precision="double"))
     for name, wire in plan.nodes[IT].outputs.items():
@@ -358,7 +357,6 @@ def _of_readouts(trial: _Trial) -> Iterator[str]:
 
 
 def _other_values(parameter: Parameter, params: Params) -> list[Any]:
-    """Some values beside the one it has."""
     now = params.get(parameter.name, None if parameter.required else plain(parameter.default))
     if parameter.kind == "switch":
         return [not now]

@@ -46,7 +46,6 @@ class SceneStore(Store):
         return super().peek(key, default) if held is None else held
 
     def keys(self) -> set[str]:
-        """What is there now."""
         with self._lock:
             return set(self._values)
 
@@ -76,7 +75,6 @@ class Chain:
         self._edits = 0
 
     def value(self, network: Network, port: str) -> Any:
-        """What a port gives."""
         return self.engine.value(self.engine.plan(network), port, self.work)
 
     def left_by(self, port: str) -> set[str]:

@@ -57,7 +57,6 @@ class Task:
 
     @property
     def pixel_mrad(self) -> float:
-        """Angle of the pixel."""
         return self.pixel_um / self.focal_length_mm
 
 
@@ -140,7 +139,6 @@ class Chain:
         self._known = self._store.keys()
 
     def __call__(self, frame: Array) -> Array:
-        """The frame filtered."""
         self._store.forget_all_but(self._known)
         self._store.hold(self._key, frame.astype(self._work.policy.dtype, copy=False))
         plan = self._engine.plan(self._network)

@@ -35,7 +35,6 @@ class Chart:
     floor: tuple[float, str] | None = None
 
     def draws(self, row: Row) -> bool:
-        """Whether a row is in the picture."""
         values = (row.get(name) for name in (("t0", "error") if self.error else ("value", "ms")))
         finite = all(isinstance(one, int | float) and math.isfinite(one) for one in values)
         return finite and (self.where is None or row.get(self.where[0]) == self.where[1])
@@ -78,7 +77,6 @@ class Table:
         ]
 
     def terminal(self) -> str:
-        """The table and its sentence for a terminal."""
         rows = [list(self.heads.values()), *self.cells()]
         lines = [self.title, columns(rows, right=self.numeric())]
         return "\n".join([*lines, *([textwrap.fill(self.text, 100)] if self.text else [])])

@@ -64,7 +64,6 @@ class Settings:
 
 
 def seconds(function: Callable[[], object]) -> float:
-    """How long a call takes."""
     start = time.perf_counter()
     function()
     return time.perf_counter() - start

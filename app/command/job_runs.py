@@ -51,7 +51,6 @@ _HOW_TO_ALLOW = "choose the file by Browse… on its control panel, or another o
 
 
 def carry_out(job: Job, cancel: threading.Event | None, steps: Steps) -> Result:
-    """Make all that a job asks for."""
     library = standard_library()
     path = job.path if job.path is not None else job.folder / UNSAVED
     place = Place(path, path.stem)
@@ -62,8 +61,6 @@ def carry_out(job: Job, cancel: threading.Event | None, steps: Steps) -> Result:
 
 
 class _Made:
-    """What the runs have made so far."""
-
     def __init__(self) -> None:
         self.failures: list[tuple[str, str]] = []
         self.errors: list[ImagechainError] = []
@@ -77,7 +74,6 @@ class _Made:
             self.previews.append(_preview(name, evaluation))
 
     def done(self, name: str, evaluation: Evaluation) -> None:
-        """All of a run has been made."""
         lines = warning_lines(evaluation.cautions)
         self.warnings += [f"{name}: {line}" if name else line for line in lines]
         self._figures[name] = {
@@ -88,7 +84,6 @@ class _Made:
         }
 
     def failed(self, name: str, error: ImagechainError) -> None:
-        """A run could not be made."""
         self.previews = [preview for preview in self.previews if preview.name != name]
         self.errors.append(error)
         self.failures.append((name, str(error)))

@@ -149,7 +149,6 @@ def _named(button: QToolButton, name: str, text: str, description: str) -> QTool
 
 
 def menu_button(name: str, text: str, description: str, parent: QWidget) -> QToolButton:
-    """One that opens a menu of its own."""
     button = tool_button(name, text, description, parent)
     button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
     button.setMenu(QMenu(button))

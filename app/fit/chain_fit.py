@@ -52,8 +52,6 @@ _HELD = 64  # spreads and noises that are held
 
 @dataclass(frozen=True)
 class ChainFit:
-    """The best fit."""
-
     free: tuple[FreeParameter, ...]  # what was fitted
     values: Vector  # their values
     # derivatives of the residuals, shape (samples, parameters), over the root of their misfit
@@ -131,7 +129,6 @@ class EdgeProblem:
         self._last = None
 
     def table(self, values: Vector) -> SpreadTable:
-        """Spreads of all edges."""
         key = tuple(float(values[i]) for i in sorted(self.shown))
         table = self._tables.get(key)
         if table is None:
@@ -171,12 +168,10 @@ class EdgeProblem:
 
     @property
     def degrees(self) -> int:
-        """Degrees of freedom."""
         noise = len(self.noise.measured) if self.noise is not None and self.noisy else 0
         return self._fits.degrees + noise - len(self.free)
 
     def fitted(self, values: Vector) -> tuple[SpreadTable, EdgesAt]:
-        """Spreads, and edges fitted with them."""
         if self._last is None or not np.array_equal(self._last[0], values):
             table = self.table(values)
             self._last = np.array(values), table, self._fits.at(table)

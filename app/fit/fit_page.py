@@ -175,7 +175,6 @@ def drawn_edges(result: FitResult) -> list[int]:
 
 
 def edges_of(result: FitResult) -> EdgesAt:
-    """The edges of a fit that has some."""
     assert result.fit.edges is not None
     return result.fit.edges
 

@@ -27,8 +27,6 @@ _RIVAL = 4.0  # standard errors, from which on a value is another one
 
 @dataclass(frozen=True)
 class FittedParameter:
-    """A parameter as fitted."""
-
     # its name and unit
     port: str
     unit: str
@@ -74,7 +72,6 @@ class FitResult:
 
     @property
     def chi2_per_degree(self) -> float:
-        """Of all samples."""
         return self.fit.misfit.chi2_per_degree
 
 

@@ -21,8 +21,6 @@ _ABOVE = 1e-12  # of a range whose low end is no value: above it
 
 @dataclass(frozen=True)
 class FreeParameter:
-    """A parameter that is fitted."""
-
     port: str  # ``NODE.PARAM`` as it was given
     # where it is, inside a macro too
     node: str
@@ -35,7 +33,6 @@ class FreeParameter:
 
     @property
     def target(self) -> tuple[str, str]:
-        """Node and parameter."""
         return self.node, self.name
 
 

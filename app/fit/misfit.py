@@ -75,7 +75,6 @@ class Misfit:
 
     @property
     def noise_excess(self) -> float:
-        """The same for the noise."""
         return _excess(self.noise_chi2 / max(1, self.noise_degrees), self.noise_degrees)
 
 

@@ -43,8 +43,6 @@ _NOTHING = 1e-9  # of a variance: what rounding makes where there is none
 
 @dataclass(frozen=True)
 class FittedPictures:
-    """Pictures of a camera."""
-
     names: tuple[str, ...]  # for messages
     samples: tuple[Matrix, ...]  # each of shape (rows, columns), finite
     # lowest and highest number that a sample can have

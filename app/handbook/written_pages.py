@@ -358,7 +358,6 @@ class ModulePage:
 
     @property
     def words(self) -> str:
-        """All that can be searched for."""
         declared = self.declared
         parts = [declared.key, declared.text]
         parts += [f"{p.name} {p.param.text}" for p in declared.parameters]
@@ -447,7 +446,6 @@ def with_links(piece: str, addresses: Mapping[str, str]) -> str:
 
 
 def ports(declared: tuple[Port, ...]) -> str:
-    """Ports in words."""
     return ", ".join(
         f"{port.name} ({' or '.join(port.types)}{'' if port.required else ', optional'})"
         for port in declared
@@ -455,7 +453,6 @@ def ports(declared: tuple[Port, ...]) -> str:
 
 
 def default(parameter: Parameter) -> str:
-    """The default in words."""
     if parameter.required:
         return "required"
     value = plain(parameter.default)

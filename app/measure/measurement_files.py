@@ -239,5 +239,4 @@ def measurement_text(measured: PictureMeasurement, path: Path) -> str:
 
 
 def write_measurement(measured: PictureMeasurement, path: Path) -> None:
-    """Write one file, whole or not at all."""
     write_text(path, measurement_text(measured, path))

@@ -33,7 +33,6 @@ _PLACE = ("edge", "column", "row", "normal (°)", "length")
 
 
 def measurement_page(measured: PictureMeasurement) -> str:
-    """The page as HTML."""
     names = [Path(file.name).name for file in measured.files]
     title = f"Measured: {names[0]}" + (f" and {len(names) - 1} more" if len(names) > 1 else "")
     notes = remarks(measured)

@@ -287,7 +287,6 @@ def _with_reason(measured: PictureMeasurement, place: int, why: str) -> PictureM
 
 
 def measured_file(file: PictureFile) -> MeasuredFile:
-    """The same for a measurement."""
     return MeasuredFile(str(file.path), file.frames, file.taken, file.gamma, file.is_lossy)
 
 
@@ -461,7 +460,6 @@ def edges_of(
     clip_levels: tuple[float, float] | None = None,
     check: Callable[[], None] = lambda: None,
 ) -> tuple[MeasuredEdge, ...]:
-    """The edges of one picture, measured."""
     seen = find_edges(picture=picture, clip_levels=clip_levels, interpolated_too=True, check=check)
     used = [edge for edge in seen if edge.used]
     missing = missing_samples(picture=picture) if used else None

@@ -203,7 +203,6 @@ def limits_of(dtype: np.dtype[Any]) -> tuple[float, float] | None:
 
 
 def same_size(files: Sequence[PictureFile]) -> None:
-    """Refuse pictures that are not of one size."""
     first = files[0]
     for file in files:
         if (file.rows, file.columns) != (first.rows, first.columns):

@@ -256,7 +256,6 @@ class PictureMeasurement:
 
 
 def file_of(files: Sequence[MeasuredFile], number: int) -> tuple[MeasuredFile, int]:
-    """The file of a picture, and its number there."""
     for file in files:
         if number < file.frames:
             return file, number

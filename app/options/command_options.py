@@ -100,7 +100,6 @@ class Options(argparse.Namespace):
 
     @property
     def json_file(self) -> Path | None:
-        """The file of ``--json FILE``."""
         return self.json if isinstance(self.json, Path) else None
 
 

@@ -62,7 +62,6 @@ class Word(argparse.Action):
             given[self] = values
 
     def value(self, command: str, given: Any) -> Any:
-        """What was given, read."""
         option = self.option_strings[0] if self.option_strings else command
         if isinstance(given, list):
             return tuple(self._read(option, text) for text in given)

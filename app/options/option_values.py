@@ -72,7 +72,6 @@ class Save(Assignment):
 
     @property
     def shown(self) -> str:
-        """The option as it was given."""
         bounds = f"[{self.bounds}]" if self.bounds else ""
         return f"--save {self.port}{bounds}={self.text}"
 
@@ -128,7 +127,6 @@ def file_at_temperature(option: str, text: str) -> tuple[Path, float]:
 
 
 def finite_number(option: str, text: str) -> float:
-    """A number."""
     number = float(text) if _NUMBER.fullmatch(text) else math.nan
     if not math.isfinite(number):
         raise UsageError(f"{option} {text!r:.80}: give a number")
@@ -148,7 +146,6 @@ def low_high(option: str, text: str) -> tuple[float, float]:
 
 
 def file_path(option: str, text: str) -> Path:
-    """A file or folder."""
     if not text or "\0" in text:
         raise UsageError(f"{option} {text!r:.120}: give a file name")
     return Path(text)

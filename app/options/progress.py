@@ -35,7 +35,6 @@ class Progress:
             self._bar.stop()
 
     def __call__(self, node: str | None) -> None:
-        """Show that `node` is about to compute."""
         if node:
             self._seen.add(node)
         self.reach(len(self._seen), node or "")

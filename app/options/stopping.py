@@ -34,7 +34,6 @@ class Stop(threading.Event):
         self._noted = False
 
     def during(self, function: Callable[..., object], *words: object) -> None:
-        """Call a function that a signal may stop."""
         function(*words)
 
     def too_late(self) -> None:

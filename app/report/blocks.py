@@ -33,8 +33,6 @@ class Text:
 
 @dataclass(frozen=True)
 class Items:
-    """A list."""
-
     texts: tuple[str, ...]
 
 

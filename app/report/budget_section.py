@@ -87,7 +87,6 @@ def _stacked(axis: Any, names: list[str], sources: list[Fact]) -> None:
 
 
 def _bars(axis: Any, names: list[str], series: list[tuple[list[float], str, str]]) -> None:
-    """Horizontal bars with their values."""
     height = 0.7 / len(series)
     for place, (shares, colour, label) in enumerate(series):
         middle = [row + (place - (len(series) - 1) / 2) * height for row in range(len(names))]

@@ -320,8 +320,6 @@ _BESIDE = 1e-9  # of a wavelength, on both sides of where a response may jump
 
 @dataclass(frozen=True, eq=False)
 class DrawnResponse:
-    """A response over wavelength."""
-
     name: str  # what it is of every wavelength
     # wavelengths shown: the picture's band, and what lies within the response beside it
     band_um: Band

@@ -43,7 +43,6 @@ _MOST_NAMES = 24
 
 
 def page(evaluation: Evaluation, facts: dict[str, Any]) -> str:
-    """The report as HTML."""
     network = facts["network"]
     title = network["name"] or "Image chain"
     blocks = [

@@ -81,12 +81,10 @@ class Evaluation:
 
     @property
     def network(self) -> Network:
-        """The network as it ran."""
         return self.plan.network
 
 
 def planned(engine: Engine, network: Network, folder: Path) -> Plan:
-    """The network planned."""
     plan = engine.plan(network, folder=folder)
     errors = plan.errors()
     if errors:
@@ -128,8 +126,6 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
 
 @dataclass(frozen=True)
 class _Read:
-    """The recipes whose values an evaluation reads, by what they are read for."""
-
     sources: dict[str, tuple[Recipe, ...]]
     outputs: dict[tuple[str, str], tuple[Recipe, ...]]
     figures: dict[str, tuple[Recipe, ...]]
@@ -156,14 +152,12 @@ class _Read:
 
     @property
     def recipes(self) -> list[Recipe]:
-        """All of them."""
         by_port = (self.sources, self.outputs, self.figures)
         groups = [group for groups in by_port for group in groups.values()]
         return [recipe for group in (*groups, self.final, self.checks) for recipe in group]
 
 
 def read_by_evaluation(engine: Engine, plan: Plan) -> list[Recipe]:
-    """All whose values `evaluate` reads."""
     return _Read.of(engine, plan, find_output(plan).port).recipes
 
 

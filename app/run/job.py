@@ -120,8 +120,6 @@ class Preview:
 
 @dataclass(frozen=True)
 class Result:
-    """What has been made."""
-
     runs: int = 1  # how many runs there were
     failures: tuple[tuple[str, str], ...] = ()  # runs that could not be made: their names, and why
     warnings: tuple[str, ...] = ()  # what the nodes warn of, in lines
@@ -172,7 +170,6 @@ class Steps:
         self._report(0.0, "")
 
     def node(self, name: str | None) -> None:
-        """A node is about to compute."""
         with self._lock:
             counts = bool(name) and self._nodes > 0
             if name and counts:

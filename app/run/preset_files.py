@@ -34,8 +34,6 @@ _BARRED = '/\\:*?"<>|'
 
 @dataclass(frozen=True)
 class Preset:
-    """A macro in a file."""
-
     path: Path  # the file
     # what it is called, and what it is
     title: str
@@ -113,7 +111,6 @@ def save_preset(network: Network, name: str, folder: Path, library: Library) -> 
 
 
 def preset_of(key: str, presets: Iterable[Preset]) -> Preset | None:
-    """The preset of a key."""
     return next((preset for preset in presets if preset.key == key), None)
 
 

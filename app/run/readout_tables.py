@@ -89,7 +89,6 @@ def jsonable(value: Any) -> Any:
 
 
 def json_text(value: Any, indent: int = 2) -> str:
-    """The value as the text of a JSON file."""
     text = json.dumps(jsonable(value), indent=indent, ensure_ascii=False, allow_nan=False)
     return printable(text) + "\n"
 
@@ -108,7 +107,6 @@ def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:
 
 
 def warning_lines(warnings: Iterable[Caution]) -> list[str]:
-    """One line for each warning of the nodes."""
     return [printable(f"warning: {warning}") for warning in warnings]
 
 

@@ -292,7 +292,6 @@ _COLLECTED = 256  # frames between two collections of what refers to itself: 4 M
 
 
 def format_for_frames(port: str, path: Path) -> FrameFormat:
-    """The format of the frames' file."""
     kind = frame_format(path)
     if kind is None:
         words = " ".join(frame_suffixes())

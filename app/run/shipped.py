@@ -30,7 +30,6 @@ class Place:
 
 
 def shipped_networks() -> dict[str, Path]:
-    """Shipped networks by name."""
     folder = Path(networks.__path__[0])
     return {path.stem: path for path in sorted(folder.glob("*.json"))}
 

@@ -58,7 +58,6 @@ class WayOfRunning:
         return is_for_disk(value.shape, policy.dtype, self.memory_bytes)
 
     def store(self, otherwise: Store | None) -> Store | None:
-        """Of the values in memory."""
         if not self.in_blocks or self.memory_bytes is None:
             return otherwise
         return Store(self.memory_bytes // _SHARE_KEPT)

@@ -68,7 +68,6 @@ def read_record(network: Path) -> WriteRecord:
 
 
 def write_record(record: WriteRecord) -> None:
-    """Keep a record."""
     path = _place(record.network)
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)

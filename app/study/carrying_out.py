@@ -30,8 +30,6 @@ _INNER = ("tls://", "wss://", "inproc://")  # what nobody else can read, or answ
 
 @dataclass(frozen=True)
 class Workers:
-    """Who computes."""
-
     # processes of this machine; 0 for all cores, as soon as the rest of the study is worth it
     jobs: int = 0
     scheduler: Any = ""  # the address of a Dask scheduler, or a client of one, in their place
@@ -80,7 +78,6 @@ class StudyRows:
 
     @property
     def failed(self) -> list[Row]:
-        """The rows that have an error."""
         return [row for row in self.rows if row.error]
 
     def columns(self) -> list[Column]:

@@ -63,7 +63,6 @@ class _Rows:
         self._threads, self._share = 0, 1
 
     def made(self, cancel: threading.Event | None) -> Iterator[list[Row]]:
-        """The rows as they come."""
         looked, seen = 0.0, time.monotonic()
         while self._lanes.left or self._again or self._flying:
             now = time.monotonic()
@@ -88,7 +87,6 @@ class _Rows:
                     yield rows
 
     def forget(self) -> None:
-        """Give up what is not done."""
         with contextlib.suppress(Exception):
             self._client.cancel(list(self._flying), force=True)
 

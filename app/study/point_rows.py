@@ -35,8 +35,6 @@ Task = tuple[int, tuple[Any, ...], tuple[str, ...]]
 
 
 class Row(NamedTuple):
-    """What a study has of a point."""
-
     place: int  # of the point, from 0 on
     figures: tuple[float | None, ...]  # numbers, or None where there is none
     key: str  # content key of what was computed: network, values, stamps of its files, version
@@ -78,7 +76,6 @@ class RowMaker:
         self._checked: dict[str, ImagechainError | None] = {}
 
     def rows(self, tasks: Iterable[Task], cancel: threading.Event | None = None) -> Iterator[Row]:
-        """The rows of points."""
         return (self.row(task, cancel) for task in tasks)
 
     def row(self, task: Task, cancel: threading.Event | None = None) -> Row:
@@ -201,7 +198,6 @@ def file_stamp(file: Path) -> tuple[int, int] | None:
 def tasks_of(
     order: Sequence[int], points: Sequence[tuple[Any, ...]], files: Sequence[tuple[str, ...]]
 ) -> list[Task]:
-    """Points in the order in which they are to be computed."""
     return [(place, points[place], files[place] if files else ()) for place in order]
 
 

@@ -195,8 +195,6 @@ _NEEDED = {PARQUET: ("pyarrow",), NETCDF: ("xarray", "h5netcdf", "h5py")}
 
 @dataclass(frozen=True)
 class Column:
-    """A column of the rows."""
-
     # its head
     name: str
     unit: str
@@ -217,7 +215,6 @@ class Column:
 
     @property
     def typed(self) -> list[Any]:
-        """The values in that type."""
         kind = self.kind
         make = exact if kind is str else kind
         return [None if value is None else make(value) for value in self.values]

@@ -45,7 +45,6 @@ def sampled(
     *,
     library: Library,
 ) -> tuple[tuple[Axis, ...], Sequence[Point]]:
-    """The axes and points of ``vary`` and ``sample``."""
     if points is not None and sample != LATIN:
         raise UsageError(f"--points {points}: only --sample latin draws points")
     if sample in (GRID, LATIN):
@@ -216,7 +215,6 @@ class Axis:
 
     @property
     def is_files(self) -> bool:
-        """Whether the values are files."""
         return bool(self.names)
 
     @property
@@ -225,7 +223,6 @@ class Axis:
         return not self.is_files and all(is_number(value) for value in self.values)
 
     def shown(self, value: Any) -> Any:
-        """A value as the rows show it."""
         return self.names.get(value, value)
 
     def drawn(self, shares: Sequence[float]) -> list[Any]:

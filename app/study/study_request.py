@@ -301,7 +301,6 @@ def _first_plan(
 
 
 def _with_unit(figure: Figure, plan: Plan) -> Figure:
-    """The figure in the unit that it has in this network."""
     planned = plan.nodes.get(figure.node)
     if figure.is_total or planned is None or planned.module is None:
         return figure

@@ -110,7 +110,6 @@ class _Points:
             return []
 
     def done(self, rows: Sequence[Row]) -> None:
-        """All points of a batch have their rows."""
         with self._changed:
             self._busy -= 1
             self._lanes.took(sum(row.seconds for row in rows), len(rows))

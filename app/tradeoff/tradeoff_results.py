@@ -283,7 +283,6 @@ def trade_off(
 
 
 def with_value(network: Network, engine: Engine, node: str, parameter: str, value: Any) -> Network:
-    """The network with a parameter at a value."""
     declared = parameter_of(network, engine, node, parameter)
     coerced = declared.coerce(value)
     if coerced is None and value is not None:
@@ -292,7 +291,6 @@ def with_value(network: Network, engine: Engine, node: str, parameter: str, valu
 
 
 def parameter_of(network: Network, engine: Engine, node: str, parameter: str) -> Parameter:
-    """The declaration of a parameter."""
     module = engine.library.get(network.node(node).module)
     declared = declaration(module).parameter(parameter) if module is not None else None
     if declared is None:

@@ -177,7 +177,6 @@ class Delivered(Recipe):
 
     @property
     def _source(self) -> Recipe:
-        """What is filtered."""
         assert self.magnitude.image is not None
         if self.weights is not None:
             return self.bands.picture(self.weights)
@@ -511,7 +510,6 @@ class Delivery(Linear):
         return not self.recipe.plain
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:  # noqa: ARG002
-        """Rows and columns of the spectrum."""
         return self.recipe.magnitude.grid.shape
 
     def grid_before(self, grid: Grid) -> Grid:

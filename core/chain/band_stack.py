@@ -51,7 +51,6 @@ class BandStack(ABC):
 
     @property
     def count(self) -> int:
-        """Number of bands."""
         return len(self.centres_um)
 
     @property
@@ -75,7 +74,6 @@ class BandStack(ABC):
 
     @cached_property
     def key(self) -> str:
-        """Content key."""
         return content_key(
             type(self).__qualname__, self.centres_um, self.widths_um, self.density, *self._content()
         )
@@ -150,28 +148,23 @@ class AttenuatedBands(BandStack):
 
     @property
     def in_blocks(self) -> bool:
-        """As those before."""
         return self.before.in_blocks
 
     def sums(self, weights: Rows) -> Recipe:
-        """Sums of the bands before, with the factors in the weights."""
         rows = tuple(self._pulled(row) for row in weights)
         offsets = tuple(self._constant(row) for row in weights)
         return Step.of(_with_constants, self.before.sums(rows), node=self.node, offsets=offsets)
 
     def picture(self, weights: Row) -> Recipe:
-        """The same of one row of weights."""
         before = self.before.picture(self._pulled(weights))
         return Step.of(_with_constant, before, node=self.node, offset=self._constant(weights))
 
     def means(self) -> Recipe:
-        """Means of the bands before, attenuated."""
         return Step.of(
             _attenuated, self.before.means(), node=self.node, gain=self.gain, offset=self.offset
         )
 
     def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe | None:
-        """Spectrum before, attenuated."""
         before = self.before.spectrum(row, column, rows=rows, columns=columns)
         if before is None:
             return None
@@ -217,11 +210,9 @@ class SteppedBands(BandStack):
 
     @property
     def in_blocks(self) -> bool:
-        """Where both the step and the bands before are."""
         return self.before.in_blocks and self.picture(self.whole).in_blocks
 
     def sums(self, weights: Rows) -> Recipe:
-        """The step on every sum."""
         return stacked(tuple(self.picture(row) for row in weights))
 
     def picture(self, weights: Row) -> Recipe:
@@ -230,7 +221,6 @@ class SteppedBands(BandStack):
         return Step(self.function, (before,), self.parameters, self.node)
 
     def means(self) -> Recipe:
-        """Means of the bands before."""
         return self._times_gain(self.before.means())
 
     def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe | None:
@@ -262,7 +252,6 @@ def _stacked(work: Work, *pictures: Array) -> Array:
 @in_blocks()
 @picture_step()
 def _first(_: Work, sums: Array) -> Array:
-    """The first of several sums."""
     return np.asarray(sums[0])
 
 

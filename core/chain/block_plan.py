@@ -31,7 +31,6 @@ class LargestPicture:
 
     @property
     def memory_bytes(self) -> int:
-        """What a run in memory may take for it."""
         return self.samples_bytes * IN_MEMORY_AT_ONCE
 
 
@@ -103,7 +102,6 @@ def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
 
 
 def _what(recipe: Recipe) -> str:
-    """What a recipe does that cannot be done in blocks."""
     if isinstance(recipe, Delivered):
         if not recipe.one_source:
             return "the magnitude of one picture with the phase of another"

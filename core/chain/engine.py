@@ -433,7 +433,6 @@ class TransferAt(Recipe):
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """What its laws are made of."""
         return tuple(self.transfer.recipes)
 
     def _content(self) -> tuple[object, ...]:

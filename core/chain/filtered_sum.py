@@ -55,7 +55,6 @@ class ComponentSums(Recipe):
 
     @property
     def in_blocks(self) -> bool:
-        """As the bands."""
         return self.bands.in_blocks
 
     @property
@@ -129,7 +128,6 @@ class SummedSpectrum(Recipe):
 
     @property
     def in_blocks(self) -> bool:
-        """As the sums of bands."""
         return self.sums.in_blocks
 
     @property

@@ -77,7 +77,6 @@ class Linear:
 
     @property
     def combines_pixels(self) -> bool:
-        """Whether pixels are combined."""
         return False
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:
@@ -93,7 +92,6 @@ class Linear:
         return ()
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Power of a noise behind it."""
         return power
 
     def carried(self, work: Work, power: NoisePower, *, temporal: bool) -> NoisePower | None:
@@ -121,13 +119,11 @@ class Filtering(Linear):
     label: str = ""
 
     def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
-        """Its factors."""
         if not self.label:
             return self.factors
         return tuple(replace(factor, label=self.label, node=node) for factor in self.factors)
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Filtered."""
         axes: Axes = "mirrored" if self.edges == "reflect" else "periodic"
         return power.filtered(work, self.factors, self.grid, axes)
 
@@ -175,7 +171,6 @@ class Blocks(Linear):
         return True
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:
-        """With what is cropped."""
         return self.old
 
     def grid_before(self, grid: Grid) -> Grid:
@@ -202,7 +197,6 @@ class Blocks(Linear):
         return behind.scaled(self.gain) if self.mode == "sum" else behind
 
     def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
-        """Averaged."""
         factor = self.factor_x if axis == "x" else self.factor_y
         whole = len(row) // factor
         return np.asarray(row[: whole * factor].reshape(whole, factor).mean(axis=1), np.float64)

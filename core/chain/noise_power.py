@@ -92,7 +92,6 @@ class NoisePower:
         )
 
     def scaled(self, factor: float) -> NoisePower:
-        """Of the noise times a factor."""
         variances = None if self.variances is None else self.variances * factor**2
         return replace(self, power=self.power * factor**2, variances=variances)
 

@@ -78,7 +78,6 @@ class PixelSamples(Linear):
         return True
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:
-        """With what is cropped."""
         return self.old
 
     def grid_before(self, grid: Grid) -> Grid:
@@ -112,7 +111,6 @@ class PixelSamples(Linear):
         return power.resampled(self.new, along, across)
 
     def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
-        """Sampled."""
         made = sampled_columns(row[:, np.newaxis], self._places(axis), self.edges)
         return np.asarray(made[:, 0], np.float64)
 

@@ -67,7 +67,6 @@ class TableData:
     rows: tuple[TableRow, ...]
 
     def as_dict(self) -> dict[str, float | int | str | None]:
-        """Values by name."""
         return {row.name: row.value for row in self.rows}
 
 
@@ -157,13 +156,11 @@ class DeliveredBands(BandStack):
 
     @classmethod
     def of(cls, before: BandStack, delivered: Filtered) -> DeliveredBands:
-        """Bands at the wavelengths of those before."""
         plain = replace(delivered, weights=None)
         return cls(before.centres_um, before.widths_um, before, plain, density=before.density)
 
     @property
     def in_blocks(self) -> bool:
-        """Where both the filter and the bands before are."""
         return self.before.in_blocks and self.picture(self.whole).in_blocks
 
     def _content(self) -> tuple[object, ...]:
@@ -175,7 +172,6 @@ class DeliveredBands(BandStack):
         return filtered
 
     def sums(self, weights: Rows) -> Recipe:
-        """Several of them."""
         return stacked(tuple(self.picture(row) for row in weights))
 
     def means(self) -> Recipe:

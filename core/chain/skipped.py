@@ -121,7 +121,6 @@ class _Account:
         self.was_there = behind.union(recipe.key for recipe in reused)
 
     def of_node(self, name: str, planned: PlannedNode) -> Iterator[Skip]:
-        """What was skipped on a node, and in the pictures it makes."""
         if planned.node.disabled:
             yield Skip(name, "disabled", "switched off: its input is passed on")
             return

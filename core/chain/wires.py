@@ -153,7 +153,6 @@ class SpectrumWire:
 
     @cached_property
     def key(self) -> str:
-        """Content key."""
         source = self.image.key if self.image is not None else None
         return content_key(type(self).__name__, source, self.grid, self.edges, self._chained)
 
@@ -239,7 +238,6 @@ class Transfer:
 
     @cached_property
     def key(self) -> str:
-        """Content key."""
         return content_key(
             "transfer", self.grid, self.part, tuple(f.key for f in self.factors), self.own
         )
@@ -278,7 +276,6 @@ class Context:
 
     @cached_property
     def key(self) -> str:
-        """Content key."""
         return content_key(
             "context",
             *(getattr(self, name) for name in self.__dataclass_fields__),
@@ -295,7 +292,6 @@ class Curve:
 
     @property
     def key(self) -> str:
-        """Content key."""
         return self.recipe.key
 
 
@@ -309,7 +305,6 @@ class Table:
 
     @property
     def key(self) -> str:
-        """Content key."""
         return self.recipe.key
 
 
@@ -356,7 +351,6 @@ class Pupil:
 
     @cached_property
     def key(self) -> str:
-        """Content key."""
         return content_key(
             "pupil",
             self.samples.key,

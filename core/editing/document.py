@@ -49,7 +49,6 @@ class Document:
 
     @property
     def network(self) -> Network:
-        """The network as it stands."""
         return self.history.network
 
     @property

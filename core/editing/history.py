@@ -35,7 +35,6 @@ class History:
 
     @property
     def network(self) -> Network:
-        """The network as it stands."""
         return self._states[self._at].network
 
     @property

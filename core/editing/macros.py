@@ -60,7 +60,6 @@ class Inside(Operation):
         return self.operation.text
 
     def apply(self, network: Network) -> Network:
-        """The network with the change inside."""
         node = network.node(self.macro)
         if node.macro is None:
             raise NetworkError(f"{shown(self.macro)} is no macro: nothing lies inside of it")

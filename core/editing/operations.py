@@ -60,8 +60,6 @@ class Operation(ABC):
 
 @dataclass(frozen=True)
 class Together(Operation):
-    """Several operations, one after the other, as one."""
-
     operations: Sequence[Operation]
     label: str = ""
 
@@ -72,13 +70,11 @@ class Together(Operation):
         return self.operations[0].text + (f" and {more} more" if more else "")
 
     def apply(self, network: Network) -> Network:
-        """The network after all of them."""
         for operation in self.operations:
             network = operation.apply(network)
         return network
 
     def moved(self, network: Network) -> dict[str, str]:
-        """What nodes are called after all of them."""
         names: dict[str, str] = {}
         for operation in self.operations:
             step = operation.moved(network)
@@ -97,11 +93,9 @@ class Edit(Operation):
     names: Mapping[str, str] = field(default_factory=dict)
 
     def apply(self, network: Network) -> Network:
-        """What the function makes of it."""
         return self.change(network)
 
     def moved(self, network: Network) -> dict[str, str]:  # noqa: ARG002
-        """The new names."""
         return dict(self.names)
 
 
@@ -113,7 +107,6 @@ class Restored(Operation):
     label: str
 
     def apply(self, network: Network) -> Network:  # noqa: ARG002
-        """That network."""
         return self.network
 
 
@@ -193,7 +186,6 @@ class SetField(Operation):
         return f"Set {self.path[-1]}"
 
     def apply(self, network: Network) -> Network:
-        """The network with the field."""
         value = self.value
         match self.path:
             case ("nodes", node, "params", name):
@@ -251,7 +243,6 @@ class Rewire(Operation):
         return f"{'Connect' if self.add else 'Disconnect'} {first or ''}".strip()
 
     def apply(self, network: Network) -> Network:
-        """The network wired so."""
         for link in self.add:
             network.node(link.source)
             network.node(link.target)
@@ -290,7 +281,6 @@ class Add(Operation):
         return f"Add {named([placed.node.id for placed in self.placed])}"
 
     def apply(self, network: Network) -> Network:
-        """The network with them."""
         nodes, layout = dict(network.nodes), dict(network.layout)
         for placed in self.placed:
             if placed.node.id in nodes:
@@ -314,7 +304,6 @@ class Remove(Operation):
         return f"Delete {named(self.names)}"
 
     def apply(self, network: Network) -> Network:
-        """The network without them."""
         for name in self.names:
             network.node(name)
         gone = set(self.names)
@@ -338,7 +327,6 @@ class Move(Operation):
         return f"Move {named(list(self.positions))}"
 
     def apply(self, network: Network) -> Network:
-        """The network with them there."""
         layout: dict[str, Point] = dict(network.layout)
         for name, at in self.positions.items():
             network.node(name)
@@ -357,7 +345,6 @@ class Rename(Operation):
         return f"Rename {self.old} to {self.new}"
 
     def apply(self, network: Network) -> Network:
-        """The network with the new name."""
         network.node(self.old)
         if self.new != self.old and self.new in network.nodes:
             raise NetworkError(f"there is a node {shown(self.new)} already")
@@ -442,7 +429,6 @@ class SetOutput(Operation):
         return f"Mark {self.nodes[0]} as the output" if self.nodes else "Unmark the output"
 
     def apply(self, network: Network) -> Network:
-        """The network with the marks."""
         for name in self.nodes:
             if not network.has(name):
                 network.node(name)

@@ -33,7 +33,6 @@ class Recipe(ABC):
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """Recipes whose values this one is made of."""
         return ()
 
     @property
@@ -210,7 +209,6 @@ class Step(Recipe):
         return None if why is None else Step(why, self.inputs, self.parameters, self.node)
 
     def share(self, region: Region, shape: tuple[int, int]) -> float:
-        """The share given to `in_parts`."""
         share: Share = getattr(self.function, "share", None) or super().share
         return share(region, shape)
 

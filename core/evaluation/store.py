@@ -103,7 +103,6 @@ class Store:
             return default if entry is None else entry[0]
 
     def holds(self, key: str) -> bool:
-        """Whether the value of `key` is there."""
         return self.peek(key, _ABSENT) is not _ABSENT
 
     def pin(self, key: str) -> bool:

@@ -126,7 +126,6 @@ class Work:
             self.store.drop(f"{key}{self._suffix}/{region}")
 
     def has(self, recipe: Recipe) -> bool:
-        """Whether the value of a recipe is there already."""
         return self.store.holds(recipe.key + self._suffix)
 
     def part(self, recipe: Recipe, region: Region) -> Any:
@@ -199,7 +198,6 @@ class Work:
         self._workers.for_each(one, items, self.policy.workers)
 
     def _made(self, recipe: Recipe) -> Any:
-        """Make a recipe, what it is made of before it."""
         self._claims.begin(recipe)
         try:
             self._make_first(recipe)

@@ -290,7 +290,6 @@ class _Reader:
         self.steps.append(Step("function", name, count=count))
 
     def unit(self, *, angle: bool) -> None:
-        """The unit behind a value, if there is one."""
         self.skip()
         for symbol in symbols():
             end = self.at + len(symbol)

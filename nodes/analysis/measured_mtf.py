@@ -162,8 +162,6 @@ class MeasuredOutputs(NamedTuple):
 
 
 def _figure(name: str, unit: str, meaning: str) -> Callable[..., Recipe]:
-    """A read-out of what was measured."""
-
     def method(self: Module, outputs: MeasuredOutputs) -> Recipe:
         return Step.of(figure_of, outputs.table.recipe.inputs[0], name=name)
 
@@ -172,8 +170,6 @@ def _figure(name: str, unit: str, meaning: str) -> Callable[..., Recipe]:
 
 
 def _expected_figure(name: str, unit: str, meaning: str) -> Callable[..., Recipe | None]:
-    """A read-out of what was expected."""
-
     def method(self: Module, outputs: MeasuredOutputs) -> Recipe | None:
         both = outputs.table.recipe.inputs
         return Step.of(expected_figure, *both, name=name) if len(both) == 2 else None

@@ -159,7 +159,6 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     def _by_bands(
         self, image: Image, bands: BandStack, air: AirPath, here: NodeContext
     ) -> PathOutputs:
-        """The same of each band, by its own transmission."""
         gain, offset = path_of_bands(air, bands.centres_um, bands.widths_um)
         light = {"weights": bands.whole, "gain": gain, "offset": offset}
         over = here.step(path_over_bands, bands.means(), **light)

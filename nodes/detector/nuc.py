@@ -405,7 +405,6 @@ class MeanFrame(Recipe):
 
 
 def _all(recipe: Recipe) -> Iterator[Recipe]:
-    """A recipe and all it is made of, each once."""
     seen: dict[str, Recipe] = {}
     left = [recipe]
     while left:
@@ -417,7 +416,6 @@ def _all(recipe: Recipe) -> Iterator[Recipe]:
 
 
 def _shared(recipe: Recipe, keys: Set[str]) -> Iterator[Recipe]:
-    """What of those keys a recipe is made of, without what these are made of."""
     seen: set[str] = set()
     left = list(recipe.inputs)
     while left:

@@ -303,7 +303,6 @@ def _sums(
 def _sum(
     work: Work, *fills: Array, cube: Cube, places: tuple[int, ...], weights: Row, missing: Missing
 ) -> Array:
-    """One weighted sum of a cube's bands."""
     return np.asarray(_made_sums(work, fills, cube, places, (weights,), missing)[0])
 
 

@@ -163,7 +163,6 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
         return here.step(drawn, **self._named(*DRAWING), **sources)
 
     def _stack(self, here: NodeContext) -> SceneBands:
-        """The bands."""
         return SceneBands.of(
             shares=self._shares(here),
             drawing=self._named(*DRAWING),

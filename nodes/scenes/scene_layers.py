@@ -99,7 +99,6 @@ def _share_sums(tiles: Iterable[Tiles], names: int) -> FloatArray:
 
 
 def _tiles(drawing: Drawing, *, width: int, height: int, dtype: npt.DTypeLike) -> Iterator[Tiles]:
-    """The tiles of some rows after the other."""
     tall, wide = min(TILE, height), min(TILE, width)
     down, across = -(-height // tall), -(-width // wide)
     strokes = drawing.bound(cell_edges(count=width))

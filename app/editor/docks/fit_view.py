@@ -126,7 +126,6 @@ class FitView(WorkerView):
         self.show_state()
 
     def take(self) -> None:
-        """Write the values that are determined into the network, as one step."""
         steps: list[Operation] = []
         network = self._session.network
         for one in self._determined:

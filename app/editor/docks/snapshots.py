@@ -135,7 +135,6 @@ class SnapshotQuery(Query):
     figures: bool = False
 
     def key(self, plan: Plan) -> Hashable:  # noqa: ARG002 - it is of another state
-        """The question: its answer never changes."""
         return self
 
     def answer(self, passing: Passing) -> Results:
@@ -385,7 +384,6 @@ def held_bytes(states: Iterable[Snapshot]) -> int:
 
 
 def _owner(array: np.ndarray) -> np.ndarray:
-    """The array whose memory it is."""
     while isinstance(array.base, np.ndarray):
         array = array.base
     return array

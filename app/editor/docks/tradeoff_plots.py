@@ -129,7 +129,6 @@ class TradeOffPlots(QWidget):
         painter.end()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take hold of the mark, wherever in a chart."""
         inside = self._frame_at(event.position()) is not None
         if event.button() == Qt.MouseButton.LeftButton and inside:
             self._dragged = True
@@ -153,7 +152,6 @@ class TradeOffPlots(QWidget):
         self.pointed.emit(math.nan)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Left and right move the mark, with Shift ten times as far."""
         steps = _STEPS.get(Qt.Key(event.key()))
         if steps is None:
             super().keyPressEvent(event)

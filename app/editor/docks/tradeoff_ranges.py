@@ -258,7 +258,6 @@ class ParameterChoice(NodeChoice):
             self.take_at(place)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """All of the text is replaced by what is typed."""
         super().focusInEvent(event)
         QTimer.singleShot(0, self._select_all)
 
@@ -284,7 +283,6 @@ class ParameterChoice(NodeChoice):
                 yield titled(name, declared.title), [_entry(name, number) for number in numbers]
 
     def take(self, value: str | None) -> None:
-        """Signal the parameter; of what is none, go back to the one before."""
         if value:
             self.value = value
             node, _, parameter = value.rpartition(".")

@@ -124,7 +124,6 @@ class TradeOffView(Viewer):
         self._fill_list()
 
     def queries(self) -> tuple[Query, ...]:
-        """The figures over the range in parts, the coarsest first."""
         if self.span is None or not self.shown:
             return ()
         varied, parts = self.varied, coarse_first(self.span.values())
@@ -143,7 +142,6 @@ class TradeOffView(Viewer):
         self._draw()
 
     def follow(self, before: Network, after: Network) -> None:
-        """Move the mark; follow nodes that are renamed."""
         old, new = renamed_node(before, after) or ("", "")
         if old and self._chosen is not None:
             self._chosen = frozenset(renamed(name, old, new) for name in self._chosen)
@@ -212,7 +210,6 @@ class TradeOffView(Viewer):
         self._begin()
 
     def showEvent(self, event: QShowEvent) -> None:
-        """List the figures, which takes long where there are thousands."""
         super().showEvent(event)
         if not self._listed:
             self._fill_list()

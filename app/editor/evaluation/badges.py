@@ -149,7 +149,6 @@ def _fails(badge: Badge | None) -> bool:
 
 
 def _after(network: Network, node: str) -> set[str]:
-    """All nodes that hang on a node."""
     dependents: set[str] = set()
     waiting = [node]
     while waiting:

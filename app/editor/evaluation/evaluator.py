@@ -383,13 +383,11 @@ class OwnedQueries:
         return True
 
     def drop(self, owner: str) -> None:
-        """Have no queries of that owner."""
         self._requests.pop(owner, None)
         self._since.pop(owner, None)
         self._answered.pop(owner, None)
 
     def all(self) -> tuple[Request, ...]:
-        """The queries of all owners."""
         return tuple(request for group in self._requests.values() for request in group)
 
     def accept(self, answer: Answer) -> bool:

@@ -95,7 +95,6 @@ class Inbox:
             self._changed.notify()
 
     def stop(self) -> None:
-        """Stop for good."""
         with self._changed:
             self.stopped = True
             self._newest = None
@@ -172,7 +171,6 @@ class Outbox:
         self._notify()
 
     def answer(self, answer: Answer) -> None:
-        """Deliver an answer."""
         with self._lock:
             self._answers.pop((answer.owner, answer.query), None)
             self._answers[answer.owner, answer.query] = answer
@@ -185,7 +183,6 @@ class Outbox:
         self._notify()
 
     def take(self) -> News:
-        """All that has been delivered; in the window's thread."""
         with self._lock:
             self._woken = False
             news, answers = self._news, tuple(self._answers.values())
@@ -233,12 +230,10 @@ class SentAnswers:
         return combined
 
     def clear(self) -> None:
-        """Forget all."""
         self._sent.clear()
         self._given_up.clear()
 
     def keep(self, requests: Collection[Request]) -> None:
-        """Drop all but these."""
         wanted = set(requests)
         self._sent = {request: sent for request, sent in self._sent.items() if request in wanted}
         self._given_up &= wanted
@@ -251,7 +246,6 @@ class SentAnswers:
         return key is None or sent is None or (sent.key, sent.reduced) != (key, reduced)
 
     def put(self, request: Request, sent: Sent) -> None:
-        """Note an answer."""
         self._sent[request] = sent
 
     @property

@@ -190,7 +190,6 @@ class _Reducing:
     sources: int = 0
 
     def take(self, name: str) -> None:
-        """Reduce one node; those it is linked from have been."""
         planned = self.plan.nodes[name]
         node = planned.node
         self.nodes[name] = node
@@ -208,7 +207,6 @@ class _Reducing:
                 self.ratios[name, port] = ratio
 
     def network(self) -> Network:
-        """The smaller network."""
         links = []
         for link in self.plan.network.links:
             binning = self.binned.get((link.source, link.output))

@@ -138,7 +138,6 @@ class Runner:
         return generate
 
     def _answer_all(self, snapshot: Snapshot, error: ImagechainError) -> None:
-        """Answer every query with the error."""
         start = time.perf_counter()
         for request in snapshot.requests:
             if self._sent.is_due(request, key := ("no answer", str(error))):
@@ -256,7 +255,6 @@ class Runner:
             self._pace.shown()
 
     def _is_cancelled(self, snapshot: Snapshot) -> bool:
-        """Whether the person has cancelled it."""
         return self._inbox.cancelled >= snapshot.generation
 
     def _is_edited(self, snapshot: Snapshot) -> bool:

@@ -27,7 +27,6 @@ class Due:
 
     @property
     def is_picture(self) -> bool:
-        """Whether it is as urgent as pictures are."""
         return self.request.query.urgency <= 0
 
 

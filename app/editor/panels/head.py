@@ -65,7 +65,6 @@ class TitleBar(QWidget):
         self.addAction(action)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """Open that menu without waiting for it."""
         if self.actions():
             menu = QMenu(self)
             menu.setObjectName("head.menu")
@@ -183,7 +182,6 @@ class PanelHead(QWidget):
         self._colour()
 
     def changeEvent(self, event: QEvent) -> None:
-        """Draw in the colours of the palette."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.PaletteChange and self._group is not None:
             self._colour()

@@ -96,7 +96,6 @@ class ModuleBody(QWidget):
         self._titled(QLabel("Ports", self), self.ports)
 
     def follow(self, before: Network | None, after: Network) -> None:
-        """Show the node as it is now, where it was changed."""
         node, valued = after.nodes[self._node], self._session.valued(self._node)
         faults = self._session.resolved.faults_of(node)
         changed = before is None or before.nodes.get(self._node) is not node
@@ -127,7 +126,6 @@ class ModuleBody(QWidget):
             add_macro_actions(menu, self._session, self._node, name)
 
     def _mark_free(self) -> None:
-        """Mark what is free for a fit."""
         for field in self.sections.fields:
             field.show_free(self._session.free.has(self._node, field.parameter.name))
 
@@ -286,15 +284,12 @@ class PortsView(QWidget):
                 self._rows.append(row)
 
     def follow(self, network: Network) -> None:
-        """Show where the inputs' wires come from."""
         links = {link.input: link for link in network.links_into(self._node)}
         for row in self._rows:
             row.follow(links.get(row.port.name))
 
 
 class _PortRow(QObject):
-    """The widgets of one port."""
-
     view_requested = Signal(str, str, int)
 
     def __init__(self, node: str, port: Port, side: str, parent: QWidget) -> None:
@@ -327,7 +322,6 @@ class _PortRow(QObject):
         self.button.setMenu(menu)
 
     def follow(self, link: Link | None) -> None:
-        """Show what is linked to an input."""
         text = self.port.name
         if self._side == "input":
             self._source = (link.source, link.output) if link is not None else None
@@ -391,7 +385,6 @@ class UnknownBody(QWidget):
         column.addLayout(self._grid)
 
     def follow(self, before: Network | None, after: Network) -> None:
-        """Show the parameters, where they were changed."""
         node = after.nodes[self._node]
         if before is not None and before.nodes.get(self._node) is node:
             return

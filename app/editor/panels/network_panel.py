@@ -76,7 +76,6 @@ class NetworkPanel(QFrame):
         inside.addWidget(hint)
 
     def follow(self, network: Network) -> None:
-        """Show the network as it is now."""
         self.name.show_text(network.name)
         self.description.show_text(network.description)
         if not self.seed.unsettled or self.seed.text() == str(network.seed):
@@ -84,12 +83,10 @@ class NetworkPanel(QFrame):
         self.count.setText(f"{_many(network.nodes, 'node')}, {_many(network.links, 'wire')}")
 
     def finish_typing(self) -> None:
-        """Take what was typed and not taken yet."""
         for edit in (self.name, self.description, self.seed):
             edit.commit()
 
     def discard_typing(self) -> None:
-        """Forget what was typed and not taken yet."""
         self.name.setModified(False)
         self.seed.setModified(False)
         self.description.document().setModified(False)
@@ -145,7 +142,6 @@ class Words(QPlainTextEdit):
         self.document().setModified(False)
 
     def commit(self) -> None:
-        """Take what was typed, if there is something."""
         if self.document().isModified():
             self.committed.emit(self.toPlainText())
 
@@ -159,7 +155,6 @@ class Words(QPlainTextEdit):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc gives up, Ctrl+Enter takes."""
         if not self._ends(event) or not self.document().isModified():
             super().keyPressEvent(event)
         elif event.key() == Qt.Key.Key_Escape:
@@ -169,7 +164,6 @@ class Words(QPlainTextEdit):
             self.commit()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Take what was typed, but not because a menu opens."""
         super().focusOutEvent(event)
         if event.reason() != Qt.FocusReason.PopupFocusReason:
             self.commit()

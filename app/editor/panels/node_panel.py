@@ -129,7 +129,6 @@ class NodePanel(QFrame):
         self.head.bar.fold.setChecked(on)
 
     def follow(self, before: Network | None, after: Network) -> None:
-        """Show the node as it is now, where it was changed."""
         if before is None or before.nodes.get(self.node) is not after.nodes[self.node]:
             self.head.follow(after.nodes[self.node])
             self.head.name.show_text(self._local_name)
@@ -151,12 +150,10 @@ class NodePanel(QFrame):
         self.head.name.selectAll()
 
     def finish_typing(self) -> None:
-        """Take what was typed and not taken yet."""
         for edit in self.findChildren(TypeIn):
             edit.commit()
 
     def discard_typing(self) -> None:
-        """Forget what was typed and not taken yet."""
         discard_typing(self)
 
     def _held(self, _parameter: str, on: bool) -> None:

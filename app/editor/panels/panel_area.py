@@ -59,7 +59,6 @@ class PanelArea(WheelScrollArea):
         self._arrange(session.selection)
 
     def sizeHint(self) -> QSize:
-        """Room for a panel at the font in use."""
         unit = self.fontMetrics().averageCharWidth()
         return QSize(52 * unit, 80 * unit)
 
@@ -97,7 +96,6 @@ class PanelArea(WheelScrollArea):
             self.ensureWidgetVisible(panel.head.name)
 
     def finish_typing(self) -> None:
-        """Take what was typed and not taken yet, as before saving."""
         self.network_panel.finish_typing()
         for panel in tuple(self.panels.values()):
             panel.finish_typing()

@@ -36,7 +36,6 @@ class ReadoutsQuery(Query):
     urgency: ClassVar[int] = 1
 
     def key(self, plan: Plan) -> Hashable:
-        """What comes in, what goes out, and the module's settings."""
         planned = plan.node(self.node)
         if planned.error is not None:
             return (type(planned.error), str(planned.error))
@@ -87,22 +86,18 @@ class ReadoutValue(QLineEdit):
         self.show_text(NONE)
 
     def show_text(self, text: str) -> None:
-        """Show a value."""
         if text != self.text():
             self.setText(text)
             self.setCursorPosition(0)
             self._fit(self._width)
 
     def sizeHint(self) -> QSize:
-        """Room for the value, as high as a line of text."""
         return QSize(self._width + 2 * _BESIDE, self.fontMetrics().height())
 
     def minimumSizeHint(self) -> QSize:
-        """All of it."""
         return self.sizeHint()
 
     def changeEvent(self, event: QEvent) -> None:
-        """Follow the font."""
         super().changeEvent(event)
         if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
             self._fit(0)
@@ -169,11 +164,9 @@ class ReadoutsView(Viewer):
         return behind or self._is_held_back
 
     def queries(self) -> tuple[Query, ...]:
-        """The values."""
         return (self.query,)
 
     def changeEvent(self, event: QEvent) -> None:
-        """Write in the colours of the palette."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.PaletteChange and hasattr(self, "title"):
             self._mark()
@@ -193,7 +186,6 @@ class ReadoutsView(Viewer):
             self.title.setText(text)
 
     def take(self, answer: Answer) -> None:
-        """Show values, or why there are none."""
         texts, units, reasons = {}, {}, {}
         if answer.error is None:
             texts = {name: text for name, text, _, _ in answer.value}

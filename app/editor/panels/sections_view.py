@@ -61,7 +61,6 @@ class SectionsView(QWidget):
         return next((s.page for s in self.sections if name in s.parameters), "")
 
     def show_page(self, page: str) -> None:
-        """Turn to a page."""
         self.tabs.turn_to(page)
 
     def follow(

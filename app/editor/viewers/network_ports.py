@@ -126,7 +126,6 @@ class NodeChoice(QComboBox):
         self.take(self.itemData(index, VALUE))
 
     def show_value(self, value: str) -> None:
-        """Show an entry as chosen, without a signal."""
         self.value = value
         self.setCurrentIndex(max(0, self.findData(value, VALUE)))
         self.setToolTip(value or self._nothing)
@@ -139,7 +138,6 @@ class NodeChoice(QComboBox):
         super().showPopup()
 
     def fill(self) -> None:
-        """List what the network has now."""
         self._filled = ports_depend_on(self.session.network)
         rows = [entry(self._nothing, "")]
         for name, entries in self.groups():
@@ -156,7 +154,6 @@ class NodeChoice(QComboBox):
 
 
 def entry(text: str, value: str, tooltip: str = "") -> QStandardItem:
-    """An entry of the list."""
     item = QStandardItem(text)
     item.setData(value, VALUE)
     if tooltip:
@@ -191,12 +188,10 @@ class PortChoice(NodeChoice):
         self.show_value(port or "")
 
     def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
-        """The ports by node."""
         for group in ports_by_node(self.session.network, self.session.library, self._types):
             yield titled(group.node, group.title), [entry(port, port) for port in group.ports]
 
     def take(self, value: str | None) -> None:
-        """Signal the port."""
         if value is not None:
             self.value = value
             self.chosen.emit(value)

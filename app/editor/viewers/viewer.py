@@ -47,11 +47,9 @@ class Viewer(QWidget):
 
     @property
     def theme(self) -> Theme:
-        """Colours."""
         return theme_of(self)
 
     def queries(self) -> Sequence[Query]:
-        """The queries of what is shown now."""
         return ()
 
     def accepts(self, query: Query) -> bool:
@@ -123,10 +121,8 @@ class StatusLine(QWidget):
         layout.addWidget(self.more, 0)
 
     def show_text(self, text: str, *, failed: bool = False) -> None:
-        """Show what the viewer shows, or what has failed."""
         self.title.show_text(text)
         self.title.setForegroundRole(ERROR if failed else TEXT)
 
     def show_more(self, text: str) -> None:
-        """Show what is under the cursor."""
         self.more.show_text(text)

@@ -193,7 +193,6 @@ class MainWindow(QMainWindow):
             self.close_for_good()
 
     def finish_typing(self) -> None:
-        """Take what was typed and not taken yet, wherever that is."""
         self.canvas.finish_typing()
         self.panels.finish_typing()
 

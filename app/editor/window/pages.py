@@ -42,7 +42,6 @@ class Pages(QStackedWidget):
 
     @property
     def at_first(self) -> bool:
-        """Whether the first page is shown."""
         return self.currentWidget() is self._first
 
     def show_first(self) -> None:

@@ -89,7 +89,6 @@ def draw_on(axis: Any, data: CurveData) -> None:
 
 
 def _coincide(one: Series, other: Series) -> bool:
-    """Whether one curve hides the other."""
     if len(one.x) < 2 or len(other.x) < 2 or not np.allclose(_ends(one), _ends(other)):
         return False
     below = np.interp(one.x, other.x, other.y)  # they may be sampled at other places

@@ -35,5 +35,4 @@ def number(value: Any, unit: str | None = None) -> str:
 
 
 def short(value: float | None, digits: int = 4) -> str:
-    """As `number`, in so many digits."""
     return number(None if value is None else float(f"{value:.{digits}g}"))

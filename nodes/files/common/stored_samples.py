@@ -120,7 +120,6 @@ def _as_floats(samples: NDArray[Any], dtype: np.dtype[Any]) -> NDArray[Any]:
 def _as_integers(
     samples: NDArray[Any], dtype: np.dtype[Any], low: float | None, high: float | None, first: int
 ) -> NDArray[Any]:
-    """The rows from the `first` on."""
     top = np.iinfo(dtype).max
     values = samples.astype(np.float64)
     if not np.isfinite(values).all():

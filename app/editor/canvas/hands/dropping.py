@@ -104,7 +104,6 @@ def added_at(surface: Surface, module: str, point: QPointF) -> tuple[str, Operat
 
 
 def wire_for_new(surface: Surface, module: str, point: QPointF) -> WireItem | None:
-    """The wire at the point that a new node of a module would be put into."""
     session = surface.session
     name, adding = new_node(session.network, session.library, module, None)
     insertion = _insertion(surface, adding.apply(session.network), name, (point,))

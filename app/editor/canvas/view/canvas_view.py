@@ -234,7 +234,6 @@ class GraphView(NodeViewer):
             self._show()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep what was framed framed, else the middle in the middle."""
         QGraphicsView.resizeEvent(self, event)
         if self._ready and self._framed is not None:
             self.frame(self._framed)
@@ -242,7 +241,6 @@ class GraphView(NodeViewer):
             self._show()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Only what every view does."""
         QGraphicsView.focusInEvent(self, event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
@@ -266,7 +264,6 @@ class GraphView(NodeViewer):
         return bool(QGraphicsView.event(self, event))
 
     def viewportEvent(self, event: QEvent) -> bool:
-        """Two fingers that are drawn apart on a touchpad enlarge, as on a map."""
         pinching = Qt.NativeGestureType.ZoomNativeGesture
         if isinstance(event, QNativeGestureEvent) and event.gestureType() == pinching:
             self.zoom_at(max(1.0 + event.value(), _LEAST_PINCH), event.position())

@@ -100,12 +100,10 @@ class Minimap(QWidget):
             self._go(event.position())
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """The canvas has the keys again."""
         event.accept()
         self._view.setFocus()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """As two presses: nothing is added to the canvas behind."""
         self._go(event.position())
 
     def wheelEvent(self, event: QWheelEvent) -> None:

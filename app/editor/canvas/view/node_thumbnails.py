@@ -292,7 +292,6 @@ class NodeThumbnailQuery(Query):
         return port, getattr(value, "key", None), planned.node.disabled
 
     def answer(self, passing: Passing) -> Small | None:
-        """The small picture or curve; None where nothing can be drawn."""
         try:
             port, value = _drawn(passing.plan, self.node)
         except ImagechainError:

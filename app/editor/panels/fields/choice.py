@@ -28,7 +28,6 @@ class ButtonsField(Field):
     """Radio buttons, on as many lines as they need."""
 
     def build(self) -> None:
-        """Make a button for each choice."""
         self.choices = choices_of(self.parameter)
         self.row.addWidget(self.label)
         self.row.addWidget(self.unit)
@@ -49,7 +48,6 @@ class ButtonsField(Field):
         self.column.addLayout(flow)
 
     def show_value(self, value: Any) -> None:
-        """Press the button of the value."""
         if value in self.choices:
             button = self.buttons[self.choices.index(value)]
             self.group.blockSignals(True)
@@ -58,7 +56,6 @@ class ButtonsField(Field):
         self._show_offered()
 
     def narrow(self, offered: tuple[Any, ...]) -> None:
-        """Offer only these choices, and what is set."""
         self._offered = offered
         self._show_offered()
 
@@ -75,7 +72,6 @@ class ChoiceBox(QComboBox):
     """A list that the wheel scrolls past, unless it has the focus."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Choose by the wheel only on purpose."""
         if takes_wheel(self):
             super().wheelEvent(event)
         else:
@@ -83,10 +79,7 @@ class ChoiceBox(QComboBox):
 
 
 class ListField(Field):
-    """A list that opens."""
-
     def build(self) -> None:
-        """Make the list."""
         self.choices = choices_of(self.parameter)
         self.box = ChoiceBox(self)
         self.box.addItems([choice_text(choice) for choice in self.choices])
@@ -108,7 +101,6 @@ class ListField(Field):
         self.unit.setVisible(self.lines_up)
 
     def show_value(self, value: Any) -> None:
-        """Show the value; setting it does not count as choosing."""
         if value in self.choices:
             self.box.setCurrentIndex(self.choices.index(value))
 
@@ -123,7 +115,6 @@ class SwitchField(Field):
     """A check box."""
 
     def build(self) -> None:
-        """Make the box, which bears the label."""
         self.box = Check(self.title, self)
         self.box.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.named(self.box)
@@ -138,7 +129,6 @@ class SwitchField(Field):
         return self.box
 
     def show_value(self, value: Any) -> None:
-        """Show on or off; setting it does not count as a click."""
         self.box.setChecked(bool(value))
 
     def _clicked(self) -> None:
@@ -149,10 +139,7 @@ class SwitchField(Field):
 
 
 class TextField(TypedField):
-    """A line of text."""
-
     def build(self) -> None:
-        """Make the line, as wide as there is room."""
         edit = self.build_edit()
         if self.parameter.empty:
             edit.setPlaceholderText("empty")
@@ -161,7 +148,6 @@ class TextField(TypedField):
         self.row.addWidget(self.unit)
 
     def show_value(self, value: Any) -> None:
-        """Show the text."""
         self.edit.show_text("" if value is None else str(value))
 
 
@@ -169,7 +155,6 @@ class NumbersField(TypedField):
     """A list of numbers: ``0, 0.1``."""
 
     def build(self) -> None:
-        """Make a line of its own below the label."""
         edit = self.build_edit()
         edit.setPlaceholderText("none: type numbers as 0, 0.1")
         self.row.addWidget(self.label, 1)
@@ -177,11 +162,9 @@ class NumbersField(TypedField):
         self.column.addWidget(edit)
 
     def show_value(self, value: Any) -> None:
-        """Show the numbers, all of each."""
         self.edit.show_text(shown_numbers(value or ()))
 
     def take(self, text: str) -> None:
-        """Offer what was typed as numbers."""
         try:
             numbers = numbers_of(text, self.parameter)
         except ParameterError as error:

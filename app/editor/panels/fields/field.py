@@ -85,7 +85,6 @@ class Field(QWidget):
 
     @property
     def changed(self) -> bool:
-        """Whether its value is not the default."""
         if self.link is not None:
             return True
         return not self.parameter.required and self.value != self.parameter.default
@@ -113,7 +112,6 @@ class Field(QWidget):
         """Show what the document has but may not have."""
 
     def set_unit_width(self, width: int) -> None:
-        """Line the unit up with those of other fields."""
         if self.lines_up:
             self.unit.setFixedWidth(width)
 
@@ -141,7 +139,6 @@ class Field(QWidget):
         self._settle()
 
     def follow_link(self, link: FieldLink) -> None:
-        """Show what the document follows."""
         self.stored, self.link = True, link
         self._show_problem("")
         if link.fault is None:
@@ -163,7 +160,6 @@ class Field(QWidget):
         self._settle()
 
     def refuse(self, error: ParameterError) -> None:
-        """Show why a value is not taken."""
         self._show_problem(error.message)
 
     def refuse_typed(self, error: ParameterError) -> None:
@@ -271,13 +267,10 @@ class Field(QWidget):
 
 
 class TypedField(Field):
-    """A field that a value is typed in."""
-
     edit: TypeIn
     line: type[TypeIn] = TypeIn
 
     def build_edit(self, *, steps: bool = False) -> TypeIn:
-        """Make the line."""
         self.edit = self.line(self, steps=steps)
         self.named(self.edit)
         self.edit.committed.connect(self.take)
@@ -286,11 +279,9 @@ class TypedField(Field):
         return self.edit
 
     def take(self, text: str) -> None:
-        """Offer what was typed."""
         self.offer(text)
 
     def show_unfit(self, text: str) -> None:
-        """Show what the document has but may not have."""
         self.edit.show_text(text)
 
     def refuse(self, error: ParameterError) -> None:
@@ -325,11 +316,9 @@ class DragLabel(QLabel):
 
     @property
     def drags(self) -> bool:
-        """Whether it can be dragged now."""
         return self._drags and self.isEnabled()
 
     def changeEvent(self, event: QEvent) -> None:
-        """Follow what is enabled."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.EnabledChange:
             self._show_cursor()
@@ -342,7 +331,6 @@ class DragLabel(QLabel):
         return bool(super().event(event))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Begin."""
         if event.button() != Qt.MouseButton.LeftButton or not self.drags:
             super().mousePressEvent(event)
             return
@@ -351,7 +339,6 @@ class DragLabel(QLabel):
         event.accept()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Go on, once it is no mere click."""
         if self._last is None:
             super().mouseMoveEvent(event)
             return
@@ -363,7 +350,6 @@ class DragLabel(QLabel):
             self.dragged.emit(way / PIXELS_A_STEP * _rate(event.modifiers()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """End."""
         if self._last is None or event.button() != Qt.MouseButton.LeftButton:
             super().mouseReleaseEvent(event)
             return

@@ -39,7 +39,6 @@ class NumberField(TypedField):
     lines_up = True
 
     def build(self) -> None:
-        """Make line, unit and slider."""
         self.scale = scale_of(self.parameter)
         edit = self.build_edit(steps=True)
         if self.parameter.empty:
@@ -134,7 +133,6 @@ class NumberField(TypedField):
         self.slider.setToolTip(tip(f"It follows {link.text}\n{_UNLINK}"))
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Nothing is held any more."""
         super().hideEvent(event)
         self._end()
 
@@ -250,14 +248,12 @@ class Slider(QSlider):
                 self.setValue(position)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Step by the value."""
         if event.key() in _STEPS:
             self.stepped.emit(_STEPS[Qt.Key(event.key())])
         else:
             super().keyPressEvent(event)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """The end of stepping."""
         super().keyReleaseEvent(event)
         if not event.isAutoRepeat():
             self.finished.emit()
@@ -270,19 +266,16 @@ class Slider(QSlider):
         return bool(super().event(event))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """The end of a drag."""
         super().mouseReleaseEvent(event)
         self.finished.emit()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """The end of what keys or the wheel began."""
         super().focusOutEvent(event)
         if not self.isSliderDown():
             self._rest.stop()
             self.finished.emit()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Step where it has the focus; else the panel scrolls."""
         turned = event.angleDelta().y()
         if not turned or not takes_wheel(self):
             event.ignore()
@@ -351,7 +344,6 @@ class Scale:
 
     @property
     def rest(self) -> float:
-        """Its position while there is no number."""
         return min(max(0.0, self.low), self.high)
 
     def value_at(self, position: int) -> float | int:

@@ -25,7 +25,6 @@ class PathLine(TypeIn):
     """Draws as much of a name as there is room for; while it has the focus, all of it."""
 
     def shown_text(self) -> str:
-        """The text as it is drawn now."""
         if self.hasFocus():
             return self.text()
         return elided_path(self.text(), self.fontMetrics(), self._room().width())
@@ -86,7 +85,6 @@ class PathField(TypedField):
         super().__init__(parameter, parent)
 
     def build(self) -> None:
-        """Make line and button."""
         edit = self.build_edit()
         edit.setPlaceholderText("no file")
         self.browse = QToolButton(self)
@@ -100,7 +98,6 @@ class PathField(TypedField):
         self.unit.hide()
 
     def show_value(self, value: Any) -> None:
-        """Show the name."""
         self.edit.show_text("" if value is None else Path(value).as_posix())
         whole = "" if value is None else (self._session.folder.absolute() / value).as_posix()
         self.edit.setToolTip(tip(f"{whole}\n{about(self.parameter)}") if whole else "")

@@ -77,12 +77,10 @@ class TypeIn(QLineEdit):
         self.update()
 
     def commit(self) -> None:
-        """Take what was typed, if there is something."""
         if self.isModified():
             self.committed.emit(self.text())
 
     def give_up(self) -> None:
-        """What was typed does not count."""
         self.setModified(False)
         self.given_up.emit()
 
@@ -101,7 +99,6 @@ class TypeIn(QLineEdit):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc gives up, arrows and page keys step."""
         if event.key() == Qt.Key.Key_Escape and self.unsettled:
             self.give_up()
         elif self._steps and event.key() in _STEPS:
@@ -111,13 +108,11 @@ class TypeIn(QLineEdit):
             super().keyPressEvent(event)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """The end of stepping."""
         super().keyReleaseEvent(event)
         if self._steps and event.key() in _STEPS and not event.isAutoRepeat():
             self.step_ended.emit()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Take what was typed, but not because a menu opens."""
         super().focusOutEvent(event)
         if self._rest.isActive():
             self._rest.stop()
@@ -128,7 +123,6 @@ class TypeIn(QLineEdit):
             self.is_left_by_mouse = False
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Step where it has the focus; else the panel scrolls."""
         turned = event.angleDelta().y()
         if not self._steps or not turned or not takes_wheel(self):
             event.ignore()
@@ -153,7 +147,6 @@ class TypeIn(QLineEdit):
         painter.end()
 
     def draw_line(self, event: QPaintEvent) -> None:
-        """Draw the line as Qt does."""
         super().paintEvent(event)
 
     def _paint_rings(self, painter: QPainter) -> None:

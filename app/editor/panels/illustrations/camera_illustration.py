@@ -36,11 +36,9 @@ class CameraIllustration(Illustration):
     lines = 10.5
 
     def queries(self) -> Sequence[Query]:
-        """The camera."""
         return (CameraQuery(self.node),)
 
     def keep(self, camera: Camera) -> str:
-        """Keep its ground samples."""
         self._camera = camera
         self._u = np.linspace(0.5, camera.columns - 0.5, _POINTS)
         samples = [ground_sample(camera=camera, u=u, v=0.5 * camera.rows) for u in self._u.tolist()]
@@ -52,7 +50,6 @@ class CameraIllustration(Illustration):
         )
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint both curves."""
         angles = np.degrees(view_angles(camera=self._camera, u=self._u))
         end = max(float(angles[-1] - angles[0]) / 2, 1e-6)
         middle = float(angles[-1] + angles[0]) / 2

@@ -119,7 +119,6 @@ class Chart:
         self._painter.fillRect(shaded, tint)
 
     def point(self, x: float, y: float, colour: str) -> None:
-        """A dot."""
         self._painter.setPen(_pen(self._theme.base, 1.0))
         self._painter.setBrush(QColor(colour))
         self._painter.drawEllipse(self.at(x, y), 3.5, 3.5)
@@ -205,7 +204,6 @@ class Chart:
 
 
 def ordinate_ticks(y: Axis, height: float, metrics: QFontMetricsF) -> tuple[Tick, ...]:
-    """The ticks of an ordinate in a chart of that height."""
     return y.ticks(int(height / metrics.height() / 2))
 
 
@@ -245,26 +243,21 @@ class ChartWidget(QWidget):
         self._lines = width, height
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
         self._theme = theme
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Room for a chart."""
         line = self.fontMetrics().height()
         return QSize(round(self._lines[0] * line), round(self._lines[1] * line))
 
     def minimumSizeHint(self) -> QSize:
-        """Room for a small one."""
         line = self.fontMetrics().height()
         return QSize(10 * line, 7 * line)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Draw the chart in this part of the widget."""
         raise NotImplementedError
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the ground, and the chart in smaller letters."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(self._theme.base))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)

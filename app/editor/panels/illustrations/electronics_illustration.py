@@ -35,18 +35,15 @@ class ElectronicsIllustration(Illustration):
     lines = 15.5
 
     def queries(self) -> Sequence[Query]:
-        """The curve and the figures."""
         return (DetectivityQuery(self.node),)
 
     def keep(self, value: Detectivity) -> str:
-        """Keep them."""
         self._detectivity = value
         missing = self.missing_inputs()
         self._note = f"not connected yet: {', '.join(missing)}" if missing else value.problem
         return in_words(value, self._note)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint the chart, and the bars or why there are none below it."""
         line = QFontMetricsF(painter.font()).height()
         below = line * 3.4
         detectivity = self._detectivity
@@ -193,7 +190,6 @@ class DetectivityQuery(Query):
     node: str
 
     def key(self, plan: Plan) -> Hashable:
-        """The figures, or what is known without them."""
         planned = plan.node(self.node)
         table = planned.outputs.get("table")
         if planned.error is None and table is not None:
@@ -202,7 +198,6 @@ class DetectivityQuery(Query):
         return repr(planned.module), str(planned.error), context and context.key, planned.node
 
     def answer(self, passing: Passing) -> Detectivity:
-        """The curve and the figures."""
         planned = _built(passing, passing.plan.node(self.node))
         try:
             figures, problem = _figures(planned, passing), ""

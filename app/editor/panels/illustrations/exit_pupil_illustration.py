@@ -56,7 +56,6 @@ class ExitPupilIllustration(DocumentIllustration):
         return columns * part, rows * part
 
     def queries(self) -> Sequence[Query]:
-        """The samples of a file."""
         return (PupilQuery(self.node),)
 
     def look(self, node: Node) -> None:
@@ -79,12 +78,10 @@ class ExitPupilIllustration(DocumentIllustration):
             super().take(answer)
 
     def keep(self, value: SmallPupil) -> str:
-        """Keep a file's samples."""
         self._samples = value
         return ", ".join(self._facts())
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint the array with its axes, and its numbers beside."""
         line = QFontMetricsF(painter.font()).height()
         wide, high = self.shown_samples()
         width = min(area.width() * 0.62, area.height())
@@ -224,12 +221,10 @@ class PupilQuery(Query):
     node: str
 
     def key(self, plan: Plan) -> Hashable:
-        """The pupil."""
         pupil: Pupil = plan.output(f"{self.node}.pupil")
         return pupil.key
 
     def answer(self, passing: Passing) -> SmallPupil | None:
-        """The samples, fewer of them; None for a geometric shape."""
         pupil: Pupil = passing.plan.output(f"{self.node}.pupil")
         if pupil.shape is not None:
             return None

@@ -39,7 +39,6 @@ class ElectronBudget:
 
     @property
     def total_e(self) -> float:
-        """All electrons."""
         return max(sum(self.sources_e.values()), 0.0)
 
     @property
@@ -49,7 +48,6 @@ class ElectronBudget:
 
 
 def electrons_of(planned: PlannedNode, passing: Passing) -> ElectronBudget:
-    """Electrons and noises of a focal plane."""
     figures: dict[str, Any] = passing.work.value(planned.outputs["table"].recipe).as_dict()
     module: Any = planned.module
     sources = ("scene", "signal_e"), ("optics", "optics_e"), ("housing", "housing_e")
@@ -88,11 +86,9 @@ class FocalPlaneIllustration(Illustration):
     _over: ResponseOverSpectrum | None = None
 
     def queries(self) -> Sequence[Query]:
-        """Electrons and noises; the response over the spectrum."""
         return ElectronsQuery(self.node), ResponseQuery(self.node)
 
     def take(self, answer: Answer) -> None:
-        """Show an answer; without a response there is no chart."""
         if answer.query == ResponseQuery(self.node) and answer.error is None:
             over = answer.value
             self._over = over if over is not None and over.spectrum is not None else None
@@ -107,7 +103,6 @@ class FocalPlaneIllustration(Illustration):
             super().take(answer)
 
     def keep(self, budget: ElectronBudget) -> str:
-        """Keep electrons and noises."""
         self._budget = budget
         return self._in_words(budget)
 
@@ -116,7 +111,6 @@ class FocalPlaneIllustration(Illustration):
         return f"{words}; {response_in_words(self._over)}" if self._over is not None else words
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint the well above, the noises below, and the spectrum below these."""
         if self._budget is None:
             return
         if self._over is not None:
@@ -184,7 +178,6 @@ class FocalPlaneIllustration(Illustration):
 
 
 def well_text(budget: ElectronBudget) -> str:
-    """How full the well is."""
     total = electrons(budget.total_e)
     if budget.fill is None:
         return f"{total}, no full well given"

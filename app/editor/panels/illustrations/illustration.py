@@ -48,7 +48,6 @@ class NodeQuery(Query):
         return keys, repr(planned.module), planned.node.disabled
 
     def answer(self, passing: Passing) -> Any:
-        """What is made of it."""
         planned = sound_node(passing.plan, self.node)
         return None if planned.node.disabled else self.made(planned, passing)
 
@@ -122,7 +121,6 @@ class Illustration(Viewer):
         painter.restore()
 
     def describe(self, text: str) -> None:
-        """Set in words what is shown."""
         if text != self.accessibleDescription():
             self.setAccessibleDescription(text)
             self.setToolTip(tip(text))
@@ -224,6 +222,5 @@ class DocumentIllustration(Illustration):
         raise NotImplementedError
 
     def follow(self, *_: object) -> None:
-        """Look again, when it is painted."""
         if self.session.resolved.node(self.node) is not self.seen:
             self.update()

@@ -27,16 +27,13 @@ class PathIllustration(Illustration):
     lines = 15.0
 
     def queries(self) -> Sequence[Query]:
-        """The path over the band."""
         return (PathQuery(self.node),)
 
     def keep(self, path: AirOverBand) -> str:
-        """Keep it."""
         self._path = path
         return in_words(path)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint one chart below the other, on the same wavelengths."""
         path = self._path
         if not len(path.wavelength_um):
             painter.setPen(QColor(self.theme.text))

@@ -36,7 +36,6 @@ class PeriodicNoiseIllustration(DocumentIllustration):
         self.show_problem("" if self._built.amplitude != 0 else _NO_NOISE)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint both waves."""
         end = self._end()
         places, start = np.linspace(0.0, end, _POINTS), np.zeros(1)
         size = 1.1 * abs(self._built.amplitude) * (1 + self._built.modulation)

@@ -29,16 +29,13 @@ class ResponseIllustration(Illustration):
     """What counts of every wavelength."""
 
     def queries(self) -> Sequence[Query]:
-        """The response and the spectrum."""
         return (ResponseQuery(self.node),)
 
     def keep(self, drawn: ResponseOverSpectrum) -> str:
-        """Keep them."""
         self._drawn = drawn
         return in_words(drawn)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint the chart."""
         paint_response(painter, area, self._drawn, self.theme)
 
 
@@ -113,8 +110,6 @@ class MeanSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class ResponseOverSpectrum:
-    """A response, and a spectrum where there is one."""
-
     response: DrawnResponse
     spectrum: MeanSpectrum | None = None
 

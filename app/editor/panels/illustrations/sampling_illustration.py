@@ -55,16 +55,13 @@ class InitTransIllustration(Illustration):
     lines = 10.5
 
     def queries(self) -> Sequence[Query]:
-        """The geometry."""
         return (SamplingQuery(self.node),)
 
     def keep(self, context: Context) -> str:
-        """Keep the geometry."""
         self._context = context
         return ", ".join(facts(context))
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint the sketch at the left, its numbers at the right."""
         context = self._context
         line = QFontMetricsF(painter.font()).height()
         width = min(area.width() * 0.46, area.height())

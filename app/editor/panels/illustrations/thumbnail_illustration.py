@@ -26,16 +26,13 @@ class ThumbnailIllustration(Illustration):
     lines = 10.0
 
     def queries(self) -> Sequence[Query]:
-        """The picture."""
         return (ThumbnailQuery(self.node),)
 
     def keep(self, thumbnail: Thumbnail) -> str:
-        """Keep the picture."""
         self._thumbnail = thumbnail
         return ", ".join(facts(thumbnail))
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint both."""
         line = QFontMetricsF(painter.font()).height()
         grey, image = self._thumbnail.grey, self._thumbnail.image
         high, wide = grey.shape

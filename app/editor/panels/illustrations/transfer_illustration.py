@@ -34,16 +34,13 @@ class TransferIllustration(Illustration):
     part: Part = "mtf"
 
     def queries(self) -> Sequence[Query]:
-        """The curves."""
         return (TransferQuery(self.node, self.part),)
 
     def keep(self, lines: TransferLines) -> str:
-        """Keep the curves."""
         self._lines = lines
         return in_words(lines)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint axes, curves and marks."""
         lines = self._lines
         chart = Chart(painter, area, _across(lines), _up(lines), self.theme)
         first, second = self.theme.curves[:2]
@@ -92,8 +89,6 @@ class TransferIllustration(Illustration):
 
 
 class PhaseIllustration(TransferIllustration):
-    """A PTF."""
-
     part: Part = "ptf"
 
 

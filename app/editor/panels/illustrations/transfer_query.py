@@ -71,12 +71,10 @@ class TransferQuery(Query):
     part: Part = "mtf"
 
     def key(self, plan: Plan) -> Hashable:
-        """The transfer function."""
         transfer: Transfer = plan.output(f"{self.node}.{self.part}")
         return transfer.key, plan.node(self.node).node.disabled
 
     def answer(self, passing: Passing) -> TransferLines | None:
-        """The curves; None of a disabled node."""
         planned, work = passing.plan.node(self.node), passing.work
         transfer: Transfer = passing.plan.output(f"{self.node}.{self.part}")
         if planned.node.disabled:

@@ -71,11 +71,9 @@ class BandBar(QWidget):
 
     @property
     def has_bands(self) -> bool:
-        """Whether the picture has bands."""
         return self._bands is not None
 
     def changeEvent(self, event: QEvent) -> None:
-        """Write in the colours of the palette."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.PaletteChange:
             self._colour()
@@ -226,12 +224,10 @@ class WavelengthSpin(QSpinBox):
         self.updateGeometry()
 
     def textFromValue(self, place: int) -> str:
-        """The wavelength of a band."""
         place = min(place, len(self._centres) - 1)
         return f"{self._centres[place]:.{self._decimals}f} {UNIT}"
 
     def valueFromText(self, text: str) -> int:
-        """The band nearest to a wavelength."""
         wavelength = _number(text)
         if wavelength is None:
             return self.value()

@@ -116,7 +116,6 @@ class ImageViewer(Viewer):
         self.links.link(other.links, on)
 
     def fit(self) -> None:
-        """Show all of the picture."""
         self.canvas.fit()
         self.links.apply_zoom()
 
@@ -150,7 +149,6 @@ class ImageViewer(Viewer):
             )
 
     def state(self) -> dict[str, Any]:
-        """How it shows what, as JSON has it."""
         zoom = self.canvas.zoom
         return {
             **(self._lost or self.choices).plain(),
@@ -183,7 +181,6 @@ class ImageViewer(Viewer):
         self._follow_choices()
 
     def queries(self) -> tuple[Query, ...]:
-        """The picture that is chosen, and spectra of its bands."""
         query = self._query
         return () if query is None else (query, *self.bands.queries)
 
@@ -231,7 +228,6 @@ class ImageViewer(Viewer):
         return query_beside(self.choices, self.kept_side)
 
     def _show(self, picture: Picture) -> None:
-        """Show a picture and its other half, with what they are."""
         self.picture, side = picture, self.kept_side
         self.canvas.show_sides(*sides_of(self.choices, side))
         self.canvas.show_picture(picture)
@@ -432,7 +428,6 @@ class ZoomLinks:
             self._canvas.set_zoom(other._canvas.zoom)
 
     def has(self, other: ZoomLinks) -> bool:
-        """Whether the other one is linked."""
         return other in self._linked
 
     def apply_zoom(self) -> None:

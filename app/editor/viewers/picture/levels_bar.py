@@ -62,7 +62,6 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         self.sigLevelChangeFinished.connect(self._level_change_finished)
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
         paint_axis(self.axis, theme)
         self.plot.setPen(theme.faint_text)
         self.plot.setBrush(see_through(theme.faint_text, 110))

@@ -58,12 +58,10 @@ class PictureBands(QObject):
 
     @property
     def is_plot_shown(self) -> bool:
-        """Whether there is a plot of spectra."""
         return self._plot is not None and self._plot.is_shown
 
     @property
     def queries(self) -> tuple[Query, ...]:
-        """The mean spectrum, and that of the sample under the cursor."""
         if not self.is_plot_shown:
             return ()
         mean = MeanSpectrumQuery(self._port)
@@ -72,7 +70,6 @@ class PictureBands(QObject):
         return mean, SampleSpectrumQuery(self._port, *self._place)
 
     def show_spectra(self, on: bool) -> None:
-        """Have the plot, or not."""
         if on != self._on:
             self._on = on
             self._put_plot()
@@ -83,7 +80,6 @@ class PictureBands(QObject):
         self._put_plot()
 
     def show_picture(self, picture: Picture | None, port: str | None, choice: BandChoice) -> None:
-        """The viewer shows this picture."""
         bands = bands_of(picture.value) if picture is not None else None
         self.bar.show_bands(bands, choice)
         self._bands, self._port = bands, port or ""
@@ -112,7 +108,6 @@ class PictureBands(QObject):
         return query.port == self._port
 
     def take(self, answer: Answer) -> bool:
-        """Show an answer, if it is one to these queries."""
         query = answer.query
         if isinstance(query, MeanSpectrumQuery):
             self.plot.show_mean(answer.value, _problem(answer))
@@ -164,12 +159,10 @@ class MeanSpectrumQuery(Query):
     port: str
 
     def key(self, plan: Plan) -> Hashable:
-        """The bands."""
         bands = bands_of(plan.output(self.port))
         return bands and bands.key
 
     def answer(self, passing: Passing) -> Vector | None:
-        """Means, (bands,)."""
         bands = bands_of(passing.plan.output(self.port))
         return None if bands is None else np.asarray(passing.work.value(bands.means()))
 
@@ -188,12 +181,10 @@ class SampleSpectrumQuery(Query):
     column: int
 
     def key(self, plan: Plan) -> Hashable:
-        """The bands, and where."""
         bands = bands_of(plan.output(self.port))
         return bands and (bands.key, self.row, self.column)
 
     def answer(self, passing: Passing) -> Vector | None:
-        """The spectrum, (bands,)."""
         image: Any = passing.plan.output(self.port)
         bands = bands_of(image)
         if bands is None or not (0 <= self.row < image.rows and 0 <= self.column < image.columns):

@@ -91,7 +91,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         return self.spectra
 
     def changeEvent(self, event: QEvent) -> None:
-        """Draw in the colours of the palette."""
         super().changeEvent(event)
         if self.theme not in (None, theme_of(self)):
             self._take_colours()
@@ -131,7 +130,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             self._place_elsewhere(picture)
 
     def clear_picture(self) -> None:
-        """Show nothing."""
         self._picture = self._wanted = None
         self._place = QRectF()
         self.fitted = True
@@ -151,7 +149,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._divide()
 
     def show_histogram(self, shown: bool) -> None:
-        """Show the histogram or not."""
         self.levels.setVisible(shown)
 
     def show_true_shape(self, on: bool) -> None:
@@ -175,11 +172,9 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             item.set_table(colour_table(name))
 
     def mark(self, place: tuple[float, float] | None) -> None:
-        """Put the cross there."""
         self.cross.setData(*([], []) if place is None else ([place[0]], [place[1]]))
 
     def fit(self) -> None:
-        """Show all of the picture."""
         self.fitted = True
         self._see(self._place)
 
@@ -210,7 +205,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         )
 
     def set_zoom(self, zoom: Zoom | None) -> None:
-        """Show that part."""
         if self._place.isEmpty():
             self._wanted = zoom  # until there is a picture
             return
@@ -226,7 +220,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         )
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Emit that the cursor is on no picture."""
         super().leaveEvent(event)
         self.pointed.emit(None)
 
@@ -314,7 +307,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.names.place(self._place if both else QRectF(), split if divided else 1.0)
 
     def set_split(self, share: float) -> None:
-        """Put the wipe there."""
         self.split = min(1.0, max(0.0, share))
         self._put_wipe()
 
@@ -440,7 +432,6 @@ class SideNames(QObject):
         label.show()
 
     def _dots(self, scene: QRectF) -> QRect:
-        """A rectangle of the scene in dots of the canvas."""
         scene = scene.normalized()
         return QRect(
             self._canvas.mapFromScene(scene.topLeft()),

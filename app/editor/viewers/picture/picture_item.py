@@ -29,22 +29,18 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
         self._part = (0.0, 1.0)
 
     def show_picture(self, picture: Picture, table: Table, place: QRectF) -> None:
-        """Show this picture at this place."""
         self.setImage(picture.grey, autoLevels=False, levels=None, lut=_lookup(table, picture.grey))
         self.setRect(place)
 
     def set_table(self, table: Table) -> None:
-        """Show it in other colours."""
         self.setLookupTable(_lookup(table, self.image))
 
     def show_part(self, start: float, end: float) -> None:
-        """Show it from there to there."""
         if (start, end) != self._part:
             self._part = start, end
             self.update()
 
     def paint(self, painter: QPainter, *args: Any) -> None:
-        """Draw what is to be seen of it."""
         if self._part == (0.0, 1.0):
             super().paint(painter, *args)
             return

@@ -59,7 +59,6 @@ class PictureProbe(QObject):
         self._show_sample()
 
     def _point_at(self, place: Any) -> None:
-        """The cursor is there."""
         self._place = None
         if place is not None and self._picture is not None:
             self._place = index_at(self._picture.facts, *place)

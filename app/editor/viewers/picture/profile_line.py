@@ -51,7 +51,6 @@ class ProfileLine(QObject):
         return float(self._plot.minimumHeight()) if self._plot and self.shown else 0.0
 
     def show(self, shown: bool, ends: Ends | None = None) -> None:
-        """Show the line or not, and where."""
         if shown and self._plot is None:
             self._make()
         # A hidden item would keep its room in the layout.
@@ -83,7 +82,6 @@ class ProfileLine(QObject):
             curve.setData([], [])
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
         if self._plot is None:
             return
         paint_axes(self._plot, theme)

@@ -70,7 +70,6 @@ class RegionOverlay(QObject):
         canvas.installEventFilter(self)
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
         self.title.setColor(theme.text)
         self.title.fill = pg.mkBrush(see_through(theme.base, 215))
         self._paint()
@@ -306,39 +305,32 @@ class RegionFrame(QGraphicsObject):
         self.update()
 
     def boundingRect(self) -> QRectF:
-        """With room for the outline."""
         room = self._room
         return self._rect.adjusted(-room, -room, room, room)
 
     def shape(self) -> QPainterPath:
-        """Where it is grasped."""
         path = QPainterPath()
         path.addRect(self._rect)
         return path
 
     def paint(self, painter: QPainter, *_: Any) -> None:
-        """Draw the outline."""
         for pen in (thick(see_through(_SHADE, _SHADE_ALPHA), 4), thick(self._colour, 2)):
             painter.setPen(pen)
             painter.drawRect(self._rect)
 
     def mousePressEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        """Take hold of all of it."""
         if not self._movable:
             event.ignore()
             return
         self.press(event, ALL)
 
     def mouseMoveEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        """Emit where it is drawn to."""
         self.moved.emit(self.mapFromScene(event.scenePos()))
 
     def mouseReleaseEvent(self, _event: QGraphicsSceneMouseEvent) -> None:
-        """Emit the end of the drag."""
         self.released.emit()
 
     def contextMenuEvent(self, event: QGraphicsSceneContextMenuEvent) -> None:
-        """Offer what else can be done."""
         self.menu_wanted.emit(event.screenPos())
         event.accept()
 
@@ -401,13 +393,10 @@ class DrawingSheet(QGraphicsRectItem):
         self.setCursor(Qt.CursorShape.CrossCursor)
 
     def mousePressEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        """Begin at this corner."""
         self._frame.press(event, None)
 
     def mouseMoveEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        """The other corner is here."""
         self._frame.mouseMoveEvent(event)
 
     def mouseReleaseEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        """It is drawn."""
         self._frame.mouseReleaseEvent(event)

@@ -70,12 +70,10 @@ class RegionTool(QObject):
         self.follow()
 
     def show_picture(self, picture: Picture | None, port: str | None) -> None:
-        """The viewer shows this, which is on that port."""
         self._picture, self._port = picture, port
         self.follow()
 
     def follow(self, *_: object) -> None:
-        """Show the region as the document has it."""
         self._button.setEnabled(bool(self._all()))
         self._node = next((name for name in self._chosen() if self._lies_on(name)), None)
         size = self._size(self._node)
@@ -115,7 +113,6 @@ class RegionTool(QObject):
         self._canvas.setFocus()
 
     def _armed(self, on: bool) -> None:
-        """Show what can be done now."""
         self._button.setChecked(on)
         if on and self._node is not None:
             text = f"Drag a rectangle over what {self._node} is to look at; Esc gives it up"

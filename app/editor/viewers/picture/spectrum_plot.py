@@ -114,7 +114,6 @@ class SpectrumPlot(QObject):
             self._write_legend()
 
     def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
         paint_axes(self.plot, theme)
         few = self.bands is not None and self.bands.count <= _FEW
         dashed = thick(theme.faint_text, 1, Qt.PenStyle.DashLine)

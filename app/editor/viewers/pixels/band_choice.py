@@ -49,7 +49,6 @@ class BandChoice:
         return tuple(_nearest(bands, one) for one in self.colours_um)
 
     def plain(self) -> dict[str, Any]:
-        """As JSON has it."""
         colours = None if self.colours_um is None else list(self.colours_um)
         return {"shown": self.shown, "one_um": self.one_um, "colours_um": colours}
 

@@ -63,7 +63,6 @@ class Choices:
         return replace(self, port=port, other=other)
 
     def plain(self) -> dict[str, Any]:
-        """As JSON has it."""
         levels = self.levels if isinstance(self.levels, str) else list(self.levels)
         return {
             "port": self.port,

@@ -28,7 +28,6 @@ class Axis:
 
     @property
     def title(self) -> str:
-        """For people."""
         return f"{self.label} ({self.unit})" if self.unit else self.label
 
     def at(self, index: float) -> float:
@@ -36,7 +35,6 @@ class Axis:
         return self.first + index * self.step
 
     def index(self, place: float) -> float:
-        """Fractional index of a place."""
         return (place - self.first) / self.step
 
 

@@ -100,11 +100,9 @@ class PictureQuery(Query):
     bands: BandChoice = ALL  # what is shown of pictures with bands
 
     def key(self, plan: Plan) -> Hashable:
-        """The question and the content of the wires."""
         return self, *(identity(self._value(plan, port)) for port in self._ports)
 
     def answer(self, passing: Passing) -> Picture:
-        """The picture."""
         first = self._source(passing, self.port)
         if self.kept is not None:
             return self._beside(passing, self._shown(passing, first, self.levels), self.kept)

@@ -28,8 +28,6 @@ RADIANCE_PER_UM = "W/m²/sr/µm"
 
 @dataclass(frozen=True)
 class Probe:
-    """One sample."""
-
     row: int  # row, column: index into the samples, from 0
     column: int
     value: float  # the sample
@@ -212,7 +210,6 @@ class Region:
     height: int
 
     def description(self) -> str:
-        """For people."""
         return f"{self.width} × {self.height} at column {self.left}, row {self.top}"
 
 
@@ -252,7 +249,6 @@ def _value(declared: Declaration, node: Node, name: str) -> int:
 
 
 def setting(node: str, region: Region) -> Operation:
-    """Give a node that region."""
     values = (region.left, region.top, region.width, region.height)
     return _set(node, dict(zip(PARAMETERS, values, strict=True)))
 

@@ -36,13 +36,11 @@ class BarChart(QScrollArea):
     def show_drawing(
         self, drawing: Drawing, shown: Collection[str], pens: Mapping[str, QPen]
     ) -> None:
-        """Draw this, of its entries only these."""
         self._bars.drawing = drawing
         self._bars.pens = pens
         self.show_entries(shown)
 
     def show_entries(self, shown: Collection[str]) -> None:
-        """Of the entries draw only these."""
         self._bars.shown = frozenset(shown)
         self._bars.setMinimumHeight(self._bars.least_height())
         self._bars.update()
@@ -50,8 +48,6 @@ class BarChart(QScrollArea):
 
 
 class _Bars(QWidget):
-    """What is scrolled."""
-
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.drawing = Drawing("")
@@ -72,11 +68,9 @@ class _Bars(QWidget):
         return groups + 2 * line
 
     def sizeHint(self) -> QSize:
-        """Room for the names and as much for the bars."""
         return QSize(60 * self.fontMetrics().averageCharWidth(), self.least_height())
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw all bars."""
         painter = QPainter(self)
         painter.fillRect(self.rect(), self.palette().base())
         lines, names = self._lines(), self.drawing.bars

@@ -33,7 +33,6 @@ class CurveList(QListWidget):
         self.itemChanged.connect(self._item_changed)
 
     def sizeHint(self) -> QSize:
-        """As wide as the longest entry, within reason."""
         hint = super().sizeHint()
         width = self.sizeHintForColumn(0) + 2 * self.frameWidth() + 4
         most = 30 * self.fontMetrics().averageCharWidth()

@@ -81,7 +81,6 @@ class CurvesQuery(Query):
     angle_deg: float = 0.0  # direction of the line: 0 across, 90 along
 
     def key(self, plan: Plan) -> Hashable:
-        """The stages with their names, and what cannot be planned."""
         sound = sound_part(plan)
         chain = find_chain(sound)
         stages = tuple(
@@ -92,7 +91,6 @@ class CurvesQuery(Query):
         return self, chain.grid, chain.combined, parts, stages, _trouble(plan, ())
 
     def answer(self, passing: Passing) -> TransferCurves:
-        """The curves."""
         chain = find_chain(sound_part(passing.plan))
         grid = chain.grid
         if grid is None:
@@ -126,18 +124,14 @@ class CurvesQuery(Query):
 
 @dataclass(frozen=True)
 class PortDataQuery(Query):
-    """The curves or table of a port."""
-
     urgency: ClassVar[int] = 1
 
     port: str  # ``NODE.PORT``
 
     def key(self, plan: Plan) -> Hashable:
-        """The question and the content of the port."""
         return self, self._value(plan).key
 
     def answer(self, passing: Passing) -> CurveData | TableData:
-        """The data."""
         self._value(passing.plan)
         data: CurveData | TableData = passing.engine.value(passing.plan, self.port, passing.work)
         return data

@@ -64,7 +64,6 @@ class FiguresStrip(Viewer):
         return self.label(name).text()
 
     def label(self, name: str) -> ElidedLabel:
-        """Where that is shown."""
         return self._slots[(OUTPUT, *self._names, RUN_TIME).index(name)][1]
 
     def _mark(self, _old: bool = False) -> None:
@@ -79,7 +78,6 @@ class FiguresStrip(Viewer):
         return (FiguresQuery(self._preferred()),)
 
     def take(self, answer: Answer) -> None:
-        """Show figures; dashes with the reason where there are none."""
         figures = answer.value if isinstance(answer.value, Figures) else None
         self._show(figures, "" if answer.error is None else str(answer.error))
         if self._freshness is not None:
@@ -199,7 +197,6 @@ class FiguresQuery(Query):
     preferred: str | None = None  # the node to show if there are several; else it is the last one
 
     def key(self, plan: Plan) -> Hashable:
-        """The node and what its figures are made of."""
         output = _output_of(plan)
         name = sensor_node(plan, self.preferred)
         if name is None:
@@ -211,7 +208,6 @@ class FiguresQuery(Query):
         return self, output, name, planned.node.disabled, getattr(table, "key", None)
 
     def answer(self, passing: Passing) -> Figures:
-        """The figures."""
         plan = passing.plan
         output = _output_of(plan)
         name = sensor_node(plan, self.preferred)

@@ -28,8 +28,6 @@ _STEP = 0.01  # of the abscissa's range, for the arrow keys
 
 
 class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
-    """Draws a `Drawing`."""
-
     read = Signal(str)  # text: what the cursor reads; empty where it reads nothing
     recoloured = Signal()  # the pens are others
     theme: Theme | None = None
@@ -63,14 +61,12 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.show_drawing(self.drawing, self.shown)
 
     def changeEvent(self, event: QEvent) -> None:
-        """Draw in other colours."""
         super().changeEvent(event)
         if self.theme not in (None, theme_of(self)):
             self._take_colours()
             self.recoloured.emit()
 
     def show_drawing(self, drawing: Drawing, shown: Collection[str]) -> None:
-        """Draw this, of its entries only these."""
         self.drawing = drawing
         self.pens = entry_pens(drawing.entries, theme_of(self))
         if len(drawing.panels) != len(self._plots):
@@ -80,7 +76,6 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.show_entries(shown)
 
     def show_entries(self, shown: Collection[str]) -> None:
-        """Of the entries draw only these."""
         self.shown = frozenset(shown)
         for row, panel in enumerate(self.drawing.panels):
             for line in panel.lines:
@@ -92,12 +87,10 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             self._read(*self._at)
 
     def frame(self) -> None:
-        """Show all of the curves."""
         self.framed = True
         self._frame(self._whole())
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Show no values any more."""
         super().leaveEvent(event)
         self._read_nothing()
 
@@ -327,7 +320,6 @@ class PlotMark:
         self._label.setFont(font)
 
     def show_at(self, frequency: float, text: str) -> None:
-        """Mark that abscissa."""
         for line in self._lines:
             line.setValue(frequency)
             line.setVisible(True)

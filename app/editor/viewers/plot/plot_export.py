@@ -43,7 +43,6 @@ def export(widget: QWidget, data: Data, path: Path) -> None:
 
 
 def export_picture(widget: QWidget, path: Path) -> None:
-    """Write a picture of the widget."""
     if PNG.matches(path):
         write_bytes(path, _png(widget))
     elif SVG.matches(path):

@@ -120,7 +120,6 @@ class PlotViewer(Viewer):
         export(self._pages.currentWidget(), self.data, path)
 
     def state(self) -> dict[str, Any]:
-        """How it shows what, as JSON has it."""
         return {
             "port": self._lost or self.port,
             "angle_deg": self.angle_deg,
@@ -145,7 +144,6 @@ class PlotViewer(Viewer):
         self._follow_choices()
 
     def queries(self) -> tuple[Query, ...]:
-        """The curves that are chosen."""
         return (CurvesQuery(self.angle_deg) if self.port is None else PortDataQuery(self.port),)
 
     def accepts(self, query: Query) -> bool:
@@ -153,7 +151,6 @@ class PlotViewer(Viewer):
         return query in self.queries() or (self.port is None and isinstance(query, CurvesQuery))
 
     def take(self, answer: Answer) -> None:
-        """Show data, or the last with the reason why there is no other."""
         if answer.error is not None:
             self.status.show_text(str(answer.error), failed=True)
             return
@@ -226,12 +223,10 @@ class PlotViewer(Viewer):
         self.list.toggled.connect(self._toggle)
 
     def sizeHint(self) -> QSize:
-        """Room for a plot."""
         width = self.fontMetrics().averageCharWidth()
         return QSize(80 * width, 20 * self.fontMetrics().height())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Leave the plot most of the room."""
         super().resizeEvent(event)
         self._fit_list()
 
@@ -423,7 +418,6 @@ class FigureTable(CopiedTable):
         self._figures: tuple[TableRow, ...] = ()
 
     def show_table(self, table: TableData) -> None:
-        """Show these figures."""
         self._figures = table.rows
         self.setRowCount(len(table.rows))
         for row, figure in enumerate(table.rows):

@@ -24,8 +24,6 @@ _BOUNDS = ("+ ", "\N{MINUS SIGN} ")  # how the labels of limits around a curve b
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of the legend."""
-
     name: str  # unique in the drawing
     title: str  # for people
     total: bool = False  # whether it is a product of the others
@@ -95,7 +93,6 @@ class Drawing:
         return _logarithm(x) if self.log_x else x
 
     def x_at(self, drawn: float) -> float:
-        """The abscissa drawn there."""
         return float(10.0**drawn) if self.log_x else drawn
 
 

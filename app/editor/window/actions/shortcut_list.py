@@ -126,7 +126,6 @@ class ShortcutList(QDialog):
         self.search.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Down leads from the search to the list."""
         if event.key() == _KEY.Key_Down and self.search.hasFocus() and self.table.rowCount():
             self.table.setFocus(Qt.FocusReason.TabFocusReason)
             self.table.selectRow(0)

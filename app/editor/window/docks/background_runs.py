@@ -111,7 +111,6 @@ class BackgroundRuns(QObject):
         self.view.mark(number)
 
     def _say_end(self, number: int) -> None:
-        """Say how a run has ended where the list does not show it."""
         entry = self.queue.entry(number)
         if entry is None or entry.job.kind == "report" or self.view.isVisible():
             return

@@ -160,8 +160,6 @@ _Area, _Across, _Along = Qt.DockWidgetArea, Qt.Orientation.Horizontal, Qt.Orient
 
 
 class Docks:
-    """The docks of a window as they are now, by what they hold."""
-
     def __init__(self, window: QMainWindow) -> None:
         docks = window.findChildren(QDockWidget)
         named = {dock.objectName().removeprefix("dock."): dock for dock in docks}

@@ -35,8 +35,6 @@ FIRST = "first_steps"  # stands before the others
 
 
 class WelcomePage(QScrollArea):
-    """Where to begin."""
-
     chosen = Signal(str)  # (text): open this path or shipped network
     new_wanted = Signal()  # begin an empty network
     open_wanted = Signal()
