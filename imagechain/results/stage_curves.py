@@ -144,8 +144,13 @@ def curves_along(evaluation: Evaluation, angle_deg: float) -> StageCurves:
         raise known.failed[0]
     stages = (*known.stages, *known.beside, *known.products)
     curves = {stage.name: {"line": _curve(known.frequency, stage.response)} for stage in stages}
-    along = curves_of(evaluation)
-    return StageCurves(curves, {stage.name: stage.title for stage in stages}, along.to_png)
+
+    def drawn() -> bytes:
+        from app.report.drawing.curves import line_png
+
+        return line_png(known, angle_deg)
+
+    return StageCurves(curves, {stage.name: stage.title for stage in stages}, drawn)
 
 
 def _curve(frequency: Vector, response: Response) -> StageCurve:

@@ -318,6 +318,13 @@ def test_figures_and_curves_as_frames(kodak):
     np.testing.assert_allclose(line.mtf, curves["total"]["x"].mtf, atol=1e-12)
 
 
+def test_a_picture_of_curves_shows_the_line_they_are_along(kodak):
+    _, result = kodak
+    every = [result.curves(angle_deg=angle) for angle in (0, 90)]
+    pictures = [curves.to_png() for curves in (result.curves(), *every)]
+    assert len(set(pictures)) == 3
+
+
 def test_macros_expressions_and_bands_pass_through():
     chain = ic.open("dirsig_cube")
     chain.run(outputs=[])

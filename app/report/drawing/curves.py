@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from app.report.drawing.picture_drawing import COLOURS, figure, strongest
-from app.run.responses import Response, Responses, StageResponse
+from app.run.responses import LineResponses, Response, Responses, StageResponse
 from app.run.transfer_chain import Chain
 
 _NEAR = 0.02  # curves so close are distinguished by their dashes
@@ -32,6 +32,27 @@ def stages_png(responses: Responses, chain: Chain, part: Part) -> bytes:
         drawn.legend(
             named.values(), named.keys(), loc="outside lower center", ncols=3, fontsize=8.5
         )
+    return out.getvalue()
+
+
+def line_png(responses: LineResponses, angle_deg: float) -> bytes:
+    """MTF of the stages that blur along a line through zero frequency, and of the products."""
+    stages = [stage for stage in responses.stages if (stage.response.mtf != 1).any()]
+    stages = [stages[n] for n in strongest([float(np.ptp(s.response.mtf)) for s in stages])]
+    with figure(6.6, 4.7) as (drawn, out):
+        axis = drawn.subplots()
+        for stage, (colour, dash) in zip(
+            stages, zip(cycle(COLOURS), cycle(_DASHES), strict=False), strict=False
+        ):
+            name = f"{stage.title} ({stage.name})"
+            axis.plot(responses.frequency, stage.response.mtf, color=colour, ls=dash, label=name)
+        for product, dash in zip(responses.products, ("-", "--"), strict=False):
+            values = product.response.mtf
+            axis.plot(responses.frequency, values, "k", ls=dash, lw=2.4, label=product.title)
+        axis.set_title(f"MTFs at {angle_deg:g}° from horizontal")
+        _frame(axis, "frequency along the line (cyc/mrad)", "MTF")
+        _limits(axis, [stage.response.mtf for stage in (*stages, *responses.products)])
+        drawn.legend(loc="outside lower center", ncols=2, fontsize=8.5)
     return out.getvalue()
 
 
