@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from importlib import import_module
 
-from core.modules.declaration import Module, PackagedLibrary, library_of
+from core.modules.declaration import Module, PackagedLibrary
 from nodes.plug_ins import installed_plug_ins
 
 # A line for each: its folder, and its file, which is named as its key.
@@ -65,20 +65,23 @@ _FILES = (
 )
 
 
-def _module_in(file: str) -> type[Module]:
-    key = file.rpartition(".")[2]
-    for found in vars(import_module(f"nodes.{file}")).values():
+OURS = {file.rpartition(".")[2]: file for file in _FILES}
+"""By key, the file that a module of ours is in."""
+
+
+def our_module(key: str) -> type[Module]:
+    """A module of ours; only the files it needs are loaded."""
+    for found in vars(import_module(f"nodes.{OURS[key]}")).values():
         if isinstance(found, type) and issubclass(found, Module) and found.key == key:
             return found
-    raise ImportError(f"nodes/{file.replace('.', '/')}.py has no module of the key {key}")
-
-
-MODULES: tuple[type[Module], ...] = tuple(map(_module_in, _FILES))
+    raise ImportError(f"nodes/{OURS[key].replace('.', '/')}.py has no module of the key {key}")
 
 
 @cache
 def standard_library() -> PackagedLibrary:
     """Every module by its key: ours, then those of installed packages."""
-    ours = library_of(MODULES)
-    plug_ins = installed_plug_ins(ours)
-    return PackagedLibrary({**ours, **library_of(plug_ins.modules)}, plug_ins.faults)
+    plug_ins = installed_plug_ins(OURS)
+    brought = {module.key: module for module in plug_ins.modules}
+    return PackagedLibrary(
+        (*OURS, *brought), lambda key: brought.get(key) or our_module(key), plug_ins.faults
+    )

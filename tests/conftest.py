@@ -65,11 +65,10 @@ def bring_stub_up_to_date():
     stub = ROOT / "imagechain" / "modules.pyi"
     declared = max(path.stat().st_mtime for path in (ROOT / "nodes").rglob("*.py"))
     if not stub.exists() or stub.stat().st_mtime < declared:
-        from core.modules.declaration import library_of
         from imagechain.parts.module_stub import stub_text
-        from nodes.library import MODULES
+        from nodes.library import OURS, our_module
 
-        stub.write_text(stub_text(library_of(MODULES)), encoding="utf-8")
+        stub.write_text(stub_text({key: our_module(key) for key in OURS}), encoding="utf-8")
 
 
 @pytest.hookimpl(wrapper=True)

@@ -19,7 +19,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import types
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -359,20 +359,40 @@ def _readouts(module: type[Module]) -> tuple[Readout, ...]:
 Library = Mapping[str, type[Module]]
 
 
-class PackagedLibrary(dict[str, type[Module]]):
-    """Modules by key, and packages of which some could not be loaded.
+class PackagedLibrary(Mapping[str, type[Module]]):
+    """Modules by key, each loaded when it is asked for, and packages of which some could not be.
 
     Parameters
     ----------
-    modules : mapping
-        Modules by key.
+    keys : iterable of str
+        In the order the library shows them.
+    load : callable
+        The module of a key.
     faults : mapping
         By package, why not all of its modules are there, in one line.
     """
 
-    def __init__(self, modules: Library, faults: Mapping[str, str]) -> None:
-        super().__init__(modules)
+    def __init__(
+        self, keys: Iterable[str], load: Callable[[str], type[Module]], faults: Mapping[str, str]
+    ) -> None:
+        self._modules: dict[str, type[Module] | None] = dict.fromkeys(keys)
+        self._load = load
         self.faults = MappingProxyType(dict(faults))
+
+    def __getitem__(self, key: str) -> type[Module]:
+        module = self._modules[key]
+        if module is None:
+            module = self._modules[key] = self._load(key)
+        return module
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._modules
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._modules)
+
+    def __len__(self) -> int:
+        return len(self._modules)
 
 
 def library_of(modules: Iterable[type[Module]]) -> dict[str, type[Module]]:

@@ -47,7 +47,9 @@ def with_current_names(network: Network, library: Library) -> Network:
     those of its parameters and ports. A name that is still in use, or whose new name is taken,
     stays.
     """
-    keys = _current_keys(library)
+    # To know old keys every module is loaded: only where the library lacks one of these.
+    known = all(node.macro or node.module in library for node in network.nodes.values())
+    keys = {} if known else _current_keys(library)
     nodes = {name: _node(node, keys, library) for name, node in network.nodes.items()}
     nodes = {name: _inside(node, library) for name, node in nodes.items()}
     modules = {name: library.get(node.module) for name, node in nodes.items()}

@@ -168,7 +168,7 @@ BROKEN = {
     "no_module": ("MODULES = [int]", "is no subclass of Module"),
     "that_ends": ("raise SystemExit(3)", "SystemExit"),
     "takes_ours": (
-        "from nodes.library import MODULES as ours\nMODULES = ours[:1]",
+        "from nodes.library import our_module\nMODULES = [our_module('read_image')]",
         "'read_image': make it 'takes_ours.read_image'",
     ),
 }

@@ -15,7 +15,7 @@ from core.chain.wires import Context, Image, Magnitude
 from core.evaluation.recipes import Step, pointwise
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
-from nodes.library import MODULES
+from nodes.library import our_module
 from nodes.module_battery import check_module, faults_of
 from nodes.shared.factors import radial
 from nodes.shared.module_ports import ImageOutput, MtfModule, MtfOutputs
@@ -35,7 +35,7 @@ GAIN = Annotated[float, Param("gain", low=0, high=10)]
     ],
 )
 def test_of_ours_nothing_is_said(key, example):
-    (module,) = [one for one in MODULES if one.key == key]
+    module = our_module(key)
     check_module(module, examples=(example,))
 
 
