@@ -35,6 +35,21 @@ USAGE = {
         ["run", "net.json", "--tolerance", "0", "--tolerance", "0"],
         "--tolerance is given more than once",
     ),
+    "one file of three for TLS": (
+        [
+            "study",
+            "first_steps",
+            "--vary",
+            "blur.sigma_x_mrad=1,2",
+            "--output",
+            "rows.csv",
+            "--scheduler",
+            "tls://127.0.0.1:8786",
+            "--tls-cert",
+            "net.json",
+        ],
+        "--tls-ca-file is missing: TLS needs --tls-ca-file, --tls-cert, --tls-key",
+    ),
     "no such network": (["run", "nothing.json"], "nothing.json"),
     "part of a name": (["run", "kodak"], "did you mean kodak_kir310 or kodak_kir310_1996?"),
     "a cube that is not there": (
