@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from battery_settings import EXAMPLES, NEUTRAL, SETTINGS
 from library_battery import DECLARED, FILTERS, LIBRARY
+from nodes import library
 
 PORT_TYPES = {"image", "magnitude", "phase", "context", "pupil", "transfer", "curve", "table"}
 
@@ -13,6 +16,12 @@ PORT_TYPES = {"image", "magnitude", "phase", "context", "pupil", "transfer", "cu
 def test_tables_name_only_registered_modules():
     for table in (EXAMPLES, NEUTRAL, SETTINGS):
         assert set(table) <= set(LIBRARY)
+
+
+def test_no_two_files_of_modules_have_one_name():
+    """A key is the name of its file: the second would take the place of the first."""
+    files = Path(library.__file__).read_text(encoding="utf-8").partition("OURS")[0]
+    assert len(library.OURS) == files.count('",\n')
 
 
 @pytest.mark.parametrize("key", LIBRARY)
