@@ -8,11 +8,12 @@ from textwrap import indent
 from typing import Any
 
 from app.command.results import show
+from app.library_index import declarations
 from app.options.command_options import Options
 from app.options.terminal_streams import print_error
 from app.run.readout_tables import columns
 from core.errors import UsageError
-from core.modules.declaration import Declaration, Port, declaration, package_of, where_absent
+from core.modules.declaration import Declaration, Port, package_of, where_absent
 from core.modules.parameters import Parameter, plain
 from core.names import alike, shown
 from nodes.library import standard_library
@@ -26,7 +27,7 @@ def carry_out(options: Options, _stop: object) -> None:
     that a word finds in key, title or summary the summary.
     """
     library, key = standard_library(), options.key
-    declared = [declaration(module) for module in library.values()]
+    declared = list(declarations(library).values())
     found = key != "" and key not in library
     if found:
         word = key.casefold()
@@ -36,7 +37,7 @@ def carry_out(options: Options, _stop: object) -> None:
             if any(word in text.casefold() for text in (entry.key, entry.title, entry.summary))
         ]
     elif key:
-        declared = [declaration(library[key])]
+        declared = [entry for entry in declared if entry.key == key]
     if not declared:
         absent = where_absent(key, library)
         hint = f": {absent}" if absent else alike(key, library)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import re
 from collections.abc import Mapping
-from dataclasses import MISSING
 from types import MappingProxyType
 from typing import Any
 
@@ -149,7 +148,7 @@ def about(parameter: Parameter) -> str:
     lines = [parameter.param.text[:1].upper() + parameter.param.text[1:]]
     if parameter.kind not in ("switch", "choice"):
         lines.append(f"Allowed: {parameter.allowed()}" + (f", in{unit}" if unit else ""))
-    if parameter.default is not MISSING:
+    if not parameter.required:
         lines.append(f"Default: {shown_value(parameter, parameter.default)}{unit}")
     lines.append(f"In network files: {parameter.name}")
     return "\n".join(lines)

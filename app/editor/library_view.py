@@ -17,8 +17,9 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.theme import DARK, Theme
+from app.library_index import declarations
 from app.run.preset_files import KEY, Preset
-from core.modules.declaration import Declaration, Library, declaration
+from core.modules.declaration import Declaration, Library
 from nodes.files.formats import readable_formats
 
 PRESETS, OWN_PRESETS = "Presets", "Own presets"
@@ -54,8 +55,7 @@ class ModuleTree(QTreeWidget):
         self._texts: dict[str, tuple[str, str, str]] = {}
         self.modules: dict[str, QTreeWidgetItem] = {}
         self.groups: dict[str, QTreeWidgetItem] = {}
-        for key, module in library.items():
-            declared = declaration(module)
+        for key, declared in declarations(library).items():
             item = QTreeWidgetItem(self._group(declared.group), [declared.title])
             item.setData(0, _KEY, key)
             self._texts[key] = found_by(declared)

@@ -12,12 +12,12 @@ from contextlib import contextmanager
 from importlib.metadata import entry_points
 from pathlib import Path
 from types import CodeType, FrameType
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 from core.errors import DataError, ImagechainError, PlugInError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 PLUG_INS = "imagechain.modules"  # the entry points of packages that bring modules
 
@@ -40,6 +40,8 @@ def watched(node: str | None, module: str = "") -> Iterator[None]:
     PlugInError
         For any other error in the code of a plug-in.
     """
+    import numpy as np  # who only looks for plug-ins has no use for it
+
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
             yield
@@ -125,6 +127,8 @@ def require_finite(values: NDArray[Any]) -> None:
     FloatingPointError
         For `watched` to make a `DataError` of.
     """
+    import numpy as np
+
     # One bad sample spreads over its whole transform, so that the sum cannot miss it.
     if not np.isfinite(np.sum(values, dtype=np.result_type(values.dtype, np.float64))):
         raise FloatingPointError("overflow encountered in transform")

@@ -25,6 +25,7 @@ from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import (
+    TYPE_CHECKING,
     Annotated,
     Any,
     ClassVar,
@@ -36,9 +37,11 @@ from typing import (
     get_type_hints,
 )
 
-from core.evaluation.recipes import Recipe, Step
 from core.modules.panel_sections import Caution, Section, complete
 from core.modules.parameters import Formula, Kind, Param, Parameter, coerce_all
+
+if TYPE_CHECKING:
+    from core.evaluation.recipes import Recipe, Step
 
 GIVEN = "given"  # what a warning names to have the names of the parameters that are set
 
@@ -57,6 +60,8 @@ class NodeContext:
 
     def step(self, function: Callable[..., Any], *inputs: Recipe, **parameters: Any) -> Step:
         """A step of this node: to it belongs an error that the function raises."""
+        from core.evaluation.recipes import Step  # numpy: who only reads declarations has no use
+
         return Step.of(function, *inputs, node=self.node, **parameters)
 
 
@@ -273,7 +278,7 @@ def _parameters(module: type[Module]) -> tuple[Parameter, ...]:
             Parameter(
                 name=field.name,
                 kind=kind,
-                default=field.default,
+                default=... if field.default is dataclasses.MISSING else field.default,
                 choices=choices,
                 empty=empty,
                 param=param,

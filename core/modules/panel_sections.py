@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from core.errors import Cancelled, ImagechainError
 from core.evaluation.float_guard import plug_in_error, with_place
-from core.evaluation.recipes import Recipe
 from core.names import shown
 
 if TYPE_CHECKING:
+    from core.evaluation.recipes import Recipe
     from core.evaluation.work import Work
 
 
@@ -94,10 +94,8 @@ def complete(sections: tuple[Section, ...], parameters: Sequence[str]) -> tuple[
 # A finding that does not keep a network from running, but may make its figures wrong.
 #
 # A module's method that warns returns a `Caution`, or None; or the recipe of one, where samples
-# have
-# to be looked at. A check that fails itself keeps nothing from running either: that it failed
-# stands
-# in the place of its finding.
+# have to be looked at. A check that fails itself keeps nothing from running either: that it failed
+# stands in the place of its finding.
 
 
 @dataclass(frozen=True)
@@ -154,6 +152,8 @@ def checked(
     method: Callable[[], Caution | Recipe | None], *, node: str, check: str
 ) -> Caution | PendingCheck | None:
     """What a method warns of, placed on its node; a failure of its own is a `Caution` too."""
+    from core.evaluation.recipes import Recipe  # numpy: who only reads declarations has no use
+
     try:
         result = method()
     except Cancelled:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -52,7 +52,7 @@ class Param:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter as derived from the module's class."""
+    """A parameter as derived from the module's class; `...` stands for no default."""
 
     name: str
     kind: Kind
@@ -64,7 +64,7 @@ class Parameter:
     @property
     def required(self) -> bool:
         """Whether there is no default."""
-        return self.default is MISSING
+        return self.default is ...
 
     def allowed(self) -> str:
         """The allowed values in words."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import MISSING, dataclass, field
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -94,7 +94,7 @@ class Field(QWidget):
         """The value that the document has, in words; empty where it has none."""
         if self.link is not None:
             return "" if self.link.problem else f"= {self.link.text}"
-        if self.value is MISSING:
+        if self.value is ...:
             return ""
         there = self.value not in (None, (), "") and self.parameter.param.unit
         unit = f" {self.parameter.param.unit}" if there else ""
