@@ -40,6 +40,7 @@ from nodes.analysis.mtf_measuring import (
 )
 from nodes.detector.focal_plane import FocalPlane
 from nodes.detector.spectral_response import SpectralResponse
+from nodes.scenes.scene_canvas import Canvas
 from nodes.scenes.scene_targets import draw_target
 
 Array = NDArray[Any]
@@ -153,16 +154,8 @@ def edge_drawn(work: Work, scene: Array, *, width: int, height: int, angle_deg: 
     low, high = float(scene.min()), float(scene.max())
     if low == high:
         high = low + (0.1 * abs(low) or 1.0)
-    return draw_target(
-        "slanted_edge",
-        width=width,
-        height=height,
-        background=low,
-        signal=high,
-        angle_deg=angle_deg,
-        dtype=work.policy.dtype,
-        for_each=work.for_each,
-    )
+    canvas = Canvas(width, height, work.policy.dtype, work.for_each)
+    return draw_target("slanted_edge", canvas, background=low, signal=high, angle_deg=angle_deg)
 
 
 def _measurement(chain: _Chain, work: Work, direction: Direction, method: Method) -> dict[str, Any]:

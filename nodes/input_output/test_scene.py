@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -19,14 +19,13 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.size_limits import oversized
-from nodes.scenes.coverage import Kind
 from nodes.scenes.draw import (
     GEOMETRY,
+    Kind,
     Shares,
     Spectra,
     band_edges,
     draw_radiances,
-    draw_scene,
     draw_shares,
     drawn_means,
     in_two_steps,
@@ -36,11 +35,11 @@ from nodes.scenes.draw import (
     shown_means,
     weighted,
 )
+from nodes.scenes.scene_canvas import Canvas
 from nodes.scenes.spectral_surfaces import Emissivity
 from nodes.shared.module_ports import ImageOutput
 
-SIZE = ("kind", "width", "height")
-DRAWING = (*SIZE, "angle_deg", "frequency")
+DRAWING = ("kind", "width", "height", "angle_deg", "frequency")
 SOURCES = ("cut_on_um", "cut_off_um", "temperature_K", "delta_K")
 
 
@@ -175,7 +174,7 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
         """Where its surfaces are seen; None where it is drawn at once."""
         if not in_two_steps(kind=self.kind, width=self.width, height=self.height):
             return None
-        names = (*SIZE, *GEOMETRY[self.kind])
+        names = ("kind", "width", "height", *GEOMETRY[self.kind])
         return here.step(shares_drawn, **self._named(*names))
 
     def _named(self, *names: str) -> dict[str, Any]:
@@ -187,12 +186,31 @@ def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
     return None if fov_deg is None else interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
 
 
+def _canvas(work: Work, width: int, height: int, **how: Any) -> Canvas:
+    """Of the evaluation's precision; refused where the machine has no room, as a file's picture."""
+    on_disk = work.blocks is not None and work.blocks.disk.wants((height, width), work.policy.dtype)
+    reason = "" if on_disk else oversized(height, width, np.dtype(work.policy.dtype))
+    if reason:
+        raise DataError(f"height × width: {reason}")
+    return replace(Canvas(width, height, work.policy.dtype, work.for_each), **how)
+
+
 @in_blocks()
 @source_step(area_means=True)
-def drawn(work: Work, **values: Any) -> NDArray[np.floating]:
+def drawn(
+    work: Work,
+    *,
+    kind: str,
+    width: int,
+    height: int,
+    angle_deg: float,
+    frequency: float,
+    **sources: float,
+) -> NDArray[np.floating]:
     """The scene's samples in the evaluation's precision."""
-    refuse_oversized(work, **values)
-    return draw_scene(dtype=work.policy.dtype, for_each=work.for_each, empty=work.empty, **values)
+    canvas = _canvas(work, width, height, empty=work.empty)
+    radiances = scene_radiances(kind=kind, **sources)
+    return draw_radiances(radiances, canvas, kind=kind, angle_deg=angle_deg, frequency=frequency)
 
 
 @in_blocks()  # a scene that is drawn in two steps is small
@@ -200,6 +218,12 @@ def drawn(work: Work, **values: Any) -> NDArray[np.floating]:
 def shown(work: Work, shares: Shares, **values: Any) -> NDArray[np.floating]:
     """The scene's samples from the shares of its surfaces."""
     return show_radiances(shares, scene_radiances(**values), work.for_each)
+
+
+@ends_lineage
+def shares_drawn(work: Work, *, kind: str, width: int, height: int, **geometry: float) -> Shares:
+    """Where the scene's surfaces are seen."""
+    return draw_shares(kind, _canvas(work, width, height), **geometry)
 
 
 # The spectral bands of a test scene: their sums are drawn, never a cube.
@@ -267,21 +291,6 @@ class SceneBands(BandStack):
         return Step.of(means_drawn, self.spectra, node=self.node, **dict(self.drawing))
 
 
-def refuse_oversized(work: Work, *, width: int, height: int, **_others: Any) -> None:
-    """Refuse a scene that the machine has no room for, as a picture file of its size is."""
-    if work.blocks is not None and work.blocks.disk.wants((height, width), work.policy.dtype):
-        return
-    if reason := oversized(height, width, np.dtype(work.policy.dtype)):
-        raise DataError(f"height × width: {reason}")
-
-
-@ends_lineage
-def shares_drawn(work: Work, **values: Any) -> Shares:
-    """Where the scene's surfaces are seen."""
-    refuse_oversized(work, **values)
-    return draw_shares(dtype=work.policy.dtype, for_each=work.for_each, **values)
-
-
 @ends_lineage
 def spectra_made(_: Work, **values: Any) -> Spectra:
     """Spectra of all that the scene is made of."""
@@ -298,13 +307,11 @@ def sum_shown(
 
 @source_step(area_means=True)
 def sum_drawn(
-    work: Work, spectra: Spectra, *, weights: Row, **drawing: Any
+    work: Work, spectra: Spectra, *, weights: Row, width: int, height: int, **drawing: Any
 ) -> NDArray[np.floating]:
     """A weighted sum of the bands, drawn at once."""
-    refuse_oversized(work, **drawing)
-    return draw_radiances(
-        weighted(spectra, weights), dtype=work.policy.dtype, for_each=work.for_each, **drawing
-    )
+    canvas = _canvas(work, width, height)
+    return draw_radiances(weighted(spectra, weights), canvas, **drawing)
 
 
 @ends_lineage
@@ -314,7 +321,9 @@ def means_shown(_: Work, shares: Shares, spectra: Spectra) -> NDArray[np.float64
 
 
 @ends_lineage
-def means_drawn(work: Work, spectra: Spectra, **drawing: Any) -> NDArray[np.float64]:
+def means_drawn(
+    work: Work, spectra: Spectra, *, width: int, height: int, **drawing: Any
+) -> NDArray[np.float64]:
     """Mean of every band of a scene that is drawn at once."""
-    refuse_oversized(work, **drawing)
-    return drawn_means(spectra, dtype=np.float64, for_each=work.for_each, **drawing)
+    canvas = _canvas(work, width, height, dtype=np.float64)
+    return drawn_means(spectra, canvas, **drawing)

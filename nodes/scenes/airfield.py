@@ -8,9 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodes.scenes.coverage import Mix, between, difference
-from nodes.scenes.scene_canvas import Drawing
-from nodes.scenes.texture import GOLDEN_STEPS, mottle, scatter
+from nodes.scenes.scene_canvas import (
+    GOLDEN_STEPS,
+    Drawing,
+    Mix,
+    between,
+    difference,
+    mottle,
+    scatter,
+)
 
 Place = tuple[float, float]
 
@@ -68,18 +74,9 @@ def _fields(drawing: Drawing) -> None:
         drawing.paint_box(between("lawn", "soil", share), left, top, right - 0.002, low - 0.002)
     nearer = difference("lawn_near", "lawn")
     for coarse, fine, amplitude, seed in ((2.0, 16.0, 0.5, 751), (30.0, 300.0, 0.35, 761)):
-        mottle(
-            drawing,
-            box=(0.0, 0.0, 1.0, 1.0),
-            amplitude={name: amplitude * part for name, part in nearer.items()},
-            limit=0.4,
-            surfaces=("lawn", "lawn_near", "shade"),
-            coarse=coarse,
-            fine=fine,
-            stretch=1.0,
-            count=20,
-            seed=seed,
-        )
+        contrast = {name: amplitude * part for name, part in nearer.items()}
+        surfaces, waves = ("lawn", "lawn_near", "shade"), {"coarse": coarse, "fine": fine}
+        mottle(drawing, contrast, surfaces, box=(0.0, 0.0, 1.0, 1.0), **waves, count=20, seed=seed)
 
 
 def _strip(drawing: Drawing, surface: Mix | str, start: Place, end: Place, width: float) -> None:
@@ -90,13 +87,7 @@ def _strip(drawing: Drawing, surface: Mix | str, start: Place, end: Place, width
         drawing.paint_box(surface, min(x0, x1), y0 - 0.5 * width, max(x0, x1), y0 + 0.5 * width)
         return
     reach = 0.5 * width * length / (y1 - y0)
-    drawing.paint_trapezoid(
-        surface,
-        top=y0,
-        low=y1,
-        top_span=(x0 - reach, x0 + reach),
-        low_span=(x1 - reach, x1 + reach),
-    )
+    drawing.paint_trapezoid(surface, (y0, x0 - reach, x0 + reach), (y1, x1 - reach, x1 + reach))
 
 
 def _between(line: tuple[Place, Place], share: float) -> Place:

@@ -10,10 +10,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nodes.scenes.coverage import FloatArray, between, difference
-from nodes.scenes.profiles import band, bell, bells, power, steps
-from nodes.scenes.scene_canvas import Drawing, Term
-from nodes.scenes.texture import GOLDEN_STEPS, mottle, scatter
+from nodes.scenes.coverage import FloatArray, band, bell, bells, power, steps
+from nodes.scenes.scene_canvas import (
+    GOLDEN_STEPS,
+    Drawing,
+    Side,
+    Term,
+    between,
+    difference,
+    mottle,
+    scatter,
+)
 
 BASE = 0.74
 """Where the building meets the ground."""
@@ -73,18 +80,9 @@ def _brickwork(drawing: Drawing, front: Front) -> None:
     box = (front.left, front.top, front.right, BASE)
     drawing.paint_box(front.brick, *box)
     _courses(drawing, front.brick, box)
-    mottle(
-        drawing,
-        box=box,
-        amplitude={"concrete": 0.10, "brick": -0.10},
-        limit=0.4,
-        surfaces=("brick", "mortar"),
-        coarse=2.0,
-        fine=14.0,
-        stretch=1.0,
-        count=8,
-        seed=front.seed,
-    )
+    contrast = {"concrete": 0.10, "brick": -0.10}
+    waves = {"coarse": 2.0, "fine": 14.0}
+    mottle(drawing, contrast, ("brick", "mortar"), box=box, **waves, count=8, seed=front.seed)
     tops = front.rows() - 0.014
     drawing.paint("slab", steps(tops - 0.0035, tops + 0.0035), band(front.left, front.right))
     piers = np.linspace(front.left, front.right - 0.005, 3 if front.bays < 9 else 4)
@@ -295,22 +293,12 @@ def draw_ground(drawing: Drawing) -> None:
     drawing.paint_box("lawn", 0.0, BASE, 1.0, 1.0)
     nearer = difference("lawn_near", "lawn")
     drawing.add(nearer, (power(BASE, 1.0, 1), band(0.0, 1.0)))
-    for coarse, fine, amplitude, seed in ((3.0, 24.0, 0.45, 501), (40.0, 260.0, 0.45, 511)):
-        mottle(
-            drawing,
-            box=(0.0, BASE, 1.0, 1.0),
-            amplitude={name: amplitude * part for name, part in nearer.items()},
-            limit=0.4,
-            surfaces=("lawn", "lawn_near"),
-            coarse=coarse,
-            fine=fine,
-            stretch=2.0,
-            count=28,
-            seed=seed,
-        )
-    drawing.paint_trapezoid(
-        "paving", top=BASE, low=1.0, top_span=(0.368, 0.452), low_span=(0.300, 0.520)
-    )
+    contrast = {name: 0.45 * part for name, part in nearer.items()}
+    box, surfaces = (0.0, BASE, 1.0, 1.0), ("lawn", "lawn_near")
+    for coarse, fine, seed in ((3.0, 24.0, 501), (40.0, 260.0, 511)):
+        waves = {"coarse": coarse, "fine": fine, "stretch": 2.0}
+        mottle(drawing, contrast, surfaces, box=box, **waves, count=28, seed=seed)
+    drawing.paint_trapezoid("paving", (BASE, 0.368, 0.452), (1.0, 0.300, 0.520))
     # Joints of the path lie closer together with distance.
     depth = BASE + 0.26 * (np.arange(1, 13) / 12.5) ** 1.7
     for y in depth.tolist():
@@ -321,18 +309,9 @@ def draw_ground(drawing: Drawing) -> None:
     drawing.paint_box("paving", 0.0, BASE, 1.0, BASE + 0.008)
     top, low = DRIVE
     drawing.paint_box("asphalt", 0.0, top, 1.0, low)
-    mottle(
-        drawing,
-        box=(0.0, top, 1.0, low),
-        amplitude={"asphalt": 0.08, "lawn": -0.08},
-        limit=0.4,
-        surfaces=("asphalt",),
-        coarse=4.0,
-        fine=40.0,
-        stretch=2.0,
-        count=8,
-        seed=521,
-    )
+    contrast, box = {"asphalt": 0.08, "lawn": -0.08}, (0.0, top, 1.0, low)
+    waves = {"coarse": 4.0, "fine": 40.0, "stretch": 2.0}
+    mottle(drawing, contrast, ("asphalt",), box=box, **waves, count=8, seed=521)
     drawing.paint_box("kerb", 0.0, top - 0.003, 1.0, top)
     drawing.paint_box("kerb", 0.0, low, 1.0, low + 0.004)
     dashes = np.arange(0.01, 1.0, 0.05)
@@ -345,13 +324,8 @@ def draw_tree(
     """A tree: its shadow, trunk, and a crown of many leafy tufts, cooler towards the sky."""
     wide, tall = radius
     drawing.paint_ellipse("shade", x + 0.4 * wide, foot, 1.05 * wide, 0.10 * wide)
-    drawing.paint_trapezoid(
-        "bark",
-        top=y,
-        low=foot,
-        top_span=(x - 0.04 * wide, x + 0.04 * wide),
-        low_span=(x - 0.10 * wide, x + 0.10 * wide),
-    )
+    upper, lower = (y, x - 0.04 * wide, x + 0.04 * wide), (foot, x - 0.10 * wide, x + 0.10 * wide)
+    drawing.paint_trapezoid("bark", upper, lower)
     middle = between("leaf_cool", "leaf_warm", 0.4)
     drawing.paint_ellipse(middle, x, y, 0.86 * wide, 0.86 * tall)
     count = 90 if wide < 0.05 else 380
@@ -382,34 +356,17 @@ def draw_car(drawing: Drawing, *, left: float, foot: float, body: str, running: 
     def up(v: float) -> float:
         return foot - v * height
 
+    def side(v: float, start: float, end: float) -> Side:
+        return up(v), at(start), at(end)
+
     drawing.paint_ellipse("shade", at(0.5), foot, 0.52 * length, 0.10 * height)
-    drawing.paint_trapezoid(
-        body,
-        top=up(1.0),
-        low=up(0.58),
-        top_span=(at(0.27), at(0.62)),
-        low_span=(at(0.13), at(0.76)),
-    )
-    drawing.paint_trapezoid(
-        "car_glass",
-        top=up(0.94),
-        low=up(0.60),
-        top_span=(at(0.285), at(0.605)),
-        low_span=(at(0.18), at(0.715)),
-    )
+    drawing.paint_trapezoid(body, side(1.0, 0.27, 0.62), side(0.58, 0.13, 0.76))
+    drawing.paint_trapezoid("car_glass", side(0.94, 0.285, 0.605), side(0.60, 0.18, 0.715))
     drawing.paint_box(body, at(0.43), up(0.97), at(0.455), up(0.58))
-    drawing.paint_trapezoid(
-        body, top=up(0.62), low=up(0.42), top_span=(at(0.04), at(0.93)), low_span=(at(0.0), at(1.0))
-    )
+    drawing.paint_trapezoid(body, side(0.62, 0.04, 0.93), side(0.42, 0.0, 1.0))
     drawing.paint_box(body, at(0.0), up(0.42), at(1.0), up(0.14))
     if running:
-        drawing.paint_trapezoid(
-            "engine",
-            top=up(0.62),
-            low=up(0.50),
-            top_span=(at(0.76), at(0.93)),
-            low_span=(at(0.75), at(0.965)),
-        )
+        drawing.paint_trapezoid("engine", side(0.62, 0.76, 0.93), side(0.50, 0.75, 0.965))
         drawing.paint_box("engine", at(0.97), up(0.36), at(1.0), up(0.20))
         drawing.paint_box("exhaust", at(-0.012), up(0.20), at(0.02), up(0.13))
     drawing.paint_box("joint", at(0.01), up(0.33), at(0.99), up(0.31))

@@ -7,27 +7,35 @@ s_k, so that no band need be drawn by itself and no cube is ever in memory.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from types import MappingProxyType
-from typing import Any
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from core.machine import ForEach, in_turn
-from core.scratch import Empty
+from core.physics.radiometry.planck import band_radiance
 from nodes.scenes.airfield import airfield
-from nodes.scenes.coverage import FloatArray, Radiances
+from nodes.scenes.coverage import FloatArray
 from nodes.scenes.dormitory import dormitory
-from nodes.scenes.scene_canvas import with_textures
+from nodes.scenes.scene_canvas import Canvas, Radiances, with_textures
 from nodes.scenes.scene_layers import Layers, layers_of, mean_shares
 from nodes.scenes.scene_targets import draw_target
-from nodes.scenes.spectral_surfaces import (
-    Emissivity,
-    surface_radiance,
-    surface_spectra,
-    target_radiance,
-    target_spectra,
-)
+from nodes.scenes.spectral_surfaces import Emissivity, surface_radiance, surface_spectra
+
+Kind = Literal[
+    "dormitory",
+    "airfield",
+    "slanted_edge",
+    "four_bar",
+    "siemens_star",
+    "point",
+    "sine",
+    "two_panel",
+    "uniform",
+]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 
 DRAWN = {"dormitory": dormitory, "airfield": airfield}
 """Scenes of many surfaces; all others are a black target on a black background."""
@@ -52,23 +60,10 @@ Spectra = Mapping[str, FloatArray]
 """Of every surface and texture, or of background and signal: (bands,), W m⁻² sr⁻¹ µm⁻¹."""
 
 
-def scene_radiances(*, kind: str, **sources: float) -> Radiances:
-    """Radiance of each of a scene's surfaces, or of background and signal; see `draw_scene`."""
-    if kind in DRAWN:
-        return surface_radiance(**sources)
-    return dict(zip(("background", "signal"), target_radiance(**sources), strict=True))
-
-
-def draw_scene(
-    *,
-    kind: str,
-    cut_on_um: float,
-    cut_off_um: float,
-    temperature_K: float,
-    delta_K: float,
-    **drawing: Any,
-) -> npt.NDArray[np.floating]:
-    """Band radiance of a test scene, averaged over each sample's area [W m⁻² sr⁻¹].
+def scene_radiances(
+    *, kind: str, cut_on_um: float, cut_off_um: float, temperature_K: float, delta_K: float
+) -> Radiances:
+    """Band radiance of each of a scene's surfaces, or of background and signal [W m⁻² sr⁻¹].
 
     Parameters
     ----------
@@ -80,62 +75,37 @@ def draw_scene(
         Background [K] and how much warmer the target is [K]. All targets are black; the
         dormitory and the airfield have surfaces of many temperatures and emissivities, in steps
         of delta_K.
-    **drawing
-        As for `draw_radiances`.
     """
-    radiances = scene_radiances(
-        kind=kind,
-        cut_on_um=cut_on_um,
-        cut_off_um=cut_off_um,
-        temperature_K=temperature_K,
-        delta_K=delta_K,
-    )
-    return draw_radiances(radiances, kind=kind, **drawing)
+    ends = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
+    if kind in DRAWN:
+        return surface_radiance(**ends, temperature_K=temperature_K, delta_K=delta_K)
+    kelvins = np.array([temperature_K, temperature_K + delta_K])
+    levels = band_radiance(**ends, temperature_K=kelvins)
+    return dict(zip(("background", "signal"), levels.tolist(), strict=True))
 
 
 def draw_radiances(
-    radiances: Radiances,
-    *,
-    kind: str,
-    width: int,
-    height: int,
-    angle_deg: float,
-    frequency: float,
-    dtype: npt.DTypeLike,
-    for_each: ForEach = in_turn,
-    empty: Empty = np.empty,
+    radiances: Radiances, canvas: Canvas, *, kind: str, angle_deg: float, frequency: float
 ) -> npt.NDArray[np.floating]:
-    """A test scene of these radiances.
+    """A test scene of these radiances, averaged over each sample's area.
 
     Parameters
     ----------
     radiances : mapping of str to float
         Of every surface, of those in `DRAWN`, and perhaps the strengths of their textures; else of
         `background` and `signal`. The picture is linear in all of them.
-    width, height : int
-        Samples across and down.
     angle_deg : float
         Direction from +x towards +y: the normal of the slanted edge, and along which the
         sinusoid varies [deg].
     frequency : float
         Cycles across the frame's width (sine) or shorter side (coarsest four-bar target), or
         the number of spokes (siemens_star).
-    dtype : dtype
-        float32 or float64; the sums are in double either way.
-    for_each, empty : callable
-        Draws some rows at a time, perhaps in threads; makes the array, perhaps on disk.
     """
-    how: dict[str, Any] = {
-        "width": width,
-        "height": height,
-        "dtype": dtype,
-        "for_each": for_each,
-        "empty": empty,
-    }
     if kind in DRAWN:
-        return DRAWN[kind]().render(radiances, **how)
-    two: dict[str, Any] = {name: radiances[name] for name in ("background", "signal")}
-    return draw_target(kind, **two, angle_deg=angle_deg, frequency=frequency, **how)
+        return DRAWN[kind]().render(radiances, canvas)
+    background, signal = radiances["background"], radiances["signal"]
+    levels = {"background": background, "signal": signal}
+    return draw_target(kind, canvas, **levels, angle_deg=angle_deg, frequency=frequency)
 
 
 # In two steps: where each surface is seen, which is kept, then how bright they are.
@@ -150,20 +120,11 @@ def in_two_steps(*, kind: str, width: int, height: int) -> bool:
     return kind in GEOMETRY and width * height <= MOST_SAMPLES
 
 
-def draw_shares(
-    *,
-    kind: str,
-    width: int,
-    height: int,
-    dtype: npt.DTypeLike,
-    for_each: ForEach = in_turn,
-    **geometry: Any,
-) -> Shares:
+def draw_shares(kind: str, canvas: Canvas, **geometry: float) -> Shares:
     """Share of each sample's area that shows each surface; `geometry` is what `GEOMETRY` names."""
     if kind in DRAWN:
-        return layers_of(DRAWN[kind](), width=width, height=height, dtype=dtype)
-    size: dict[str, Any] = {"width": width, "height": height, "dtype": dtype, "for_each": for_each}
-    return draw_target(kind, **size, background=0.0, signal=1.0, **geometry)
+        return layers_of(DRAWN[kind](), canvas)
+    return draw_target(kind, canvas, background=0.0, signal=1.0, **geometry)
 
 
 def show_radiances(
@@ -205,17 +166,19 @@ def scene_spectra(
     """
     kelvins = {"temperature_K": temperature_K, "delta_K": delta_K}
     edges = band_edges(cut_on_um=cut_on_um, cut_off_um=cut_off_um, bands=bands)
-    if kind not in DRAWN:
-        background, signal = target_spectra(edges_um=edges, **kelvins)
-        return {"background": background, "signal": signal}
-    spectra = surface_spectra(
-        edges_um=edges, emissivity=emissivity, sun_elevation_deg=sun_elevation_deg, **kelvins
-    )
-    textures = DRAWN[kind]().textures
-    rows = [
-        with_textures({name: float(values[band]) for name, values in spectra.items()}, textures)
-        for band in range(bands)
-    ]
+    rows: list[Radiances] = []
+    if kind in DRAWN:
+        spectra = surface_spectra(
+            edges_um=edges, emissivity=emissivity, sun_elevation_deg=sun_elevation_deg, **kelvins
+        )
+        textures = DRAWN[kind]().textures
+        for band in range(bands):
+            known = {name: float(values[band]) for name, values in spectra.items()}
+            rows.append(with_textures(known, textures))
+    else:
+        for low, high in pairwise(edges.tolist()):
+            levels = scene_radiances(kind=kind, cut_on_um=low, cut_off_um=high, **kelvins)
+            rows.append({name: level / (high - low) for name, level in levels.items()})
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
@@ -228,28 +191,19 @@ def weighted(spectra: Spectra, weights: tuple[float, ...]) -> Radiances:
 def shown_means(shares: Shares, spectra: Spectra) -> FloatArray:
     """Mean of every band of a scene whose shares are known, (bands,)."""
     if isinstance(shares, Layers):
-        return _mean_spectrum(shares.names, shares.means(), spectra)
-    return _mean_of_targets(float(np.mean(shares, dtype=np.float64)), spectra)
+        return _of_surfaces(shares.names, shares.means(), spectra)
+    background = spectra["background"]
+    share = float(np.mean(shares, dtype=np.float64))
+    return np.asarray(background + share * (spectra["signal"] - background))
 
 
-def drawn_means(
-    spectra: Spectra, *, kind: str, width: int, height: int, **how: Any
-) -> npt.NDArray[np.float64]:
+def drawn_means(spectra: Spectra, canvas: Canvas, *, kind: str, **geometry: float) -> FloatArray:
     """The same of a scene that is drawn anew, with the parameters of `draw_radiances`."""
     if kind in DRAWN:
         drawing = DRAWN[kind]()
-        return _mean_spectrum(
-            drawing.names, mean_shares(drawing, width=width, height=height), spectra
-        )
-    levels = {"background": 0.0, "signal": 1.0}
-    share = draw_radiances(levels, kind=kind, width=width, height=height, **how)
-    return _mean_of_targets(float(np.mean(share, dtype=np.float64)), spectra)
+        return _of_surfaces(drawing.names, mean_shares(drawing, canvas), spectra)
+    return shown_means(draw_shares(kind, canvas, **geometry), spectra)
 
 
-def _mean_spectrum(names: tuple[str, ...], shares: FloatArray, spectra: Spectra) -> FloatArray:
+def _of_surfaces(names: tuple[str, ...], shares: FloatArray, spectra: Spectra) -> FloatArray:
     return np.asarray(shares @ np.array([spectra[name] for name in names]))
-
-
-def _mean_of_targets(share: float, spectra: Spectra) -> FloatArray:
-    background = spectra["background"]
-    return np.asarray(background + share * (spectra["signal"] - background))

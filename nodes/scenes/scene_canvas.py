@@ -8,7 +8,7 @@ Strokes give where which surface is, not how bright it is: that is given when it
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,18 +18,24 @@ from core.machine import ForEach, in_turn
 from core.scratch import Empty
 from nodes.scenes.coverage import (
     FloatArray,
-    Mix,
-    Radiances,
-    Texture,
+    Profile,
+    band,
     cell_edges,
     ellipse_coverage,
     half_plane_coverage,
-    radiance_of,
+    span,
+    wave,
 )
-from nodes.scenes.profiles import Profile, band, span
 
 BLOCK_SAMPLES = 1 << 18
 FORMULA_SAMPLES = 1 << 16  # what a formula takes on its way then stays in the cache
+BATCH_SAMPLES = 1 << 14  # of ellipses at once: a crown of leaves costs little more than a leaf
+
+Radiances = Mapping[str, float]
+"""Radiance by surface name [W m⁻² sr⁻¹]."""
+
+Mix = Mapping[str, float]
+"""Parts of named radiances: they sum to 1 for a surface, and to 0 for a difference."""
 
 Place = tuple[slice, slice]
 Patch = tuple[Mix, Place, FloatArray]
@@ -37,40 +43,115 @@ Patch = tuple[Mix, Place, FloatArray]
 
 The shares are the receiver's to change."""
 
-Patches = Callable[[FloatArray], Iterator[Patch]]
+Patches = Callable[[FloatArray], Iterable[Patch]]
 """What a stroke draws on the rows between the edges, in order."""
-
-Bind = Callable[[FloatArray], Patches]
-"""Prepares a stroke for the columns between the edges."""
 
 Term = tuple[Profile, Profile]
 """Profile in y, profile in x, or several of each."""
 
+Side = tuple[float, float, float]
+"""A level side of a trapezoid: its y, and where it begins and ends in x."""
+
+
+def between(first: str, second: str, share: float) -> Mix:
+    """From `first` at 0 to `second` at 1."""
+    return {first: 1.0 - share, second: share}
+
+
+def difference(of: str, against: str) -> Mix:
+    """How much more one surface has than another."""
+    return {of: 1.0, against: -1.0}
+
+
+def radiance_of(mix: Mix, radiances: Radiances) -> float:
+    """Radiance of a mix."""
+    return sum(part * radiances[name] for name, part in mix.items())
+
+
+@dataclass(frozen=True)
+class Texture:
+    """How strong a texture is drawn; `name` stands for that, like a surface's for its radiance.
+
+    `amplitude` is the strength as given, and `reach` the texture's largest value at strength 1. It
+    stays within the share `limit` of the least radiance among the `surfaces` that it is on, so that
+    no radiance falls below 0.
+    """
+
+    name: str
+    amplitude: Mix
+    reach: float
+    limit: float
+    surfaces: tuple[str, ...]
+
+    def strength(self, radiances: Radiances) -> float:
+        """What the texture is multiplied with."""
+        given = radiance_of(self.amplitude, radiances)
+        allowed = self.limit * min(radiances[name] for name in self.surfaces)
+        reach = abs(given) * self.reach
+        return given * allowed / reach if reach > allowed else given
+
+
+def with_textures(radiances: Radiances, textures: Sequence[Texture]) -> Radiances:
+    """Radiances together with the textures' strengths, where these are not given with them."""
+    strengths = {
+        texture.name: texture.strength(radiances)
+        for texture in textures
+        if texture.name not in radiances
+    }
+    return {**radiances, **strengths}
+
+
+@dataclass(frozen=True)
+class Canvas:
+    """Samples across and down, of which type, and how they are filled in.
+
+    `for_each` draws some rows at a time, perhaps in threads; `empty` makes the array, perhaps on
+    disk. All sums are in double, rounded once.
+    """
+
+    width: int
+    height: int
+    dtype: npt.DTypeLike
+    for_each: ForEach = in_turn
+    empty: Empty = np.empty
+
+    def filled(
+        self, rows: Callable[[int, int], FloatArray], samples: int = FORMULA_SAMPLES
+    ) -> npt.NDArray[np.floating]:
+        """A picture of `rows(start, stop)`, about so many samples at a time."""
+        picture = self.empty((self.height, self.width), np.dtype(self.dtype))
+        step = max(1, samples // self.width)
+
+        def fill(start: int) -> None:
+            stop = min(start + step, self.height)
+            picture[start:stop] = rows(start, stop)
+
+        self.for_each(fill, range(0, self.height, step))
+        return picture
+
 
 @dataclass(frozen=True)
 class Stroke:
-    """Draws between `top` and `low`: over what is there, or added to it."""
+    """Draws between `top` and `low`: over what is there, or added to it.
+
+    `bind` prepares it for the columns between the edges.
+    """
 
     top: float
     low: float
     names: frozenset[str]
-    bind: Bind
+    bind: Callable[[FloatArray], Patches]
     adds: bool = False
 
+    def on(self, x_edges: FloatArray) -> tuple[bool, Patches]:
+        """Whether it adds, and what it draws on columns that are known."""
+        patches = self.bind(x_edges)
 
-class Bound:
-    """A stroke on columns that are known."""
+        def there(y_edges: FloatArray) -> Iterable[Patch]:
+            touches = self.top < y_edges[-1] and self.low > y_edges[0]
+            return patches(y_edges) if touches else ()
 
-    def __init__(self, stroke: Stroke, x_edges: FloatArray) -> None:
-        self.adds = stroke.adds
-        self._top, self._low = stroke.top, stroke.low
-        self._patches = stroke.bind(x_edges)
-
-    def patches(self, y_edges: FloatArray) -> Iterable[Patch]:
-        """What it draws on the rows between the edges."""
-        if self._top < y_edges[-1] and self._low > y_edges[0]:
-            return self._patches(y_edges)
-        return ()
+        return self.adds, there
 
 
 class Drawing:
@@ -83,21 +164,7 @@ class Drawing:
 
     def add(self, mix: Mix, *terms: Term) -> None:
         """Add the sum of profile(y)·profile(x) of a difference, in one matrix product."""
-        top, low = min(y.low for y, _ in terms), max(y.high for y, _ in terms)
-        left, right = min(x.low for _, x in terms), max(x.high for _, x in terms)
-
-        def bind(x_edges: FloatArray) -> Patches:
-            columns = span(left, right, x_edges)
-            across = _stacked([x for _, x in terms], x_edges[columns.start : columns.stop + 1])
-
-            def patches(y_edges: FloatArray) -> Iterator[Patch]:
-                rows = span(top, low, y_edges)
-                down = _stacked([y for y, _ in terms], y_edges[rows.start : rows.stop + 1])
-                yield mix, (rows, columns), down.T @ across if len(down) > 1 else down.T * across
-
-            return patches
-
-        self._strokes.append(Stroke(top, low, frozenset(mix), bind, adds=True))
+        self._products(mix, terms, adds=True)
 
     def add_texture(self, texture: Texture, *terms: Term) -> None:
         """Add a pattern whose strength follows from the radiances."""
@@ -106,20 +173,7 @@ class Drawing:
 
     def paint(self, mix: Mix | str, y: Profile, x: Profile) -> None:
         """Cover with a surface, as densely as the product of two profiles from 0 to 1."""
-        mixed = _mix(mix)
-
-        def bind(x_edges: FloatArray) -> Patches:
-            columns = x.span(x_edges)
-            across = x.means(x_edges[columns.start : columns.stop + 1])
-
-            def patches(y_edges: FloatArray) -> Iterator[Patch]:
-                rows = y.span(y_edges)
-                down = y.means(y_edges[rows.start : rows.stop + 1])
-                yield mixed, (rows, columns), down[:, None] * across
-
-            return patches
-
-        self._strokes.append(Stroke(y.low, y.high, frozenset(mixed), bind))
+        self._products(_mix(mix), ((y, x),), adds=False)
 
     def paint_box(self, mix: Mix | str, left: float, top: float, right: float, low: float) -> None:
         """Cover a rectangle given by its borders."""
@@ -141,35 +195,28 @@ class Drawing:
         radius_y: FloatArray,
     ) -> None:
         """Cover ellipses with axes along x and y, one after the other."""
-        ellipses = Ellipses(centre_x, centre_y, radius_x, radius_y)
+        shapes = np.array([centre_x, centre_y, radius_x, radius_y])
 
         def bind(x_edges: FloatArray) -> Patches:
             def patches(y_edges: FloatArray) -> Iterator[Patch]:
-                for index, place, share in ellipses.shares(x_edges, y_edges):
+                for index, place, share in _ellipse_shares(shapes, x_edges, y_edges):
                     yield mixes[index], place, share
 
             return patches
 
         names = frozenset(name for mix in mixes for name in mix)
-        self._strokes.append(Stroke(ellipses.top, ellipses.low, names, bind))
+        top, low = float((centre_y - radius_y).min()), float((centre_y + radius_y).max())
+        self._strokes.append(Stroke(top, low, names, bind))
 
-    def paint_trapezoid(
-        self,
-        mix: Mix | str,
-        *,
-        top: float,
-        low: float,
-        top_span: tuple[float, float],
-        low_span: tuple[float, float],
-    ) -> None:
-        """Cover a trapezoid with level upper and lower sides, given by their x spans."""
+    def paint_trapezoid(self, mix: Mix | str, upper: Side, lower: Side) -> None:
+        """Cover a trapezoid with level upper and lower sides."""
         mixed = _mix(mix)
-        height = low - top
+        (top, *at_top), (low, *at_low) = upper, lower
         sides = []
-        for sign, at_top, at_low in zip((1.0, -1.0), top_span, low_span, strict=True):
-            slope = (at_low - at_top) / height
-            sides.append((sign, -sign * slope, sign * (at_top - slope * top)))
-        left, right = min(top_span[0], low_span[0]), max(top_span[1], low_span[1])
+        for sign, start, end in zip((1.0, -1.0), at_top, at_low, strict=True):
+            slope = (end - start) / (low - top)
+            sides.append((sign, -sign * slope, sign * (start - slope * top)))
+        left, right = min(at_top[0], at_low[0]), max(at_top[1], at_low[1])
 
         def bind(x_edges: FloatArray) -> Patches:
             columns = span(left, right, x_edges)
@@ -191,83 +238,48 @@ class Drawing:
 
         self._strokes.append(Stroke(top, low, frozenset(mixed), bind))
 
+    def _products(self, mix: Mix, terms: Sequence[Term], *, adds: bool) -> None:
+        top, low = min(y.low for y, _ in terms), max(y.high for y, _ in terms)
+        left, right = min(x.low for _, x in terms), max(x.high for _, x in terms)
+
+        def bind(x_edges: FloatArray) -> Patches:
+            columns = span(left, right, x_edges)
+            across = _stacked([x for _, x in terms], x_edges[columns.start : columns.stop + 1])
+
+            def patches(y_edges: FloatArray) -> Iterator[Patch]:
+                rows = span(top, low, y_edges)
+                down = _stacked([y for y, _ in terms], y_edges[rows.start : rows.stop + 1])
+                yield mix, (rows, columns), down.T @ across if len(down) > 1 else down.T * across
+
+            return patches
+
+        self._strokes.append(Stroke(top, low, frozenset(mix), bind, adds))
+
     @property
     def names(self) -> tuple[str, ...]:
         """Surfaces and textures that it draws."""
         return tuple(sorted({self.background}.union(*(s.names for s in self._strokes))))
 
-    def bound(self, x_edges: FloatArray) -> list[Bound]:
-        """The strokes, ready for columns."""
-        return [Bound(stroke, x_edges) for stroke in self._strokes]
+    def bound(self, x_edges: FloatArray) -> list[tuple[bool, Patches]]:
+        """The strokes in order, ready for columns."""
+        return [stroke.on(x_edges) for stroke in self._strokes]
 
-    def render(
-        self,
-        radiances: Radiances,
-        *,
-        width: int,
-        height: int,
-        dtype: npt.DTypeLike,
-        for_each: ForEach = in_turn,
-        empty: Empty = np.empty,
-    ) -> npt.NDArray[np.floating]:
-        """Draw at `width` × `height` samples; sums are in double, rounded once."""
+    def render(self, radiances: Radiances, canvas: Canvas) -> npt.NDArray[np.floating]:
+        """The picture for these radiances."""
         known = with_textures(radiances, self.textures)
-        strokes = self.bound(cell_edges(count=width))
+        strokes = self.bound(cell_edges(count=canvas.width))
 
         def rows(start: int, stop: int) -> FloatArray:
-            y_edges = cell_edges(count=height, start=start, stop=stop)
-            block = np.full((stop - start, width), known[self.background])
-            for stroke in strokes:
-                for mix, place, share in stroke.patches(y_edges):
+            y_edges = cell_edges(count=canvas.height, start=start, stop=stop)
+            block = np.full((stop - start, canvas.width), known[self.background])
+            for adds, patches in strokes:
+                for mix, place, share in patches(y_edges):
                     target, value = block[place], radiance_of(mix, known)
-                    np.multiply(share, value if stroke.adds else value - target, out=share)
+                    np.multiply(share, value if adds else value - target, out=share)
                     target += share
             return block
 
-        return by_blocks(
-            width=width,
-            height=height,
-            dtype=dtype,
-            rows=rows,
-            samples=BLOCK_SAMPLES,
-            for_each=for_each,
-            empty=empty,
-        )
-
-
-def with_textures(radiances: Radiances, textures: Sequence[Texture]) -> Radiances:
-    """Radiances together with the textures' strengths, where these are not given with them."""
-    strengths = {
-        texture.name: texture.strength(radiances)
-        for texture in textures
-        if texture.name not in radiances
-    }
-    return {**radiances, **strengths}
-
-
-def by_blocks(
-    *,
-    width: int,
-    height: int,
-    dtype: npt.DTypeLike,
-    rows: Callable[[int, int], FloatArray],
-    for_each: ForEach,
-    samples: int = FORMULA_SAMPLES,
-    empty: Empty = np.empty,
-) -> npt.NDArray[np.floating]:
-    """Fill a picture from `rows(start, stop)`, about so many samples at a time.
-
-    `empty` makes the array, perhaps on disk.
-    """
-    picture = empty((height, width), np.dtype(dtype))
-    step = max(1, samples // width)
-
-    def fill(start: int) -> None:
-        stop = min(start + step, height)
-        picture[start:stop] = rows(start, stop)
-
-    for_each(fill, range(0, height, step))
-    return picture
+        return canvas.filled(rows, BLOCK_SAMPLES)
 
 
 def _mix(mix: Mix | str) -> Mix:
@@ -278,61 +290,36 @@ def _stacked(profiles: Sequence[Profile], edges: FloatArray) -> FloatArray:
     return np.concatenate([np.atleast_2d(profile.means(edges)) for profile in profiles])
 
 
-# Many ellipses at once: a crown of leaves costs little more than a leaf.
-
-BATCH_SAMPLES = 1 << 14
-
-
-class Ellipses:
-    """Ellipses with axes along x and y."""
-
-    def __init__(
-        self, centre_x: FloatArray, centre_y: FloatArray, radius_x: FloatArray, radius_y: FloatArray
-    ) -> None:
-        self._shapes = np.array([centre_x, centre_y, radius_x, radius_y])
-        self._low_x, self._high_x = centre_x - radius_x, centre_x + radius_x
-        self._low_y, self._high_y = centre_y - radius_y, centre_y + radius_y
-
-    @property
-    def top(self) -> float:
-        """Upper end of all."""
-        return float(self._low_y.min())
-
-    @property
-    def low(self) -> float:
-        """Lower end of all."""
-        return float(self._high_y.max())
-
-    def shares(
-        self, x_edges: FloatArray, y_edges: FloatArray
-    ) -> Iterator[tuple[int, tuple[slice, slice], FloatArray]]:
-        """Index, (rows, columns) and share of the samples around each ellipse that touches them."""
-        left, right = _spans(self._low_x, self._high_x, x_edges)
-        top, low = _spans(self._low_y, self._high_y, y_edges)
-        touching = np.flatnonzero((left < right) & (top < low))
-        if not touching.size:
-            return
-        # All have frames of the largest's size, shifted inward at the picture's borders.
-        wide, tall = (right - left)[touching].max(), (low - top)[touching].max()
-        x_start = np.minimum(left, x_edges.size - 1 - wide)
-        y_start = np.minimum(top, y_edges.size - 1 - tall)
-        count = max(1, BATCH_SAMPLES // int(wide * tall))
-        for begin in range(0, touching.size, count):
-            batch = touching[begin : begin + count]
-            centre_x, centre_y, radius_x, radius_y = self._shapes[:, batch]
-            shares = ellipse_coverage(
-                x_edges[x_start[batch, None] + np.arange(wide + 1)],
-                y_edges[y_start[batch, None] + np.arange(tall + 1)],
-                centre_x=centre_x,
-                centre_y=centre_y,
-                radius_x=radius_x,
-                radius_y=radius_y,
-            )
-            for index, share in zip(batch.tolist(), shares, strict=True):
-                x, y = x_start[index], y_start[index]
-                columns, rows = slice(left[index], right[index]), slice(top[index], low[index])
-                own = share[rows.start - y : rows.stop - y, columns.start - x : columns.stop - x]
-                yield index, (rows, columns), own
+def _ellipse_shares(
+    shapes: FloatArray, x_edges: FloatArray, y_edges: FloatArray
+) -> Iterator[tuple[int, Place, FloatArray]]:
+    """Index, (rows, columns) and share of the samples around each ellipse that touches them."""
+    centre_x, centre_y, radius_x, radius_y = shapes
+    left, right = _spans(centre_x - radius_x, centre_x + radius_x, x_edges)
+    top, low = _spans(centre_y - radius_y, centre_y + radius_y, y_edges)
+    touching = np.flatnonzero((left < right) & (top < low))
+    if not touching.size:
+        return
+    # All have frames of the largest's size, shifted inward at the picture's borders.
+    wide, tall = (right - left)[touching].max(), (low - top)[touching].max()
+    x_start = np.minimum(left, x_edges.size - 1 - wide)
+    y_start = np.minimum(top, y_edges.size - 1 - tall)
+    count = max(1, BATCH_SAMPLES // int(wide * tall))
+    for begin in range(0, touching.size, count):
+        batch = touching[begin : begin + count]
+        shares = ellipse_coverage(
+            x_edges[x_start[batch, None] + np.arange(wide + 1)],
+            y_edges[y_start[batch, None] + np.arange(tall + 1)],
+            centre_x=centre_x[batch],
+            centre_y=centre_y[batch],
+            radius_x=radius_x[batch],
+            radius_y=radius_y[batch],
+        )
+        for index, share in zip(batch.tolist(), shares, strict=True):
+            x, y = x_start[index], y_start[index]
+            columns, rows = slice(left[index], right[index]), slice(top[index], low[index])
+            own = share[rows.start - y : rows.stop - y, columns.start - x : columns.stop - x]
+            yield index, (rows, columns), own
 
 
 def _spans(
@@ -342,3 +329,64 @@ def _spans(
     last = edges.size - 1
     first = np.clip(np.searchsorted(edges, low, side="right") - 1, 0, last)
     return first, np.maximum(np.minimum(np.searchsorted(edges, high, side="left"), last), first)
+
+
+# Repeatable variety: numbers that depend on a counter alone, even places, and soft mottling.
+
+GOLDEN_STEPS = (0.7548776662466927, 0.5698402909980532)
+"""The plastic number's powers: fill the unit square evenly (Roberts 2018, R2 sequence)."""
+
+MOTTLED = 0.4
+"""Share of the least radiance within which mottling stays."""
+
+
+def scatter(count: int, *, seed: int) -> FloatArray:
+    """Numbers in 0 to 1 from counters by 64-bit mixing, the same on every machine.
+
+    Source: Steele, Lea, Flood 2014, SplitMix64.
+    """
+    z = (np.arange(count, dtype=np.uint64) + np.uint64(seed * 1_000_003 + 1)) * np.uint64(
+        0x9E3779B97F4A7C15
+    )
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    numbers: FloatArray = (z ^ (z >> np.uint64(31))).astype(np.float64) / 2.0**64
+    return numbers
+
+
+def mottle(
+    drawing: Drawing,
+    amplitude: Mix,
+    surfaces: tuple[str, ...],
+    *,
+    box: tuple[float, float, float, float],
+    coarse: float,
+    fine: float,
+    stretch: float = 1.0,
+    count: int,
+    seed: int,
+) -> None:
+    """Add plane waves of random direction over `box` (left, top, right, low).
+
+    The waves run from `coarse` to `fine` cycles per frame, weaker when finer, and `stretch`
+    times finer in y (ground seen at a grazing angle). A plane wave is a sum of two products,
+    so that its mean over each sample is exact.
+    """
+    left, top, right, low = box
+    size = coarse * (fine / coarse) ** scatter(count, seed=seed)
+    angle = np.pi * scatter(count, seed=seed + 1)
+    phase = 2.0 * np.pi * scatter(count, seed=seed + 2)
+    weight = np.sqrt(2.0 / count) * np.sqrt(coarse / size)
+    texture = Texture(f"mottle {seed}", amplitude, float(weight.sum()), MOTTLED, surfaces)
+    # A frequency of exactly 0 has no integral of this form; the sum keeps clear of it.
+    fx, fy = (np.where(f == 0.0, 1e-6, f) for f in (size * np.cos(angle), size * np.sin(angle)))
+    fy = fy * stretch
+    for_y = (
+        wave(top, low, cycles=fy, phase=0.0, height=weight),
+        wave(top, low, cycles=fy, phase=-0.5 * np.pi, height=-weight),
+    )
+    for_x = (
+        wave(left, right, cycles=fx, phase=phase),
+        wave(left, right, cycles=fx, phase=phase - 0.5 * np.pi),
+    )
+    drawing.add_texture(texture, *zip(for_y, for_x, strict=True))

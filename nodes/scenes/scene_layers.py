@@ -7,14 +7,21 @@ the shares are kept in small tiles, each with the surfaces that it shows.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from core.machine import ForEach, in_turn
-from nodes.scenes.coverage import FloatArray, Radiances, Texture, cell_edges
-from nodes.scenes.scene_canvas import Drawing, Place, with_textures
+from nodes.scenes.coverage import FloatArray, cell_edges
+from nodes.scenes.scene_canvas import (
+    Canvas,
+    Drawing,
+    Place,
+    Radiances,
+    Texture,
+    with_textures,
+)
 
 TILE = 16
 BLOCK_SAMPLES = 1 << 16
@@ -77,17 +84,18 @@ class Layers:
         return np.ascontiguousarray(picture[:height, :width])
 
 
-def layers_of(drawing: Drawing, *, width: int, height: int, dtype: npt.DTypeLike) -> Layers:
-    """Find the share of each surface at `width` × `height` samples; sums are in double."""
-    tiles = tuple(_tiles(drawing, width=width, height=height, dtype=dtype))
-    tile = min(TILE, height), min(TILE, width)
-    return Layers((height, width), tile, drawing.names, drawing.textures, tiles)
+def layers_of(drawing: Drawing, canvas: Canvas) -> Layers:
+    """Find the share of each surface in each sample; sums are in double."""
+    tile = min(TILE, canvas.height), min(TILE, canvas.width)
+    shape = canvas.height, canvas.width
+    tiles = tuple(_tiles(drawing, canvas))
+    return Layers(shape, tile, drawing.names, drawing.textures, tiles)
 
 
-def mean_shares(drawing: Drawing, *, width: int, height: int) -> FloatArray:
+def mean_shares(drawing: Drawing, canvas: Canvas) -> FloatArray:
     """Mean share of each of the drawing's names, without the shares of all samples in memory."""
-    tiles = _tiles(drawing, width=width, height=height, dtype=np.float64)
-    return _share_sums(tiles, len(drawing.names)) / (width * height)
+    tiles = _tiles(drawing, replace(canvas, dtype=np.float64))
+    return _share_sums(tiles, len(drawing.names)) / (canvas.width * canvas.height)
 
 
 def _share_sums(tiles: Iterable[Tiles], names: int) -> FloatArray:
@@ -98,7 +106,8 @@ def _share_sums(tiles: Iterable[Tiles], names: int) -> FloatArray:
     return sums
 
 
-def _tiles(drawing: Drawing, *, width: int, height: int, dtype: npt.DTypeLike) -> Iterator[Tiles]:
+def _tiles(drawing: Drawing, canvas: Canvas) -> Iterator[Tiles]:
+    width, height = canvas.width, canvas.height
     tall, wide = min(TILE, height), min(TILE, width)
     down, across = -(-height // tall), -(-width // wide)
     strokes = drawing.bound(cell_edges(count=width))
@@ -111,16 +120,16 @@ def _tiles(drawing: Drawing, *, width: int, height: int, dtype: npt.DTypeLike) -
         y_edges = cell_edges(count=height, start=start, stop=stop)
         # From front to back: what is seen of a stroke is what later ones have left.
         clear = np.ones((stop - start, width))
-        for stroke in reversed(strokes):
-            for mix, place, share in reversed(list(stroke.patches(y_edges))):
+        for adds, patches in reversed(strokes):
+            for mix, place, share in reversed(list(patches(y_edges))):
                 left = clear[place]
                 np.multiply(share, left, out=share)
-                if not stroke.adds:
+                if not adds:
                     left -= share
                 for name, part in mix.items():
                     sheet.add(name, place, part, share)
         sheet.add(drawing.background, (slice(0, stop - start), slice(0, width)), 1.0, clear)
-        yield from sheet.taken(first, last - first, drawing.names, dtype)
+        yield from sheet.taken(first, last - first, drawing.names, canvas.dtype)
 
 
 class _Sheet:

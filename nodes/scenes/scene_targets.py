@@ -7,23 +7,20 @@ the middle sample, or the corner between the four middle samples.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from core.errors import ParameterError
-from core.machine import ForEach, in_turn
-from core.scratch import Empty
 from nodes.scenes.coverage import (
     FloatArray,
-    difference,
+    band,
     ellipse_coverage,
     half_plane_coverage,
     star_coverage,
+    steps,
 )
-from nodes.scenes.profiles import band, steps
-from nodes.scenes.scene_canvas import Drawing, by_blocks
+from nodes.scenes.scene_canvas import Canvas, Drawing, difference
 
 Rows = Callable[[int, int], FloatArray]
 """The samples of the rows from one number to another."""
@@ -41,48 +38,40 @@ MAX_SPOKES = 1024
 
 def draw_target(
     kind: str,
+    canvas: Canvas,
     *,
-    width: int,
-    height: int,
     background: float,
     signal: float,
-    dtype: npt.DTypeLike,
     angle_deg: float = 0.0,
     frequency: float = 0.0,
-    for_each: ForEach = in_turn,
-    empty: Empty = np.empty,
 ) -> npt.NDArray[np.floating]:
-    """One of the targets; parameters as for `nodes.scenes.draw.draw_scene`."""
-    size: dict[str, Any] = {"width": width, "height": height, "dtype": dtype}
-    how = {**size, "for_each": for_each, "empty": empty}
+    """One of the targets; parameters as for `nodes.scenes.draw.draw_radiances`."""
+    width, height = canvas.width, canvas.height
     if kind in ("two_panel", "four_bar"):
         drawing = _two_panel() if kind == "two_panel" else _four_bar(width, height, frequency)
-        return drawing.render({"background": background, "signal": signal}, **how)
+        return drawing.render({"background": background, "signal": signal}, canvas)
     if kind == "sine":
-        rows = _sine(width, height, background, signal, angle_deg, frequency)
-    elif kind == "slanted_edge":
-        rows = _between(background, signal, _slanted_edge(width, height, angle_deg))
+        return canvas.filled(_sine(width, height, background, signal, angle_deg, frequency))
+    if kind == "slanted_edge":
+        shares = _slanted_edge(width, height, angle_deg)
     elif kind == "siemens_star":
-        rows = _between(background, signal, _siemens_star(width, height, frequency))
+        shares = _siemens_star(width, height, frequency)
     else:
-        rows = _uniform(width, background)
-        if kind == "point":
-            rows = _with_point(rows, height // 2, width // 2, signal)
-    return by_blocks(**how, rows=rows)
+        row, column = (height // 2, width // 2) if kind == "point" else (-1, 0)
+        return canvas.filled(_even(width, background, row, column, signal))
+    return canvas.filled(_between(background, signal, shares))
 
 
-def _uniform(width: int, background: float) -> Rows:
-    return lambda start, stop: np.full((stop - start, width), background)
+def _even(width: int, background: float, row: int, column: int, signal: float) -> Rows:
+    """The background, with the signal in one sample, if that is in the frame."""
 
-
-def _with_point(rows: Rows, row: int, column: int, signal: float) -> Rows:
-    def with_point(start: int, stop: int) -> FloatArray:
-        block = rows(start, stop)
+    def rows(start: int, stop: int) -> FloatArray:
+        block = np.full((stop - start, width), background)
         if start <= row < stop:
             block[row - start, column] = signal
         return block
 
-    return with_point
+    return rows
 
 
 def _between(background: float, signal: float, shares: Shares) -> Rows:

@@ -53,9 +53,8 @@ def surface_spectra(
     dict of str to ndarray
         (bands,) by surface name [W m⁻² sr⁻¹ µm⁻¹].
     """
-    warm = surface_temperatures(temperature_K=temperature_K, delta_K=delta_K)
-    names = [*SURFACES, *ALIKE]
-    kelvins = np.array([*warm, *(warm[names.index(other)] for other in ALIKE.values())])
+    kelvins = surface_temperatures(temperature_K=temperature_K, delta_K=delta_K)
+    names = list(SURFACES)
     sky_K = float(kelvins[names.index("zenith")])
     groups = _groups(emissivity)
     zenith = next(one for one, places in groups if names.index("zenith") in places)
@@ -81,32 +80,18 @@ def surface_spectra(
     return dict(zip(names, spectra, strict=True))
 
 
-def target_spectra(
-    *, edges_um: FloatArray, temperature_K: float, delta_K: float
-) -> tuple[FloatArray, FloatArray]:
-    """Spectral radiance of a black background and of a black target, the mean over each band."""
-    kelvins = np.array([temperature_K, temperature_K + delta_K])
-    bands = [
-        band_radiance(cut_on_um=low, cut_off_um=high, temperature_K=kelvins) / (high - low)
-        for low, high in pairwise(edges_um.tolist())
-    ]
-    background, signal = np.array(bands).T
-    return background, signal
-
-
 def _groups(emissivity: Emissivity) -> list[tuple[CoarseSpectrum, list[int]]]:
     """Reflectances, each with the places of the surfaces that have it."""
     groups: dict[CoarseSpectrum, list[int]] = {}
-    for place, name in enumerate((*SURFACES, *ALIKE)):
-        spectrum = MATERIALS[MATERIAL_OF[name]]
+    for place, (_, grey, material) in enumerate(SURFACES.values()):
+        spectrum = MATERIALS[material]
         if emissivity == "grey":
-            _, grey = SURFACES[ALIKE.get(name, name)]
             spectrum = CoarseSpectrum(((1.0, 1.0 - grey),))
         groups.setdefault(spectrum, []).append(place)
     return list(groups.items())
 
 
-# Reflectance spectra of the scenes' materials, 0.4 to 14 µm, and which surface is of which.
+# Reflectance spectra of the scenes' materials, 0.4 to 14 µm.
 #
 # Coarse points after the shapes of measured spectra (ASTER and ECOSTRESS spectral libraries:
 # Baldridge, Hook, Grove, Rivera 2009, Remote Sensing of Environment 113, 711; Meerdink, Hook,
@@ -213,49 +198,55 @@ MATERIALS: Mapping[str, CoarseSpectrum] = MappingProxyType(
     }
 )  # fmt: skip
 
-MATERIAL_OF: Mapping[str, str] = MappingProxyType(
+# Surfaces of the drawn scenes: how warm each is, how much of the sky it mirrors, what it is of.
+
+SKY_OFFSET = -2.6
+"""The zenith, and what surfaces mirror of it, in units of delta_K from temperature_K."""
+
+SURFACES: Mapping[str, tuple[float, float, str]] = MappingProxyType(
     {
-        "zenith": "clear sky",
-        "horizon": "haze",
-        "cloud": "cloud",
-        "hills": "leaves",
-        "brick": "brick",
-        "brick_shade": "brick",
-        "mortar": "concrete",
-        "concrete": "concrete",
-        "coping": "concrete",
-        "slab": "concrete",
-        "roof": "roofing",
-        "metal": "weathered zinc",
-        "vent": "painted metal",
-        "exhaust": "painted metal",
-        "plume": "cloud",
-        "frame": "white paint",
-        "glass_cool": "window glass",
-        "glass_mid": "window glass",
-        "glass_lit": "window glass",
-        "glass_open": "rubber",
-        "door": "painted metal",
-        "grille": "painted metal",
-        "lawn": "grass",
-        "lawn_near": "grass",
-        "soil": "soil",
-        "water": "water",
-        "asphalt": "asphalt",
-        "paving": "concrete",
-        "joint": "asphalt",
-        "marking": "white paint",
-        "kerb": "concrete",
-        "shade": "grass",
-        "bark": "bark",
-        "leaf_cool": "leaves",
-        "leaf_warm": "leaves",
-        "car_cool": "painted metal",
-        "car_warm": "painted metal",
-        "car_glass": "window glass",
-        "engine": "painted metal",
-        "tyre": "rubber",
-        "lamp": "window glass",
+        # name: (offset from temperature_K in units of delta_K, emissivity where grey, material)
+        "zenith": (SKY_OFFSET, 1.0, "clear sky"),
+        "horizon": (-1.45, 1.0, "haze"),
+        "cloud": (-1.9, 1.0, "cloud"),
+        "hills": (-0.95, 0.97, "leaves"),
+        "brick": (0.25, 0.94, "brick"),
+        "brick_shade": (0.02, 0.94, "brick"),
+        "mortar": (-0.12, 0.91, "concrete"),
+        "concrete": (0.60, 0.92, "concrete"),
+        "coping": (-0.45, 0.90, "concrete"),
+        "slab": (0.85, 0.92, "concrete"),
+        "roof": (-0.9, 0.90, "roofing"),
+        "metal": (-0.1, 0.55, "weathered zinc"),
+        "vent": (0.9, 0.85, "painted metal"),
+        "exhaust": (1.5, 0.95, "painted metal"),
+        "plume": (-0.2, 1.0, "cloud"),
+        "frame": (-0.20, 0.75, "white paint"),
+        "glass_cool": (-0.45, 0.84, "window glass"),
+        "glass_mid": (0.15, 0.84, "window glass"),
+        "glass_lit": (1.05, 0.86, "window glass"),
+        "glass_open": (1.5, 0.95, "rubber"),
+        "door": (1.35, 0.90, "painted metal"),
+        "grille": (1.2, 0.90, "painted metal"),
+        "lawn": (-0.5, 0.98, "grass"),
+        "lawn_near": (-0.2, 0.98, "grass"),
+        "asphalt": (0.6, 0.95, "asphalt"),
+        "paving": (0.42, 0.93, "concrete"),
+        "joint": (0.05, 0.95, "asphalt"),
+        "marking": (0.45, 0.90, "white paint"),
+        "kerb": (0.20, 0.92, "concrete"),
+        "shade": (-0.95, 0.98, "grass"),
+        "bark": (-0.45, 0.95, "bark"),
+        "leaf_cool": (-1.25, 0.97, "leaves"),
+        "leaf_warm": (-0.42, 0.97, "leaves"),
+        "car_cool": (-0.35, 0.90, "painted metal"),
+        "car_warm": (0.55, 0.92, "painted metal"),
+        "car_glass": (-0.95, 0.85, "window glass"),
+        "engine": (1.7, 0.92, "painted metal"),
+        "tyre": (0.95, 0.95, "rubber"),
+        "lamp": (1.4, 0.95, "window glass"),
+        "soil": (0.6, 0.95, "soil"),
+        "water": (-1.25, 0.97, "water"),
     }
 )
 
@@ -266,63 +257,9 @@ SHADED = ("shade", "brick_shade", "glass_open", "grille")
 """They see the sky, and not the Sun."""
 
 
-# Surfaces of the drawn scenes: how warm each is, and how much of the sky it mirrors.
-
-SKY_OFFSET = -2.6
-"""The zenith, and what surfaces mirror of it, in units of delta_K from temperature_K."""
-
-SURFACES: Mapping[str, tuple[float, float]] = MappingProxyType(
-    {
-        # name: (offset from temperature_K in units of delta_K, emissivity)
-        "zenith": (SKY_OFFSET, 1.0),
-        "horizon": (-1.45, 1.0),
-        "cloud": (-1.9, 1.0),
-        "hills": (-0.95, 0.97),
-        "brick": (0.25, 0.94),
-        "brick_shade": (0.02, 0.94),
-        "mortar": (-0.12, 0.91),
-        "concrete": (0.60, 0.92),
-        "coping": (-0.45, 0.90),
-        "slab": (0.85, 0.92),
-        "roof": (-0.9, 0.90),
-        "metal": (-0.1, 0.55),
-        "vent": (0.9, 0.85),
-        "exhaust": (1.5, 0.95),
-        "plume": (-0.2, 1.0),
-        "frame": (-0.20, 0.75),
-        "glass_cool": (-0.45, 0.84),
-        "glass_mid": (0.15, 0.84),
-        "glass_lit": (1.05, 0.86),
-        "glass_open": (1.5, 0.95),
-        "door": (1.35, 0.90),
-        "grille": (1.2, 0.90),
-        "lawn": (-0.5, 0.98),
-        "lawn_near": (-0.2, 0.98),
-        "asphalt": (0.6, 0.95),
-        "paving": (0.42, 0.93),
-        "joint": (0.05, 0.95),
-        "marking": (0.45, 0.90),
-        "kerb": (0.20, 0.92),
-        "shade": (-0.95, 0.98),
-        "bark": (-0.45, 0.95),
-        "leaf_cool": (-1.25, 0.97),
-        "leaf_warm": (-0.42, 0.97),
-        "car_cool": (-0.35, 0.90),
-        "car_warm": (0.55, 0.92),
-        "car_glass": (-0.95, 0.85),
-        "engine": (1.7, 0.92),
-        "tyre": (0.95, 0.95),
-        "lamp": (1.4, 0.95),
-    }
-)
-
-ALIKE: Mapping[str, str] = MappingProxyType({"soil": "asphalt", "water": "leaf_cool"})
-"""Surfaces as warm and, where they are grey, as bright as others."""
-
-
 def surface_temperatures(*, temperature_K: float, delta_K: float) -> FloatArray:
     """Temperature of each of `SURFACES` [K]; parameters and error as `surface_radiance`."""
-    offsets = np.array([offset for offset, _ in SURFACES.values()])
+    offsets = np.array([offset for offset, _, _ in SURFACES.values()])
     temperatures = temperature_K + offsets * delta_K
     if not float(temperatures.min()) > 0.0:
         low, high = -temperature_K / offsets.max(), -temperature_K / offsets.min()
@@ -356,27 +293,10 @@ def surface_radiance(
         Radiance [W m⁻² sr⁻¹] by surface name.
     """
     temperatures = surface_temperatures(temperature_K=temperature_K, delta_K=delta_K)
-    emissivity = np.array([share for _, share in SURFACES.values()])
+    emissivity = np.array([share for _, share, _ in SURFACES.values()])
     own = np.asarray(
         band_radiance(cut_on_um=cut_on_um, cut_off_um=cut_off_um, temperature_K=temperatures)
     )
     sky = own[list(SURFACES).index("zenith")]
     total = emissivity * own + (1.0 - emissivity) * sky
-    radiances = dict(zip(SURFACES, total.tolist(), strict=True))
-    return {**radiances, **{name: radiances[other] for name, other in ALIKE.items()}}
-
-
-def target_radiance(
-    *, cut_on_um: float, cut_off_um: float, temperature_K: float, delta_K: float
-) -> tuple[float, float]:
-    """Band radiance of a black background and of a black target that is delta_K warmer.
-
-    Parameters and unit as for `surface_radiance`.
-    """
-    levels = band_radiance(
-        cut_on_um=cut_on_um,
-        cut_off_um=cut_off_um,
-        temperature_K=np.array([temperature_K, temperature_K + delta_K]),
-    )
-    background, signal = levels.tolist()
-    return background, signal
+    return dict(zip(SURFACES, total.tolist(), strict=True))

@@ -41,8 +41,9 @@ fwhm = {{{widths}}}
 def samples():
     """Milliwatts, (rows, columns, bands), as they are stored."""
     from nodes.scenes.draw import draw_shares, scene_spectra, show_radiances
+    from nodes.scenes.scene_canvas import Canvas
 
-    shares = draw_shares(kind="dormitory", width=COLUMNS, height=ROWS, dtype=np.float64)
+    shares = draw_shares("dormitory", Canvas(COLUMNS, ROWS, np.float64))
     spectra = scene_spectra(
         kind="dormitory", cut_on_um=LOW_UM, cut_off_um=HIGH_UM, bands=BANDS, **LIGHT
     )

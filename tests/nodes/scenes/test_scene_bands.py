@@ -10,9 +10,8 @@ from cube_files import band_by_band
 from node_bench import NodeBench
 from nodes.library import standard_library
 from nodes.scenes import draw
-from nodes.scenes.coverage import KINDS
-from nodes.scenes.draw import scene_spectra
-from nodes.scenes.spectral_surfaces import ALIKE, MATERIAL_OF, MATERIALS, SHADED, SKY, SURFACES
+from nodes.scenes.draw import KINDS, scene_spectra
+from nodes.scenes.spectral_surfaces import MATERIALS, SHADED, SKY, SURFACES
 from planck_truth import band_radiance
 
 LIBRARY = standard_library()
@@ -67,8 +66,8 @@ def spectra(low, high, bands=1, **parameters):
 @pytest.mark.parametrize("name", ["brick", "lawn", "metal", "glass_lit", "shade", "horizon"])
 def test_a_surface_by_hand_in_a_narrow_band(name):
     low, high = 4.0, 4.002
-    offset, _ = SURFACES[name]
-    reflected = float(MATERIALS[MATERIAL_OF[name]].at(4.001))
+    offset, _, material = SURFACES[name]
+    reflected = float(MATERIALS[material].at(4.001))
     sky_reflected = float(MATERIALS["clear sky"].at(4.001))
     sun = (
         np.sin(np.radians(35.0)) * (6.957e8 / 1.495978707e11) ** 2 * band_radiance(low, high, 5800)
@@ -102,8 +101,7 @@ def test_plants_are_bright_beyond_the_edge_and_the_ground_is_not():
 
 
 def test_every_surface_has_a_material_and_every_material_a_surface():
-    assert set(MATERIAL_OF) == {*SURFACES, *ALIKE}
-    assert set(MATERIAL_OF.values()) == set(MATERIALS)
+    assert {material for _, _, material in SURFACES.values()} == set(MATERIALS)
     for spectrum in MATERIALS.values():
         assert all(0.0 <= value <= 1.0 and 0.3 < um <= 14.0 for um, value in spectrum.points)
 

@@ -6,9 +6,18 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from nodes.scenes.coverage import cell_edges, ellipse_coverage, half_plane_coverage, star_coverage
-from nodes.scenes.profiles import band, bell, power, steps, wave
-from nodes.scenes.scene_canvas import Drawing
+from nodes.scenes.coverage import (
+    band,
+    bell,
+    cell_edges,
+    ellipse_coverage,
+    half_plane_coverage,
+    power,
+    star_coverage,
+    steps,
+    wave,
+)
+from nodes.scenes.scene_canvas import Canvas, Drawing
 
 
 def clip_polygon(polygon, a, b, c):
@@ -122,13 +131,13 @@ def test_profiles_match_quadrature():
 def test_painted_shapes_match_supersampling():
     drawing = Drawing("wall")
     radiances = {"wall": 1.0, "roof": 3.0}
-    drawing.paint_trapezoid("roof", top=0.2, low=0.83, top_span=(0.4, 0.5), low_span=(0.1, 0.77))
-    picture = drawing.render(radiances, width=9, height=7, dtype=np.float64)
+    drawing.paint_trapezoid("roof", (0.2, 0.4, 0.5), (0.83, 0.1, 0.77))
+    picture = drawing.render(radiances, Canvas(9, 7, np.float64))
     fine_x = (np.arange(9 * 400) + 0.5) / (9 * 400)
     fine_y = ((np.arange(7 * 400) + 0.5) / (7 * 400))[:, None]
     way = (fine_y - 0.2) / 0.63
     inside = (way > 0) & (way < 1) & (fine_x > 0.4 - 0.3 * way) & (fine_x < 0.5 + 0.27 * way)
     exact = 1.0 + 2.0 * inside.reshape(7, 400, 9, 400).mean(axis=(1, 3))
     assert picture == pytest.approx(exact, abs=4e-3)
-    whole = drawing.render(radiances, width=1, height=1, dtype=np.float64)
+    whole = drawing.render(radiances, Canvas(1, 1, np.float64))
     assert whole[0, 0] == pytest.approx(1.0 + 2.0 * 0.63 * (0.1 + 0.67) / 2, rel=1e-14)

@@ -12,10 +12,15 @@ from core.machine import Workers
 from core.network.network import Network, Node
 from nodes.library import standard_library
 from nodes.scenes import scene_layers as layers
-from nodes.scenes.coverage import Texture, between, difference
-from nodes.scenes.draw import MOST_SAMPLES, draw_scene, draw_shares, scene_radiances, show_radiances
-from nodes.scenes.profiles import band
-from nodes.scenes.scene_canvas import Drawing
+from nodes.scenes.coverage import band
+from nodes.scenes.draw import (
+    MOST_SAMPLES,
+    draw_radiances,
+    draw_shares,
+    scene_radiances,
+    show_radiances,
+)
+from nodes.scenes.scene_canvas import Canvas, Drawing, Texture, between, difference
 from nodes.scenes.scene_layers import layers_of
 from planck_truth import band_radiance
 
@@ -32,7 +37,7 @@ EPS = float(np.finfo(np.float32).eps)
 
 
 def shares_of(kind, width, height, dtype):
-    return draw_shares(kind=kind, width=width, height=height, dtype=dtype, **GEOMETRY[kind])
+    return draw_shares(kind, Canvas(width, height, dtype), **GEOMETRY[kind])
 
 
 def with_radiance(kind, shares, **sources):
@@ -41,8 +46,8 @@ def with_radiance(kind, shares, **sources):
 
 def at_once(kind, width, height, **sources):
     other = {"angle_deg": 0.0, "frequency": 1.0, **GEOMETRY[kind]}
-    size = {"width": width, "height": height, "dtype": np.float64}
-    return draw_scene(kind=kind, **size, **BAND, **sources, **other)
+    radiances = scene_radiances(kind=kind, **BAND, **sources)
+    return draw_radiances(radiances, Canvas(width, height, np.float64), kind=kind, **other)
 
 
 def rounding(shares):
@@ -89,14 +94,14 @@ def test_shares_of_strokes_one_upon_the_other():
     strength = 0.4 * 1.0 / 2.0  # asked for 3 − 1, but held within 0.4 of the sky, the least
     below = 0.5 * 1.0 + 0.375 * 3.0 + 0.125 * 7.0 + 0.25 * strength
     exact = 0.5 * below + 0.5 * (0.75 * 5.0 + 0.25 * 1.0)
-    shares = layers_of(drawing, width=1, height=1, dtype=np.float64)
+    shares = layers_of(drawing, Canvas(1, 1, np.float64))
     assert shares.picture(radiances) == pytest.approx(np.array([[exact]]), rel=1e-15)
-    painted = drawing.render(radiances, width=1, height=1, dtype=np.float64)
+    painted = drawing.render(radiances, Canvas(1, 1, np.float64))
     assert painted == pytest.approx(np.array([[exact]]), rel=1e-15)
 
 
 def test_background_alone_is_even():
-    shares = layers_of(Drawing("sky"), width=40, height=30, dtype=np.float32)
+    shares = layers_of(Drawing("sky"), Canvas(40, 30, np.float32))
     assert np.array_equal(shares.picture({"sky": 2.5}), np.full((30, 40), 2.5, np.float32))
 
 

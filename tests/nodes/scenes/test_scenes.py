@@ -10,24 +10,20 @@ from core.evaluation.policy import Policy
 from node_bench import NodeBench
 from nodes.library import standard_library
 from nodes.scenes import scene_canvas as canvas_module
-from nodes.scenes.coverage import KINDS
-from nodes.scenes.draw import draw_scene
+from nodes.scenes.draw import KINDS, draw_radiances, scene_radiances
+from nodes.scenes.scene_canvas import Canvas
 from planck_truth import band_radiance
 
-BASE = {
-    "cut_on_um": 8.0,
-    "cut_off_um": 12.0,
-    "temperature_K": 303.0,
-    "delta_K": 10.0,
-    "angle_deg": 5.0,
-    "frequency": 12.0,
-    "dtype": np.float64,
-}
+SOURCES = {"cut_on_um": 8.0, "cut_off_um": 12.0, "temperature_K": 303.0, "delta_K": 10.0}
+GEOMETRY = {"angle_deg": 5.0, "frequency": 12.0}
 EXACT_KINDS = ("slanted_edge", "four_bar", "sine", "two_panel", "uniform")
 
 
-def scene(kind, width, height, **changes):
-    return draw_scene(kind=kind, width=width, height=height, **{**BASE, **changes})
+def scene(kind, width, height, dtype=np.float64, **changes):
+    values = {**SOURCES, **GEOMETRY, **changes}
+    radiances = scene_radiances(kind=kind, **{name: values[name] for name in SOURCES})
+    geometry = {name: values[name] for name in GEOMETRY}
+    return draw_radiances(radiances, Canvas(width, height, dtype), kind=kind, **geometry)
 
 
 def block_mean(picture):
