@@ -108,8 +108,6 @@ def faults_of(
 
 @dataclass(frozen=True)
 class _Trial:
-    """A module with parameters, where it is tried."""
-
     module: type[Module]
     params: Params
     scene: Params
@@ -119,7 +117,6 @@ class _Trial:
         return planned(self.module, {**self.params, **changes}, self.scene, self.folder)
 
     def values(self, policy: Policy, **changes: Any) -> dict[str, Any]:
-        """Every output by its name."""
         engine, plan = self.planned(**changes)
         work = engine.work(policy)
         return {name: engine.value(plan, f"{IT}.{name}", work) for name in plan.nodes[IT].outputs}

@@ -81,7 +81,6 @@ def missing_modules(library: Library) -> list[str]:
 
 
 def _package(point: EntryPoint) -> str:
-    """The package's name, as Python would import it."""
     name = point.dist.name if point.dist is not None else point.module.partition(".")[0]
     return re.sub(r"[-_.]+", "_", name).lower()
 

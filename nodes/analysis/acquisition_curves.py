@@ -235,7 +235,6 @@ def _relative_noise(
 
 @ends_lineage
 def probability_curve(work: Work, result: Acquisition | Unseen) -> CurveData:
-    """Probabilities against range."""
     if isinstance(result, Unseen):
         return result.curve("Target acquisition", "range (km)", "probability")
     km = result.range_m / 1000.0

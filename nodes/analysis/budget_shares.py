@@ -39,7 +39,6 @@ class NoiseShare:
 
     @property
     def sigma(self) -> float:
-        """Deviation of both kinds together."""
         return math.hypot(self.temporal or 0.0, self.fixed or 0.0)
 
 
@@ -54,7 +53,6 @@ class NoiseShares:
 
     @property
     def sigma(self) -> float:
-        """Deviation of all noise together."""
         return math.hypot(self.temporal, self.fixed)
 
 
@@ -69,7 +67,6 @@ class BlurShare:
 
     @property
     def losses(self) -> tuple[float, float]:
-        """−ln |MTF| across and along."""
         return loss(mtf=self.mtf[0]), loss(mtf=self.mtf[1])
 
 
@@ -86,7 +83,6 @@ class BlurShares:
 
     @property
     def mtf(self) -> tuple[float, float]:
-        """|MTF| of all stages together, across and along."""
         x, y = (math.prod((share.mtf[axis] for share in self.shares), start=1.0) for axis in (0, 1))
         return x, y
 

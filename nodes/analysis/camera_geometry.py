@@ -49,7 +49,6 @@ CURVE_POINTS = 129
 
 @ends_lineage
 def laid_footprints(_: Work, *, camera: Camera, ground: Ground, strips: int) -> Footprints:
-    """The camera's footprints on the scene."""
     return _laid(camera, ground, strips)
 
 
@@ -76,7 +75,6 @@ def _laid(camera: Camera, ground: Ground, strips: int) -> Footprints:
 @in_blocks()
 @ends_lineage
 def covered(work: Work, laid: Footprints) -> Array:
-    """Share of each footprint that lies on the scene."""
     return footprint_coverage(
         laid=laid, dtype=work.policy.dtype, for_each=work.for_each, empty=work.empty
     )
@@ -107,14 +105,12 @@ def sampled(
 
 
 def swath_m(camera: Camera) -> float:
-    """Length of the middle line on the ground."""
     x, y = ground_points(camera=camera, u=[0.0, camera.columns], v=0.5 * camera.rows)
     return float(np.hypot(x[1] - x[0], y[1] - y[0]))
 
 
 @ends_lineage
 def ground_curve(_: Work, *, camera: Camera) -> CurveData:
-    """Ground samples along the middle line, against the view angle."""
     count = min(camera.columns, CURVE_POINTS)
     u = np.linspace(0.5, camera.columns - 0.5, count)
     samples = [ground_sample(camera=camera, u=float(column), v=0.5 * camera.rows) for column in u]
@@ -188,8 +184,6 @@ class Ground:
 
 
 class CameraSettings(Module):
-    """The camera's parameters."""
-
     kind: Annotated[
         Kind, Param("line scanner, pushbroom, or framing camera that takes all lines at once")
     ] = "line"
@@ -321,7 +315,6 @@ class CameraSettings(Module):
         return velocity / rate
 
     def ground(self, image: Image) -> Ground:
-        """The scene on the ground."""
         x, y = self.ground_interval_m, self.ground_interval_y_m or self.ground_interval_m
         if x is None and image.interval_x_mrad is not None:
             x = image.interval_x_mrad / 1000.0 * self.altitude_m
@@ -344,8 +337,6 @@ class CameraSettings(Module):
 
 
 class CameraOutputs(NamedTuple):
-    """The picture, what of its samples lies on the scene, and where they lie."""
-
     image: Image
     coverage: Image
     curve: Curve
@@ -417,7 +408,6 @@ class CameraGeometry(
     )
 
     def run(self, image: Image, here: NodeContext) -> CameraOutputs:
-        """Plan the sampling."""
         camera, ground = self.camera(image), self.ground(image)
         check_horizon(camera=camera)
         self._check_inside(camera, ground)
@@ -453,7 +443,6 @@ class CameraGeometry(
         )
 
     def _check_inside(self, camera: Camera, ground: Ground) -> None:
-        """Refuse a scene that is too small."""
         if self.outside == "fill":
             return
         bounds, (half_x, half_y) = ground_bounds(camera=camera), ground.reach_m

@@ -27,8 +27,6 @@ Array = NDArray[Any]
 
 
 class CompareOutputs(NamedTuple):
-    """Figures, image less reference, and the ratio of their spectra."""
-
     table: Table
     difference: Image
     curve: Curve
@@ -64,7 +62,6 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
     ] = "reflect"
 
     def run(self, image: Image, reference: Image, here: NodeContext) -> CompareOutputs:
-        """Plan the comparison."""
         if image.shape != reference.shape:
             raise DataError(
                 f"the image is {image.columns} × {image.rows} samples and the reference "
@@ -106,7 +103,6 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
 @in_blocks()
 @ends_lineage
 def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableData:
-    """Figures of the difference, in double precision."""
     largest, sums = 0.0, []
     for a, b in zip(blocks(image, work.check), blocks(reference, work.check), strict=True):
         difference = a - b

@@ -47,8 +47,6 @@ _OF_PLATFORM: dict[str, Scanning] = {
 
 
 class MeritOutputs(NamedTuple):
-    """Threshold curves, probabilities and figures."""
-
     mrtd: Curve
     mdtd: Curve
     probability: Curve
@@ -304,7 +302,6 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         )
 
     def _refuse_reflected(self, band_um: tuple[float, float]) -> None:
-        """Light that is reflected has no temperature (`DataError`)."""
         if band_um[0] >= SHORTEST_THERMAL_UM or self.background_K is not None:
             return
         raise DataError(

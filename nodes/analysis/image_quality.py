@@ -38,15 +38,12 @@ from nodes.shared.module_ports import table_figure
 
 
 class QualityOutputs(NamedTuple):
-    """Edge responses, and the equations with what they are made of."""
-
     edge: Curve
     table: Table
 
 
 @ends_lineage
 def typed_snr(work: Work, *, snr: float) -> float:
-    """The SNR that is typed in."""
     return snr
 
 
@@ -125,7 +122,6 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
 
     def run(self, context: Context, image: Image, here: NodeContext) -> QualityOutputs:
-        """Plan edge, noise and figures as values of their own."""
         image = with_interval(image, context)
         passed, grid, node = transfer_of(image), image.grid(), here.node
         edge = here.step(edge_quality, stages=passed.part("mtf"), grid=grid)
@@ -293,7 +289,6 @@ def _mean(what: str, values: tuple[float, float]) -> float:
 
 @ends_lineage
 def edge_curve(work: Work, edge: EdgeQuality) -> CurveData:
-    """The edge responses across and along."""
     series = tuple(
         Series(name, _DRAWN, response)
         for name, response in zip(("across", "along"), edge.response, strict=True)
@@ -303,7 +298,6 @@ def edge_curve(work: Work, edge: EdgeQuality) -> CurveData:
 
 @ends_lineage
 def limits_caution(work: Work, table: TableData) -> Caution | None:
-    """Values outside those that the equations were fitted to."""
     figures = table.as_dict()
     values = {name: figures[name] for name in ("gsd_inch", "rer", "overshoot", "snr")}
     known = {name: math.inf if value is None else float(value) for name, value in values.items()}

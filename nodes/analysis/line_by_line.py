@@ -60,7 +60,6 @@ def mixed(
 
 @ends_lineage
 def picture_of(_: Work, filtered: Filtered) -> Array:
-    """The samples."""
     return filtered.picture
 
 
@@ -141,8 +140,6 @@ def _percent(span: float) -> float:
 
 
 class LineOutputs(NamedTuple):
-    """The picture both ways, their difference, and where it is how large."""
-
     image: Image
     whole: Image
     difference: Image
@@ -251,7 +248,6 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     def run(
         self, context: Context, magnitude: Magnitude, phase: Phase, here: NodeContext
     ) -> LineOutputs:
-        """Plan both ways and their difference."""
         source = _source(context, magnitude, phase)
         whole = back_transform(magnitude, phase, node=here.node)
         chain = self._chain(magnitude, phase)
@@ -376,7 +372,6 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
 
 
 def _source(context: Context, magnitude: Magnitude, phase: Phase) -> Image:
-    """The one frame that was scanned."""
     source = one_source(magnitude, phase, wanted="frame to scan", refusal="no scanner sees")
     if context.grid != magnitude.grid or context.edges != magnitude.edges:
         raise DataError("context and magnitude stem from different Init & Trans: link the same")

@@ -105,7 +105,6 @@ def _axis(measured: Measured, axis: Axis) -> tuple[Axis, float]:
 
 @ends_lineage
 def figure_of(work: Work, measured: Measured, *, name: str) -> float | None:
-    """One figure, frequencies in cycles per pixel or per mrad by the name."""
     if name == "edge_angle_deg":
         return measured.angle_deg
     if name.startswith("at_nyquist"):
@@ -118,8 +117,6 @@ def figure_of(work: Work, measured: Measured, *, name: str) -> float | None:
 
 
 def _expected_rows(expected: Expected | None, factor: float, unit: str) -> list[TableRow]:
-    """Figures, without values where nothing is expected."""
-
     def scaled(value: float | None) -> float | None:
         return None if value is None else value * factor
 
@@ -141,7 +138,6 @@ def _expected_rows(expected: Expected | None, factor: float, unit: str) -> list[
 def expected_figure(
     _work: Work, measured: Measured, expected: Expected, *, name: str
 ) -> float | None:
-    """One figure for a read-out; frequencies in cycles/mrad."""
     if name == "expected_at_nyquist":
         return expected.at_nyquist
     if name == "largest_difference":
@@ -154,8 +150,6 @@ _PIXELS = (0, 1024)  # of sliders
 
 
 class MeasuredOutputs(NamedTuple):
-    """MTF, edge and line spread, and figures."""
-
     curve: Curve
     spread: Curve
     table: Table
@@ -268,7 +262,6 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     )
 
     def run(self, image: Image, here: NodeContext) -> MeasuredOutputs:
-        """Plan the measurement."""
         known = image.interval_x_mrad is not None and image.interval_y_mrad is not None
         settings: dict[str, Any] = {
             "where": self._where(image),

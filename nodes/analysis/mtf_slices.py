@@ -30,8 +30,6 @@ _ALIKE = 0.999  # of one another, where one mark is enough
 
 
 class CurveOutput(NamedTuple):
-    """Curves."""
-
     curve: Curve
 
 
@@ -72,7 +70,6 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
     )
 
     def run(self, transfer: Transfer | Magnitude, here: NodeContext) -> CurveOutput:
-        """Plan the curves."""
         part: Part = transfer.part if isinstance(transfer, Transfer) else "mtf"
         if isinstance(transfer, Transfer) and transfer.own is not None:
             recipe = here.step(
@@ -155,7 +152,6 @@ def _at(transfer: Transfer | Magnitude, line: Line, frequency: float | None) -> 
 
 @ends_lineage
 def value_at(work: Work, *, stage: Stage, part: Part, line: Line, frequency: float) -> float:
-    """Value at one frequency of the line."""
     return float(stage_along(work, stage, part, line, np.array([frequency]))[0])
 
 
@@ -171,7 +167,6 @@ def slices(
     stagewise: bool,
     marks: tuple[CurveMark, ...],
 ) -> CurveData:
-    """Curves of the stages, if `stagewise`, and of the total."""
     series = []
     for line in lines:
         frequency = line.frequencies(grid, samples)

@@ -29,15 +29,11 @@ from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
 
 
 class NoiseOutputs(NamedTuple):
-    """Components as bars, and as figures."""
-
     curve: Curve
     table: Table
 
 
 def _figure(name: str, meaning: str) -> Callable[..., Recipe]:
-    """A read-out that is one figure of the table."""
-
     def method(self: Module, outputs: NoiseOutputs) -> Recipe:
         return Step.of(sigma_of, outputs.table.recipe, name=name)
 
@@ -98,7 +94,6 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
             raise ParameterError("frames", 1, "0, or 2 and more")
 
     def run(self, here: NodeContext, image: Image | None = None) -> NoiseOutputs:
-        """Plan the prediction, and the frames if any."""
         if image is None and self.path is None:
             raise ParameterError("path", None, "a file of frames, where no image is linked")
         noises: tuple[Recipe, ...] = ()
@@ -134,7 +129,6 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
 
 
 def frames_in_file(path: Path, here: NodeContext, image: Image | None) -> tuple[Recipe, str]:
-    """Recipe of the noise of the frames in a file, and their unit, empty where it names none."""
     file = readable_file((here.folder / path).absolute())
     stamps = stamps_of(file, header_beside(file))
     known = _described(file, stamps)
@@ -200,7 +194,6 @@ class FrameNoise(Recipe):
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """The first frame, and what it is compared with."""
         return self.picture, self.clean
 
     @property
@@ -260,7 +253,6 @@ def table_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> Tabl
 def _kinds(
     noises: tuple[ImageNoise | MeasuredNoise, ...],
 ) -> tuple[ImageNoise | None, MeasuredNoise | None]:
-    """What is predicted and what is measured, if it is."""
     predicted = next((one for one in noises if isinstance(one, ImageNoise)), None)
     return predicted, next((one for one in noises if isinstance(one, MeasuredNoise)), None)
 

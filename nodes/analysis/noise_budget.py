@@ -23,8 +23,6 @@ from nodes.shared.module_ports import table_figure
 
 
 class BudgetOutputs(NamedTuple):
-    """Bars of noise and blur, and figures."""
-
     noise: Curve
     blur: Curve
     table: Table
@@ -71,7 +69,6 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     panel = (Section("Noise and blur", ("noise", "frequency", "show")),)
 
     def run(self, image: Image, here: NodeContext) -> BudgetOutputs:
-        """Plan both budgets."""
         node, grid, passed = here.node, image.grid(), transfer_of(image)
         noise = here.step(noise_shares, NoiseOf(image, node), kind=self.noise)
         blur = here.step(

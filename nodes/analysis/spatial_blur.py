@@ -33,8 +33,6 @@ MOST_MULTIPLICATIONS = 1e12  # about a quarter of an hour
 
 
 class SpatialOutputs(NamedTuple):
-    """The picture, its impulse response, and what the convolution took."""
-
     image: Image
     curve: Curve
     table: Table
@@ -86,7 +84,6 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     )
 
     def run(self, magnitude: Magnitude, phase: Phase, here: NodeContext) -> SpatialOutputs:
-        """Plan the convolution."""
         source = one_source(
             magnitude, phase, wanted="scene to convolve", refusal="no convolution combines"
         )
@@ -163,7 +160,6 @@ def _lags(size: int, before: int, interval_mrad: float) -> NDArray[np.float64]:
 
 @ends_lineage
 def kernel_table(_: Work, kernels: Kernels) -> TableData:
-    """Sizes of the kernels and what cutting them short costs."""
     planes = [kernel for kernel in kernels.passes if min(kernel.taps.shape) > 1]
     lines = [kernel for kernel in kernels.passes if min(kernel.taps.shape) == 1]
     across = sum(kernel.taps.size for kernel in lines if kernel.taps.shape[0] == 1)
@@ -287,14 +283,11 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Kernels:
-    """The passes in order, and the response to a uniform frame."""
-
     passes: tuple[Kernel, ...]
     at_zero: float
 
     @property
     def taps(self) -> int:
-        """Multiplications a sample."""
         return sum(kernel.taps.size for kernel in self.passes)
 
     @property

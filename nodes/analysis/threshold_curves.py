@@ -60,7 +60,6 @@ class Sensitivity:
 
     @property
     def netd_K(self) -> float:  # noqa: N802
-        """Temporal noise as a temperature difference."""
         return float(np.sqrt(max(self.noise_K2.temporal, 0.0)))
 
 
@@ -285,7 +284,6 @@ class Unseen:
     reason: str
 
     def curve(self, title: str, x_label: str, y_label: str) -> CurveData:
-        """A plot without curves."""
         return CurveData(title, x_label, y_label, ())
 
 

@@ -162,7 +162,6 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        """Plan turbulence and turbidity."""
         bands = self._bands(magnitude)
         factors = *self._turbulence(context, here, bands), *self._aerosol(context, here, bands)
         return self.mtf_outputs(magnitude, *factors)

@@ -40,8 +40,6 @@ from nodes.shared.steps import mean_of
 
 
 class PathOutputs(NamedTuple):
-    """The picture as it reaches the camera, and what the path does by wavelength."""
-
     image: Image
     table: Table
 
@@ -133,7 +131,6 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             raise ParameterError("path", None, "a tape7 of MODTRAN, or a CSV of three columns")
 
     def run(self, image: Image, here: NodeContext, context: Context | None = None) -> PathOutputs:
-        """Plan the mean over the band, and the picture behind the path."""
         factor = _factor(image.unit)
         air = self.air(image, here, context)
         band = image.band_um
@@ -171,7 +168,6 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         return PathOutputs(image.with_recipe(made, bands=stack, air=(*image.air, air)), table)
 
     def air(self, image: Image, here: NodeContext, context: Context | None) -> AirPath:
-        """The path as the parameters have it."""
         given: dict[str, Any] = {"range_m": self._range(image, context), "air_K": self.air_K}
         if self.model == "modtran":
             assert self.path is not None
@@ -351,22 +347,18 @@ class ThroughAir(Linear):
 
     @property
     def level(self) -> Recipe:
-        """The transmission, about the mean."""
         return Step.of(dimming, Step.of(mean_of, self.before), self.over)
 
     @property
     def before_camera(self) -> bool:
-        """True: behind it is the camera."""
         return True
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Dimmed, where the scene has any."""
         return power.scaled(work.value(self.over).transmission)
 
 
 @ends_lineage
 def dimming(work: Work, mean: float, over: PathBand) -> LevelChange:
-    """What is left of the scene."""
     return LevelChange(over.transmission, mean, over.transmission * mean)
 
 
@@ -393,7 +385,6 @@ def path_table(
     band_um: Band | None,
     source_K: float | None,
 ) -> TableData:
-    """Figures of the band, then transmission and path radiance over it."""
     depth = over.optical_depth
     weighted_by = None if air.is_grey else (scene_K[0] if scene_K else source_K)
     rows = [

@@ -35,8 +35,6 @@ _BRIGHTEST = 1e30  # W/m²/µm
 
 
 class LightOutputs(NamedTuple):
-    """The radiance, and the light."""
-
     image: Image
     table: Table
 
@@ -97,7 +95,6 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     )
 
     def run(self, image: Image, here: NodeContext) -> LightOutputs:
-        """Plan the radiance of each sample."""
         share, light = _share(image.unit), self._light(here)
         if image.bands is not None:
             made = self._of_cube(image, image.bands, light, share, here)
@@ -225,11 +222,9 @@ class Lit(Linear):
 
     @property
     def gain(self) -> float:
-        """That radiance."""
         return self.white
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Multiplied by it."""
         return power.scaled(self.white)
 
 
@@ -263,21 +258,17 @@ class GreyBands(BandStack):
         return self.image.key, self.white
 
     def sums(self, weights: Rows) -> Recipe:
-        """The picture times a number for each sum."""
         return stacked(tuple(self.picture(row) for row in weights))
 
     def picture(self, weights: Row) -> Recipe:
-        """The picture times a number."""
         return Step.of(
             reflected, self.image, node=self.node, white=float(np.dot(weights, self.white))
         )
 
     def means(self) -> Recipe:
-        """Mean of the picture times that of each band."""
         return Step.of(_means, self.image, node=self.node, white=self.white)
 
     def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe:
-        """Mean of the samples times the radiance of each band."""
         region = Region(row, column, rows, columns)
         return Step.of(_means_there, self.image, node=self.node, white=self.white, region=region)
 
@@ -310,7 +301,6 @@ def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
 
 @ends_lineage
 def light_table(work: Work, *, light: Sunlight, band_um: tuple[float, float]) -> TableData:
-    """Figures of the light in the band."""
     total = light.over_band(*band_um)
     rows = (
         TableRow("irradiance", total, "W/m²", "sun and sky on a horizontal surface"),

@@ -32,7 +32,6 @@ class ChargeEffMTF(
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        """Plan the loss."""
         factors = separable(
             charge_transfer_mtf,
             x=None if self.neutral() else self.law(),

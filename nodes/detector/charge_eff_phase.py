@@ -34,7 +34,6 @@ class ChargeEffPhase(
     )
 
     def run(self, context: Context, phase: Phase, here: NodeContext) -> PtfOutputs:
-        """Plan the shift."""
         factors = separable(
             charge_transfer_ptf,
             x=None if self.neutral() else self.law(),

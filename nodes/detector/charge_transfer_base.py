@@ -37,11 +37,9 @@ class ChargeTransfer(Module):
     )
 
     def neutral(self) -> bool:
-        """Whether all charge moves on."""
         return self.detectors_per_line == 0 or self.efficiency == 1.0
 
     def law(self) -> dict[str, Any]:
-        """Arguments of the physics functions but for the phase."""
         return {
             "transfers": self.detectors_per_line,
             "efficiency": self.efficiency,

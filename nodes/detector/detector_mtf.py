@@ -50,7 +50,6 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        """Plan the average."""
         factors = separable(
             aperture_mtf,
             x={"effective_ifov_mrad": self.ifov_x_mrad(context)},

@@ -34,8 +34,6 @@ from nodes.shared.steps import difference, picture_range
 
 
 class FocalPlaneOutputs(NamedTuple):
-    """The picture as it leaves the camera, its electrons and noise, what is clipped, figures."""
-
     image: Image
     electrons: Image
     noise: Image
@@ -187,7 +185,6 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         numbers: dict[str, float],
         here: NodeContext,
     ) -> Image:
-        """The digitized picture in the units wanted."""
         if self.bits:
             made = here.step(steps.digitized, electrons, bits=self.bits, **numbers)
             if self.units == "dn":

@@ -58,7 +58,6 @@ class Collection:
 
     @property
     def optics_e(self) -> float:
-        """Electrons of the optics' own emission."""
         if self.optics_K is None:
             return 0.0
         photons = float(self.weights.efficiency.photon_radiance(self.optics_K))
@@ -66,7 +65,6 @@ class Collection:
 
     @property
     def housing_e(self) -> float:
-        """Electrons of the housing."""
         if self.housing_K is None:
             return 0.0
         return self.housing_m2_s_sr * float(self.weights.efficiency.photon_radiance(self.housing_K))
@@ -79,8 +77,6 @@ class Collection:
 
 @dataclass(frozen=True)
 class ReadOut:
-    """What becomes of the electrons."""
-
     read_noise_e: float
     frames: int
     prnu_percent: float
@@ -131,12 +127,10 @@ class ElectronLevels:
 
     @property
     def total_e(self) -> float:
-        """All electrons of the mean."""
         return max(self.signal_e + self.pedestal_e, 0.0)
 
     @property
     def brightest_e(self) -> float:
-        """All electrons of the greatest radiance."""
         scene = self.conversion.electrons(np.array([self.seen.high]))
         return max(float(scene[0]) + self.pedestal_e, 0.0)
 
@@ -204,7 +198,6 @@ def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
 def bent_level(
     work: Work, levels: ElectronLevels, *, full_well_e: float, nonlinearity_percent: float
 ) -> LevelChange:
-    """The change by a response that is not straight."""
     slope = bent_slope(
         electrons=levels.total_e, full_well_e=full_well_e, nonlinearity_percent=nonlinearity_percent
     )
@@ -213,14 +206,12 @@ def bent_level(
 
 @ends_lineage
 def radiance_level(work: Work, levels: ElectronLevels) -> LevelChange:
-    """The change from electrons back to radiance."""
     gain = 1.0 / levels.slope if levels.slope > 0.0 else 0.0
     gain *= levels.radiance_per_photon or 1.0
     return LevelChange(gain, levels.total_e, levels.signal_e * gain)
 
 
 def _bent_mean(levels: ElectronLevels, reading: ReadOut) -> float:
-    """Electrons of the mean as the read-out sees them."""
     if reading.full_well_e is None:
         return levels.total_e
     return bent_response(

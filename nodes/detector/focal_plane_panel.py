@@ -225,7 +225,6 @@ class FocalPlanePanel(SeededModule):
             )
 
     def read_out(self) -> ReadOut:
-        """What becomes of the electrons."""
         gain = self.gain_e_per_dn
         if gain is None:
             gain = 1.0
@@ -294,7 +293,6 @@ class FocalPlanePanel(SeededModule):
         )
 
     def area_cm2(self, context: Context) -> float:
-        """Light-sensitive area of a pixel."""
         return detector_area_cm2(
             pitch_x_um=of_context("detector_x_um", context, unit="µm"),
             pitch_y_um=of_context("detector_y_um", context, unit="µm"),

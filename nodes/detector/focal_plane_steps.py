@@ -51,16 +51,13 @@ class AboutLevel(Linear):
 
     @property
     def level(self) -> Recipe:
-        """The change about the level."""
         return self.about
 
     @property
     def by_sample(self) -> bool:
-        """True: by the gain at the mean."""
         return True
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Scaled by the gain at the mean."""
         return power.scaled(work.value(self.about).gain)
 
 
@@ -81,16 +78,13 @@ class Amplified(Linear):
 
     @property
     def gain(self) -> float:
-        """The gain."""
         return self.factor
 
     @property
     def by_sample(self) -> bool:
-        """True: by the gain."""
         return True
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Scaled."""
         return power.scaled(self.factor)
 
 
@@ -195,8 +189,6 @@ def bent(
     full_well_e: float,
     nonlinearity_percent: float,
 ) -> Array:
-    """The electrons of a response that is not straight."""
-
     def block(rows: slice, made: Array) -> None:
         bent_response(
             electrons=picture[rows],
@@ -256,15 +248,12 @@ def read_out(
 
 @dataclass(frozen=True, eq=False)
 class BadPixels:
-    """Rows and columns of the pixels that are dead, and of those that are hot."""
-
     dead: tuple[Array, Array]
     hot: tuple[Array, Array]
 
 
 @ends_lineage
 def bad_pixels(work: Work, *, stream: Stream, shape: tuple[int, int], percent: float) -> BadPixels:
-    """Which pixels are dead and which hot."""
     rows, columns = shape
     places, kinds = bad_pixel_places(
         rows=rows, columns=columns, percent=percent, generator=stream.generator(0)
@@ -288,7 +277,6 @@ def _bad_part(
 
 
 def _within(places: tuple[Array, Array], region: Region) -> tuple[Array, Array]:
-    """Those in the region, counted from its corner."""
     rows, columns = places[0] - region.top, places[1] - region.left
     inside = (rows >= 0) & (rows < region.rows) & (columns >= 0) & (columns < region.columns)
     return rows[inside], columns[inside]
@@ -317,7 +305,6 @@ def _counts(picture: Recipe, *, gain_e_per_dn: float, **how: float) -> Amplified
 @picture_step(linear=_counts)
 @pointwise
 def counted(work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float) -> Array:
-    """Digital numbers that are not rounded."""
     number = picture.dtype.type
 
     def block(rows: slice, made: Array) -> None:
@@ -377,7 +364,6 @@ def _electrons_again(picture: Recipe, *, gain_e_per_dn: float, offset_dn: float)
 def electrons_of_counts(
     work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float
 ) -> Array:
-    """Electrons that digital numbers stand for."""
     number = picture.dtype.type
 
     def block(rows: slice, made: Array) -> None:
@@ -431,12 +417,10 @@ def saturated_pixels(
 @in_blocks()
 @ends_lineage
 def count_of(work: Work, marked: Array) -> int:
-    """How many samples are marked."""
     return int(np.count_nonzero(marked))
 
 
 @ends_lineage
 def with_saturated(work: Work, table: TableData, count: int) -> TableData:
-    """The figures with the number of saturated pixels."""
     row = TableRow("saturated_pixels", count, "", "pixels that are clipped at the top")
     return TableData((*table.rows, row))

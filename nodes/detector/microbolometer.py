@@ -37,8 +37,6 @@ _MOST_FRAMES = 64
 
 
 class BolometerOutputs(NamedTuple):
-    """The picture, its noise, the lag along a scan, and figures."""
-
     image: Image
     noise: Image
     mtf: Transfer
@@ -156,7 +154,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             self._flicker_band()
 
     def run(self, image: Image, context: Context, here: NodeContext) -> BolometerOutputs:
-        """Plan the lag, the patterns and the noise."""
         band = given_band(self.cut_on_um, self.cut_off_um, context.band_um)
         white = self._white(context, band)
         flicker = 0.0
@@ -203,7 +200,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         return noise * float((self.reference_integration_time_s / self.integration_time_s) ** 0.5)
 
     def _offset(self, band: tuple[float, float]) -> float:
-        """Spread of the offset as a radiance."""
         if not self.offset_mK:
             return 0.0
         slope = band_radiance_derivative(
@@ -239,7 +235,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         return here.step(filtered_lines, image.recipe, **how)
 
     def _lagging(self, picture: Recipe, here: NodeContext) -> Recipe:
-        """With the frames before it, where these are others."""
         kept = self._kept()
         if not kept or at_frame(picture, -1).key == picture.key:
             return picture
@@ -354,7 +349,6 @@ def _frame_lag(*frames: Recipe, weights: tuple[float, ...]) -> Linear:
 @picture_step(linear=_frame_lag)
 @pointwise
 def lagged_frames(work: Work, picture: Array, *before: Array, weights: tuple[float, ...]) -> Array:
-    """The frame and those before it, the latest first."""
     total = np.multiply(picture, picture.dtype.type(weights[0]))
     for frame, weight in zip(before, weights[1:], strict=True):
         total += frame * frame.dtype.type(weight)
@@ -398,7 +392,6 @@ def _temporal(at: AtStep, picture: Recipe, *_: Recipe, white: float, flicker: fl
 def with_temporal_noise(
     work: Work, picture: Array, *deviates: Array, white: float, flicker: float
 ) -> Array:
-    """With white noise, and 1/f noise of each pixel."""
     number, made = picture.dtype.type, picture.copy()
     if white:
         made += deviates[0] * number(white)
@@ -420,7 +413,6 @@ def figures(
     offset: float,
     kept: float,
 ) -> TableData:
-    """Figures at the mean of the picture."""
     mean = float(np.mean(picture, dtype=np.float64))
     kelvin = slope = None
     if mean > 0.0:

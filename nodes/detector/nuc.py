@@ -36,8 +36,6 @@ Array = NDArray[Any]
 
 
 class CorrectedOutputs(NamedTuple):
-    """The corrected picture, the maps that correct it, and figures."""
-
     image: Image
     gain: Image
     offset: Image
@@ -110,7 +108,6 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
             raise ParameterError("high_K", self.high_K, f"above low_K = {self.low_K:g}", unit="K")
 
     def run(self, image: Image, here: NodeContext) -> CorrectedOutputs:
-        """Plan the references, the maps and the correction."""
         node = here.node
         seen = seen_by_camera(image.recipe)
         if self.method == "none" or seen is None:
@@ -171,7 +168,6 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         )
 
     def _drift_share(self) -> float:
-        """The drift as a share of the difference of both references."""
         return self.drift_K / (self.high_K - self.low_K)
 
     @warning
@@ -203,13 +199,11 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
 
 @ends_lineage
 def gain_map(work: Work, low: Array, high: Array) -> Array:
-    """Factors of a correction by two references."""
     return two_point_gain(low=low, high=high).astype(work.policy.dtype)
 
 
 @ends_lineage
 def offset_map(work: Work, low: Array, gain: Array, *, two: bool) -> Array:
-    """What is added behind the factors."""
     if two:
         return two_point_offset(low=low, gain=gain).astype(work.policy.dtype)
     return one_point_offset(low=low).astype(work.policy.dtype)
@@ -219,7 +213,6 @@ def offset_map(work: Work, low: Array, gain: Array, *, two: bool) -> Array:
 def drifted(
     work: Work, offset: Array, low: Array, high: Array, deviates: Array, *, share: float
 ) -> Array:
-    """Offsets that have changed since the references were seen."""
     size = share * float(np.mean(high) - np.mean(low))
     return np.asarray(offset + deviates * deviates.dtype.type(size))
 
@@ -240,7 +233,6 @@ def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) ->
 
 @ends_lineage
 def no_figures(work: Work) -> TableData:
-    """Nothing is known without references."""
     names = ("pattern_low", "pattern_high", "response_per_kelvin", "weak_pixels")
     return TableData(tuple(TableRow(name, None, "", "no reference is seen") for name in names))
 
@@ -250,7 +242,6 @@ class PatternTakenOut(Linear):
     """Fixed patterns end here; what is left of them the step adds itself."""
 
     def carried(self, work: Work, power: NoisePower, *, temporal: bool) -> NoisePower | None:
-        """Temporal noise alone."""
         return power if temporal else None
 
 
@@ -324,7 +315,6 @@ def corrected(
     frames: int,
     drift_share: float,
 ) -> Array:
-    """Each sample by its own gain and offset."""
     return np.asarray(picture * gain + offset, work.policy.dtype)
 
 
@@ -360,7 +350,6 @@ def of_uniform(picture: Recipe, seen: Recipe, *, radiance: float, node: str) -> 
 @in_blocks()
 @ends_lineage
 def uniform_like(work: Work, picture: Array, *, radiance: float) -> Array:
-    """A uniform picture of the same size."""
     uniform: Array = work.empty(picture.shape)
     uniform.fill(radiance)
     return uniform
@@ -383,12 +372,10 @@ class MeanFrame(Recipe):
 
     @property
     def in_words(self) -> str:
-        """What takes pictures as a whole."""
         return "the mean of reference frames"
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """The first of them, and what they share: the pattern of the pixels."""
         first, next_one = (at_frame(self.picture, self.start + step) for step in (0, 1))
         return (first, *_shared(first, {recipe.key for recipe in _all(next_one)}))
 

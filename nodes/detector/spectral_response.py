@@ -98,7 +98,6 @@ class SpectralResponse(
             raise ParameterError("path", None, "a CSV of µm and response")
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
-        """Plan the weights of the bands, or the mean over the one there is."""
         node, band = here.node, image.band_um
         if band is None:
             raise DataError(
@@ -197,18 +196,14 @@ def mean_response(
 
 @dataclass(frozen=True)
 class Weighted(Linear):
-    """Dimmed by the mean response."""
-
     before: Recipe
     counted: Recipe
 
     @property
     def level(self) -> Recipe:
-        """The mean response, about the picture's mean."""
         return Step.of(_level, self.before, self.counted)
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Dimmed."""
         return power.scaled(work.value(self.counted))
 
 
@@ -219,7 +214,6 @@ def _dimmed(image: Recipe, counted: Recipe) -> Weighted:
 @picture_step(linear=_dimmed, looks_at=("counted",))
 @pointwise
 def weighted(work: Work, image: Array, counted: float) -> Array:
-    """The picture times the mean response."""
     return np.multiply(image, work.policy.dtype.type(counted), dtype=work.policy.dtype)
 
 

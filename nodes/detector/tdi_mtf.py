@@ -67,7 +67,6 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        """Plan the blur along the motion."""
         if not self.phases and not self.velocity_mismatch_percent:
             return self.mtf_outputs(magnitude)
         how = self._how(context)

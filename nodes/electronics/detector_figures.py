@@ -60,7 +60,6 @@ class DetectorFigures:
 
 @ends_lineage
 def detector_figures(work: Work, seen: PictureRange, *, detector: Detector) -> DetectorFigures:
-    """Figures of the detector under the background it sees."""
     band = {"cut_on_um": detector.cut_on_um, "cut_off_um": detector.cut_off_um}
     background = detector.background_K
     if background is None:

@@ -43,8 +43,6 @@ _CONVERTER_BITS = (*range(1, 25), 32, 64)
 
 
 class ElectronicsOutputs(NamedTuple):
-    """The sensor's picture, its noises, the filters and the figures."""
-
     image: Image
     noise: Image
     detector_noise: Image

@@ -192,7 +192,6 @@ def _summed_part(
 @ends_lineage
 @in_parts(_summed_part)
 def summed(work: Work, *fields: Array, sigmas: tuple[float, ...], shape: tuple[int, int]) -> Array:
-    """All components together."""
     return _sum(work, fields, sigmas, shape)
 
 
@@ -228,5 +227,4 @@ def _components(
 def with_components(
     work: Work, image: Array, noise: Array, *, names: tuple[str, ...], sigmas: tuple[float, ...]
 ) -> Array:
-    """Picture and noise."""
     return np.add(image, noise, dtype=work.policy.dtype)

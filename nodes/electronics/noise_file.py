@@ -38,7 +38,6 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
     ] = 1.0
 
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
-        """Read the header and plan the sum."""
         source = picture_source(self.path, here)
         info = source.info
         checked_band(self.band, info.bands, info.path)
@@ -61,5 +60,4 @@ def _from_file(at: AtStep, image: Recipe, noise: Recipe) -> list[Noise]:
 @picture_step(noise=_from_file)
 @pointwise
 def with_file(work: Work, image: Array, noise: Array) -> Array:
-    """Picture and noise."""
     return np.add(image, noise, dtype=work.policy.dtype)

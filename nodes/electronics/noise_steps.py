@@ -69,7 +69,6 @@ def quantized(work: Work, picture: Array, limits: tuple[float, float], *, bits: 
 @in_blocks()
 @ends_lineage
 def with_quantization(work: Work, table: TableData, final: Array, before: Array) -> TableData:
-    """The figures with the rms error of the quantizer."""
     rms = 0.0 if final is before else quantization_rms(original=before, quantized=final)
     row = TableRow("quantization_rms", rms, "W/m²/sr", "rms error of the quantizer")
     return TableData((*table.rows, row))
@@ -84,11 +83,9 @@ class ScaledByChance(Linear):
 
     @property
     def by_chance(self) -> str:
-        """The setting that makes it random."""
         return "gain_model literal: the gain error as printed scales the picture"
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Scaled by the rms gain error."""
         return power.scaled(self.gain_percent / 100.0 * work.value(self.seen).mean)
 
 
@@ -146,7 +143,6 @@ def _pattern_power(
 
 
 def _shape_of(pattern: Recipe) -> tuple[int, int]:
-    """Shape of the unit deviates, one for each detector."""
     assert isinstance(pattern, Step)
     if pattern.inputs:  # in double
         return _shape_of(*pattern.inputs)
@@ -218,7 +214,6 @@ def with_detector_noise(
     *deviates: Array,
     variability_percent: float,
 ) -> Array:
-    """The picture with the noise of detectors alone."""
     noise = detector_noise(work, figures, *deviates, variability_percent=variability_percent)
     return np.asarray(picture + noise)
 
@@ -250,6 +245,5 @@ def _amplifier(at: AtStep, picture: Recipe, table: Recipe, deviates: Recipe) -> 
 @picture_step(noise=_amplifier, looks_at=("table",))
 @pointwise
 def with_amplifier_noise(work: Work, picture: Array, table: TableData, deviates: Array) -> Array:
-    """The picture with noise of the amplifier's rms."""
     sigma: Any = table.as_dict()["amplifier_noise"]
     return np.asarray(picture + deviates * deviates.dtype.type(sigma))

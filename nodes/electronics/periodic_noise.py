@@ -72,7 +72,6 @@ class PeriodicNoise(
     )
 
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
-        """Plan the pattern and the sum."""
         values = self.values()
         for name in ("phase", "modulation_phase"):
             values[f"{name}_rad"] = math.radians(values.pop(f"{name}_deg"))
@@ -103,7 +102,6 @@ def _drawn_part(work: Work, region: Region, *, grid: Grid, **values: float) -> A
 @ends_lineage
 @in_parts(_drawn_part)
 def drawn(work: Work, *, grid: Grid, **values: float) -> Array:
-    """The pattern on the picture's samples."""
     return _drawn_part(work, Region(0, 0, *grid.shape), grid=grid, **values)
 
 
@@ -114,5 +112,4 @@ def _periodic(at: AtStep, image: Recipe, noise: Recipe) -> list[Noise]:
 @picture_step(noise=_periodic)
 @pointwise
 def with_pattern(work: Work, image: Array, noise: Array) -> Array:
-    """Picture and noise."""
     return np.add(image, noise, dtype=work.policy.dtype)

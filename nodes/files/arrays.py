@@ -55,12 +55,10 @@ _VERSIONS: Mapping[tuple[int, int], Callable[..., Any]] = {
 
 
 def is_npy(path: Path) -> bool:
-    """Whether the file begins as numpy's arrays do."""
     return first_bytes(path, len(_NPY_MAGIC)) == _NPY_MAGIC
 
 
 def read_npy_info(path: Path) -> PictureInfo:
-    """Read shape and type of a ``.npy`` file."""
     header = npy_header(path)
     return _info(path, header.shape, header.dtype, "npy")
 

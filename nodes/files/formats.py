@@ -112,13 +112,11 @@ SAVED: tuple[Format, ...] = (*WRITTEN, CSV)
 
 
 def readable_formats() -> str:
-    """What can be read, in words."""
     *names, last = (picture_format.description for picture_format in PICTURES)
     return f"{', '.join(names)} and {last}"
 
 
 def format_of(path: Path) -> PictureFormat:
-    """The format that a file is read in."""
     return next(picture_format for picture_format in PICTURES if picture_format.claims(path))
 
 

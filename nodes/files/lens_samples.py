@@ -60,7 +60,6 @@ class LensSamples:
 
 
 def describe_lens_samples(path: Path, band: int = 0) -> LensSamples:
-    """Describe a file of samples."""
     file = readable_file(path)
     if _is_listing(file):
         checked_band(band, 1, file)

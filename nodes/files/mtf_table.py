@@ -59,7 +59,6 @@ class MtfTable:
     columns: tuple[tuple[str, Column], ...]
 
     def column(self, name: str) -> Column | None:
-        """The column of that name, if there is one."""
         return dict(self.columns).get(name)
 
 

@@ -123,7 +123,6 @@ def _places(cells: list[str], file: Path, number: int) -> tuple[int, ...]:
 
 
 def _is_tape7(lines: list[str]) -> bool:
-    """Whether a text has the line of names of a tape7."""
     return any(_is_heading(line) for line in lines)
 
 

@@ -139,7 +139,6 @@ def channel_of(
 
 
 def is_deflated(path: Path) -> bool:
-    """Whether the first picture of a TIFF file is packed by deflate."""
     with stored_bytes(path) as content:
         return _packing(content, path)[0] in _DEFLATES
 
@@ -321,7 +320,6 @@ def _each_block(work: Callable[[_Block], None], blocks: Iterable[_Block]) -> Non
 
 
 def _raw(content: StoredBytes, layout: TiffLayout, block: _Block, path: Path) -> bytes:
-    """Bytes of the rows of a block."""
     expected = block.lengths[0]
     if layout.compression != _NONE:
         return b"".join(_unpacked(content, block, path))[:expected]

@@ -75,7 +75,6 @@ class _Opened:
 
     @property
     def absent(self) -> int:
-        """How many of these files are not there."""
         grid = zip(map(int, self.array.shape), self.stored, strict=True)
         return max(0, math.prod(-(-size // of) for size, of in grid) - count_chunks(self.folder))
 

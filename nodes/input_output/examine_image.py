@@ -32,8 +32,6 @@ Band = tuple[float, float]
 
 
 class ExamineOutputs(NamedTuple):
-    """The figures, and the histogram of what is displayed."""
-
     table: Table
     curve: Curve
 
@@ -86,7 +84,6 @@ class ExamineImage(
             raise ParameterError(name, None, "given together with the other coordinate")
 
     def run(self, image: Image | Magnitude | Phase | Transfer, here: NodeContext) -> ExamineOutputs:
-        """Plan the figures."""
         band, unit = None, ""
         if isinstance(image, Image):
             recipe, unit = image.recipe, image.unit

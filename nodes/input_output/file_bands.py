@@ -92,21 +92,17 @@ class CubeBands(BandStack):
 
     @property
     def in_blocks(self) -> bool:
-        """A file is read block by block."""
         return isinstance(self.cube, CubeFile)
 
     def sums(self, weights: Rows) -> Recipe:
-        """Sums of the bands in one pass over the cube."""
         rows = tuple(self._with_factors(row) for row in weights)
         return Step.of(_sums, *self._fills(), node=self.node, weights=rows, **self._source())
 
     def picture(self, weights: Row) -> Recipe:
-        """One sum."""
         row = self._with_factors(weights)
         return Step.of(_sum, *self._fills(), node=self.node, weights=row, **self._source())
 
     def means(self) -> Recipe:
-        """Means of the bands."""
         stored = Step.of(_stored_means, node=self.node, **self._source())
         how = {"places": self.places, "factors": self.factors}
         return Step.of(_means, stored, node=self.node, **how)

@@ -133,7 +133,6 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
             raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
 
     def run(self, here: NodeContext) -> ImageOutput:
-        """Read the header and plan to read the samples."""
         source = picture_source(self.path, here)
         info, stated = source.info, self._stated_band()
         if self.bands == "all":
@@ -189,7 +188,6 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         return ImageOutput(self._picture(info, recipe, unit.name, self._stated_band()))
 
     def _cube(self, cube: Source | HeldSamples, node: str, missing: Missing = "refuse") -> Image:
-        """All bands, and their sum as the image's pixels."""
         info, stated = cube.info, self._stated_band()
         unit = spectral_unit(info, typed=self.unit, scale=self.scale)
         stack = bands_of(

@@ -100,7 +100,6 @@ def read_scaled(
     missing: Missing,
     offset: float = 0.0,
 ) -> NDArray[np.floating]:
-    """Samples in the evaluation's precision."""
     samples = _stored(work, file, stamps, band, interval_um)
     if missing == "refuse":
         check_finite(samples, str(file), advice=_ADVICE)
@@ -279,7 +278,6 @@ class HeldSamples:
 
     @property
     def info(self) -> PictureInfo:
-        """What a file of them would say."""
         rows, columns = self.samples.shape[-2:]
         return PictureInfo(
             path=Path(self.name),
@@ -297,7 +295,6 @@ class HeldSamples:
         )
 
     def step(self, *, scale: float, offset: float, node: str) -> Step:
-        """Recipe of the samples times `scale` plus `offset`."""
         return Step.of(scaled_array, node=node, held=self, scale=scale, offset=offset)
 
 

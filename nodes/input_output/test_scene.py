@@ -138,7 +138,6 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
             )
 
     def run(self, here: NodeContext) -> ImageOutput:
-        """Plan the picture."""
         x, y = self.fov_x_deg, self.fov_y_deg
         stack = self._stack(here) if self.bands else None
         return ImageOutput(
@@ -171,7 +170,6 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
         )
 
     def _shares(self, here: NodeContext) -> Step | None:
-        """Where its surfaces are seen; None where it is drawn at once."""
         if not in_two_steps(kind=self.kind, width=self.width, height=self.height):
             return None
         names = ("kind", "width", "height", *GEOMETRY[self.kind])
@@ -207,7 +205,6 @@ def drawn(
     frequency: float,
     **sources: float,
 ) -> NDArray[np.floating]:
-    """The scene's samples in the evaluation's precision."""
     canvas = _canvas(work, width, height, empty=work.empty)
     radiances = scene_radiances(kind=kind, **sources)
     return draw_radiances(radiances, canvas, kind=kind, angle_deg=angle_deg, frequency=frequency)
@@ -216,13 +213,11 @@ def drawn(
 @in_blocks()  # a scene that is drawn in two steps is small
 @source_step(area_means=True)
 def shown(work: Work, shares: Shares, **values: Any) -> NDArray[np.floating]:
-    """The scene's samples from the shares of its surfaces."""
     return show_radiances(shares, scene_radiances(**values), work.for_each)
 
 
 @ends_lineage
 def shares_drawn(work: Work, *, kind: str, width: int, height: int, **geometry: float) -> Shares:
-    """Where the scene's surfaces are seen."""
     return draw_shares(kind, _canvas(work, width, height), **geometry)
 
 
@@ -272,7 +267,6 @@ class SceneBands(BandStack):
         return self.spectra.key, shares, self.drawing
 
     def picture(self, weights: Row) -> Recipe:
-        """The scene of the surfaces' weighted sums."""
         weights = tuple(map(float, weights))
         if self.shares is not None:
             return Step.of(sum_shown, self.shares, self.spectra, node=self.node, weights=weights)
@@ -281,7 +275,6 @@ class SceneBands(BandStack):
         )
 
     def sums(self, weights: Rows) -> Recipe:
-        """Several of them."""
         return stacked(tuple(self.picture(row) for row in weights))
 
     def means(self) -> Recipe:
@@ -293,7 +286,6 @@ class SceneBands(BandStack):
 
 @ends_lineage
 def spectra_made(_: Work, **values: Any) -> Spectra:
-    """Spectra of all that the scene is made of."""
     return scene_spectra(**values)
 
 
@@ -316,7 +308,6 @@ def sum_drawn(
 
 @ends_lineage
 def means_shown(_: Work, shares: Shares, spectra: Spectra) -> NDArray[np.float64]:
-    """Mean of every band."""
     return shown_means(shares, spectra)
 
 
@@ -324,6 +315,5 @@ def means_shown(_: Work, shares: Shares, spectra: Spectra) -> NDArray[np.float64
 def means_drawn(
     work: Work, spectra: Spectra, *, width: int, height: int, **drawing: Any
 ) -> NDArray[np.float64]:
-    """Mean of every band of a scene that is drawn at once."""
     canvas = _canvas(work, width, height, dtype=np.float64)
     return drawn_means(spectra, canvas, **drawing)

@@ -100,7 +100,6 @@ class WriteImage(
             raise ParameterError("range_high", high, f"above range_low = {low:g}")
 
     def run(self, image: Image, here: NodeContext) -> None:
-        """Check where and how to write."""
         target = self.target(here)
         if ENVI_FRAMES.matches(target) and image.bands is None:
             allowed = f"a name that ends in {', '.join(suffixes(*WRITTEN))}, as the picture has no"
@@ -113,7 +112,6 @@ class WriteImage(
             raise ParameterError("dtype", self.dtype, allowed)
 
     def target(self, here: NodeContext) -> Path:
-        """The file, with the suffix of its format."""
         if self.path is None:
             allowed = "a file name, relative to the network file's folder"
             raise ParameterError("path", None, allowed)
@@ -140,7 +138,6 @@ class WriteImage(
         return path
 
     def files(self, inputs: Mapping[str, Any], here: NodeContext, work: Work) -> Files:
-        """Compute the picture; the file and what writes it."""
         image: Image = inputs["image"]
         target = self.target(here)
         if ENVI_FRAMES.matches(target):
@@ -242,13 +239,11 @@ class Cube:
 
     @property
     def bands(self) -> BandStack:
-        """The bands."""
         assert self.image.bands is not None
         return self.image.bands
 
     @property
     def series(self) -> FrameSeries:
-        """Size, type and header."""
         bands, unit = self.bands, _plain(self.image.unit)
         header: dict[str, MetadataValue | tuple[float, ...]] = {**self.metadata}
         header["unit"] = f"{unit}/um" if bands.density else unit

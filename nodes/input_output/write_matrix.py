@@ -46,11 +46,9 @@ class WriteMatrix(
     )
 
     def run(self, image: Image | Curve | Transfer, here: NodeContext) -> None:
-        """Check where to write."""
         self.target(here)
 
     def target(self, here: NodeContext) -> Path:
-        """The file."""
         if self.path is None:
             allowed = "a file name, relative to the network file's folder"
             raise ParameterError("path", None, allowed)
@@ -60,7 +58,6 @@ class WriteMatrix(
         return here.folder / self.path
 
     def files(self, inputs: Mapping[str, Any], here: NodeContext, work: Work) -> Files:
-        """Compute the values; the file and what writes it."""
         target = self.target(here)
         value = realize(inputs["image"], work)
         if not isinstance(value, CurveData):

@@ -38,7 +38,6 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
     ] = None
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        """Plan the smear."""
         blur = self.blur_y_mrad(context)
         y = {"blur_mrad": blur} if blur else None
         return self.mtf_outputs(

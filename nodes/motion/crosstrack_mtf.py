@@ -33,7 +33,6 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
     ] = None
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        """Plan the smear."""
         blur = self.blur_mrad(context)
         x = {"blur_mrad": blur} if blur else None
         return self.mtf_outputs(

@@ -32,7 +32,6 @@ class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion")
     ] = 0.02
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        """Plan the blur."""
         sigma = {"sigma_mrad": self.sigma_mrad} if self.sigma_mrad else None
         factors = separable(gaussian_mtf, x=sigma, y=sigma, label=self.title, node=here.node)
         return self.mtf_outputs(magnitude, *factors)

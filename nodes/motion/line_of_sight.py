@@ -100,7 +100,6 @@ class LineOfSight(
     def run(
         self, context: Context, magnitude: Magnitude, phase: Phase, here: NodeContext
     ) -> OtfOutputs:
-        """Plan the blur and the shift."""
         across, along = self._spectra(here)
         blur = separable(
             exposure_mtf,

@@ -62,7 +62,6 @@ class RelativeMotionMTF(
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        """Plan the smear."""
         x, y = self.blur_x_mrad(context), self.blur_y_mrad(context)
         return self.mtf_outputs(magnitude, *self._factors(x, y, here))
 

@@ -43,7 +43,6 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
     integration_time_s: Annotated[float | None, Param("integration time", unit="s", low=0)] = None
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        """Plan the blur."""
         factors = separable(
             vibration_mtf,
             x=self._parameters(self.amplitude_x_mrad),

@@ -83,7 +83,6 @@ def source_temperature(
 @in_blocks()
 @ends_lineage
 def mean_kelvin(work: Work, samples: NDArray[Any]) -> float:
-    """Mean of a picture in kelvin."""
     mean = float(np.mean(samples, dtype=np.float64))
     if not (math.isfinite(mean) and mean > 0.0):
         raise DataError(f"a picture of mean {mean:g} K has no light: give source_K")
@@ -95,7 +94,6 @@ def mean_kelvin(work: Work, samples: NDArray[Any]) -> float:
 def mean_brightness(
     work: Work, samples: NDArray[Any], *, cut_on_um: float, cut_off_um: float
 ) -> float:
-    """Temperature of the black body of a picture's mean radiance."""
     mean = float(np.mean(samples, dtype=np.float64))
     if not (math.isfinite(mean) and mean > 0.0):
         raise DataError(
@@ -108,7 +106,6 @@ def mean_brightness(
 
 @ends_lineage
 def number(work: Work, *, value: float) -> float:
-    """A number as a value of its own."""
     return value
 
 

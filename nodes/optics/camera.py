@@ -19,8 +19,6 @@ from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart_cauti
 
 
 class CameraOutputs(NamedTuple):
-    """The image with the camera's data, and what follows of them."""
-
     image: Image
     camera: Table
 
@@ -95,7 +93,6 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     )
 
     def run(self, image: Image, here: NodeContext) -> CameraOutputs:
-        """Put the data on the image."""
         sheet = self.sheet()
         x, y = image.interval_x_mrad, image.interval_y_mrad
         if x is None and sheet.pixels_x and sheet.pitch_x_mrad:

@@ -141,7 +141,6 @@ class DiffractionMTF(
     def run(
         self, context: Context, magnitude: Magnitude, here: NodeContext, phase: Phase | None = None
     ) -> OtfOutputs:
-        """Plan the OTF."""
         band, aperture = self._band(context), self.aperture_of(context)
         aperture.check(band[0])
         # Bands have their own light: no black body's over all of them is ever summed up.

@@ -33,8 +33,6 @@ USUAL_RADIUS = 75.0  # of the thesis' example, 150 samples of 512
 
 
 class PupilOutput(NamedTuple):
-    """The pupil."""
-
     pupil: Pupil
 
 
@@ -129,7 +127,6 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     )
 
     def run(self, here: NodeContext) -> PupilOutput:
-        """Plan the samples."""
         if self.shape == "file":
             return PupilOutput(self._from_file(here))
         radius = USUAL_RADIUS if self.radius is None else self.radius
@@ -272,7 +269,6 @@ def loaded_opening(work: Work, *, file: Path, **reading: Any) -> Array:
 
 @ends_lineage
 def loaded_phase(work: Work, *, file: Path, **reading: Any) -> Array:
-    """Wavefront of complex samples, waves."""
     return wrapped_waves(stored_samples(file=file, **reading))
 
 

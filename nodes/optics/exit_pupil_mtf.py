@@ -115,7 +115,6 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         here: NodeContext,
         phase: Phase | None = None,
     ) -> OtfOutputs:
-        """Plan the OTF."""
         scale = self._by_light(self._scale(context, pupil), context, magnitude, here)
         if phase is None:
             phase = Phase(None, magnitude.grid, magnitude.edges)

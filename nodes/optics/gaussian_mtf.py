@@ -33,7 +33,6 @@ class GaussianMTF(MtfModule, key="gaussian_mtf", title="Gaussian MTF", group="Op
     ] = 0.0
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        """Plan the blur."""
         factors = separable(
             gaussian_mtf,
             x={"sigma_mrad": self.sigma_x_mrad} if self.sigma_x_mrad else None,

@@ -117,7 +117,6 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     def run(
         self, context: Context, magnitude: Magnitude, here: NodeContext, phase: Phase | None = None
     ) -> OtfOutputs:
-        """Plan the blur, and the shift where phases are known."""
         blur: tuple[Factor, ...] = ()
         shift: tuple[Factor, ...] = ()
         table = self._table(here)
@@ -342,7 +341,6 @@ def lens_source(path: Path, here: NodeContext, *, band: int = 0) -> LensSource:
 
 
 def stored_samples(*, file: Path, stamps: tuple[Stamp, ...], band: int) -> NDArray[Any]:
-    """The samples, of the file as it was described."""
     check_unchanged(file, stamps)
     return read_lens_samples(file, band)
 

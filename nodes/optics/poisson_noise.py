@@ -73,7 +73,6 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
     )
 
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
-        """Plan the noise."""
         stream = self.stream(here, "photons")
         if self.mode == "published":
             if self.percent == 0:
@@ -154,7 +153,6 @@ def _photons_counted(
 @in_blocks()
 @picture_step(noise=_photons_counted, looks_at=("image",))
 def photon_counts(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
-    """The picture made of numbers of photons."""
     means = work.empty(image.shape, image.dtype)
     photon_means(image, photons_per_unit=photons_per_unit, out=means)
     counts = poisson_field(means, stream, for_each=work.for_each, in_place=True)
@@ -182,7 +180,6 @@ def _share_of(noise: Recipe) -> dict[str, Any]:
 @in_blocks()
 @ends_lineage
 def expected(work: Work, image: Array, *, sigma_px: float, percent: float) -> Array:
-    """Picture and mean of the photons that are added to it."""
     local = local_mean(work, image, sigma_px=sigma_px)
     means = published_means(local, percent=percent, out=local)
     return np.add(image, means, dtype=work.policy.dtype, out=means)
@@ -191,7 +188,6 @@ def expected(work: Work, image: Array, *, sigma_px: float, percent: float) -> Ar
 @picture_step(noise=_photons_added, looks_at=("image",), noise_free=_mean_added)
 @pointwise
 def added(work: Work, image: Array, noise: Array) -> Array:
-    """Picture and noise."""
     return np.asarray(image + noise)
 
 

@@ -93,7 +93,6 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     def run(
         self, context: Context, magnitude: Magnitude, here: NodeContext, phase: Phase | None = None
     ) -> OtfOutputs:
-        """Plan the OTF."""
         blur: tuple[Factor, ...] = ()
         shift: tuple[Factor, ...] = ()
         if self.path is not None:
@@ -210,7 +209,6 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
 
 
 def _bound(outputs: OtfOutputs) -> dict[str, Any]:
-    """Arguments of the OTF's law; empty without a file."""
     return {
         name: value
         for factor in outputs.mtf.factors

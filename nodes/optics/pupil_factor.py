@@ -50,7 +50,6 @@ class PupilScale:
     mean_um: float
 
     def at(self, wavelength_um: float) -> PupilScale:
-        """The same at one wavelength."""
         return replace(self, wavelengths_um=(wavelength_um,), weights=(1.0,))
 
 
@@ -67,7 +66,6 @@ class PupilLaw(WavelengthLaw):
     node: str = field(default="", compare=False)
 
     def at(self, wavelength_um: float) -> Law:
-        """The law at one wavelength, µm."""
         scale = self.scale.at(wavelength_um)
         if self.interpolation is not None:
             return sampled_factors(self.pupil, scale, self.interpolation, "", self.node)[0].law

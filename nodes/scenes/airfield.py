@@ -140,7 +140,6 @@ def _hangars(drawing: Drawing) -> None:
 
 
 def _village(drawing: Drawing) -> None:
-    """Houses in rows on both sides of the level road."""
     tone = scatter(200, seed=771)
     for index, (row, place) in enumerate(np.ndindex(4, 11)):
         x = 0.225 + 0.0225 * place + 0.004 * tone[index]
@@ -178,7 +177,6 @@ def _wood(drawing: Drawing, x: float, y: float, radius: float, trees: int, seed:
 
 
 def _traffic(drawing: Drawing) -> None:
-    """Warm cars on the roads."""
     shares = scatter(36, seed=781)
     for index, share in enumerate(shares.tolist()):
         start, end, width = ROADS[index % 3]

@@ -45,13 +45,11 @@ class Front:
     seed: int
 
     def columns(self) -> FloatArray:
-        """Left side of each window."""
         pitch = (self.right - self.left) / self.bays
         centres = self.left + pitch * (np.arange(self.bays) + 0.5)
         return np.asarray(centres - 0.5 * self.window, dtype=np.float64)
 
     def rows(self) -> FloatArray:
-        """Upper side of each window."""
         above = STOREY * np.arange(self.storeys, 0, -1)
         return np.asarray(BASE - 0.011 - above, dtype=np.float64)
 
@@ -377,7 +375,6 @@ def draw_car(drawing: Drawing, *, left: float, foot: float, body: str, running: 
 
 
 def draw_lamp(drawing: Drawing, *, x: float, foot: float) -> None:
-    """A lamp post with one bright head."""
     drawing.paint_box("metal", x - 0.0011, foot - 0.125, x + 0.0011, foot)
     drawing.paint_box("metal", x, foot - 0.1255, x + 0.016, foot - 0.1235)
     drawing.paint_ellipse("lamp", x + 0.017, foot - 0.1225, 0.005, 0.0032)

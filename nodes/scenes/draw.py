@@ -116,7 +116,6 @@ def draw_radiances(
 
 
 def in_two_steps(*, kind: str, width: int, height: int) -> bool:
-    """Whether a scene is drawn so."""
     return kind in GEOMETRY and width * height <= MOST_SAMPLES
 
 
@@ -183,7 +182,6 @@ def scene_spectra(
 
 
 def weighted(spectra: Spectra, weights: tuple[float, ...]) -> Radiances:
-    """Weighted sum of the bands of each."""
     factors = np.array(weights)
     return {name: float(values @ factors) for name, values in spectra.items()}
 

@@ -64,7 +64,6 @@ def difference(of: str, against: str) -> Mix:
 
 
 def radiance_of(mix: Mix, radiances: Radiances) -> float:
-    """Radiance of a mix."""
     return sum(part * radiances[name] for name, part in mix.items())
 
 
@@ -84,7 +83,6 @@ class Texture:
     surfaces: tuple[str, ...]
 
     def strength(self, radiances: Radiances) -> float:
-        """What the texture is multiplied with."""
         given = radiance_of(self.amplitude, radiances)
         allowed = self.limit * min(radiances[name] for name in self.surfaces)
         reach = abs(given) * self.reach
@@ -176,7 +174,6 @@ class Drawing:
         self._products(_mix(mix), ((y, x),), adds=False)
 
     def paint_box(self, mix: Mix | str, left: float, top: float, right: float, low: float) -> None:
-        """Cover a rectangle given by its borders."""
         self.paint(mix, band(top, low), band(left, right))
 
     def paint_ellipse(
@@ -257,7 +254,6 @@ class Drawing:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Surfaces and textures that it draws."""
         return tuple(sorted({self.background}.union(*(s.names for s in self._strokes))))
 
     def bound(self, x_edges: FloatArray) -> list[tuple[bool, Patches]]:
@@ -265,7 +261,6 @@ class Drawing:
         return [stroke.on(x_edges) for stroke in self._strokes]
 
     def render(self, radiances: Radiances, canvas: Canvas) -> npt.NDArray[np.floating]:
-        """The picture for these radiances."""
         known = with_textures(radiances, self.textures)
         strokes = self.bound(cell_edges(count=canvas.width))
 

@@ -53,7 +53,6 @@ class Layers:
     tiles: tuple[Tiles, ...]
 
     def means(self) -> FloatArray:
-        """Mean share of each name."""
         height, width = self.shape
         return _share_sums(self.tiles, len(self.names)) / (width * height)
 

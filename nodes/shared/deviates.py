@@ -130,7 +130,6 @@ def _deviates_share(region: Region, shape: tuple[int, int]) -> float:
 @ends_lineage
 @in_parts(_deviates_part, _deviates_share)
 def unit_deviates(work: Work, *, stream: Stream, shape: tuple[int, int]) -> Array:
-    """Standard normal deviates."""
     return normal_field(stream, shape, dtype=work.policy.dtype, for_each=work.for_each)
 
 

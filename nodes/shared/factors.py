@@ -77,8 +77,6 @@ def transfers(factors: Sequence[Factor], image: Image, label: str) -> tuple[Tran
 
 
 class OtfOutputs(NamedTuple):
-    """Both halves of the spectrum, and the OTF's modulus and phase."""
-
     magnitude: Magnitude
     phase: Phase
     mtf: Transfer

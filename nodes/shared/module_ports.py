@@ -71,28 +71,20 @@ Apply = Annotated[
 
 
 class ImageOutput(NamedTuple):
-    """One image."""
-
     image: Image
 
 
 class NoiseOutputs(NamedTuple):
-    """The picture with its noise, and the noise alone."""
-
     image: Image
     noise: Image
 
 
 class MtfOutputs(NamedTuple):
-    """What every MTF module gives."""
-
     magnitude: Magnitude
     mtf: Transfer
 
 
 class PtfOutputs(NamedTuple):
-    """What every PTF module gives."""
-
     phase: Phase
     ptf: Transfer
 
@@ -175,12 +167,10 @@ def figure_reason(work: Work, table: TableData, *, name: str) -> str:
 @with_reason(figure_reason)
 @ends_lineage
 def figure(work: Work, table: TableData, *, name: str) -> float | int | str | None:
-    """One value of a table."""
     return table.as_dict()[name]
 
 
 def of_table(outputs: Any) -> Recipe:
-    """The table of a module that has one of this name."""
     recipe: Recipe = outputs.table.recipe
     return recipe
 

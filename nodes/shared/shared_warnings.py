@@ -27,7 +27,6 @@ def is_radiance(unit: str) -> bool:
 
 
 def is_temperature(unit: str) -> bool:
-    """Whether a unit is that of a temperature."""
     return unit.strip() in _TEMPERATURES
 
 
@@ -148,7 +147,6 @@ def unlinked_phase_caution(apply: str, phase: Phase, ptf: Transfer) -> Caution |
 
 
 def first(*cautions: Caution | None) -> Caution | None:
-    """The first one that is not None."""
     return next((caution for caution in cautions if caution is not None), None)
 
 

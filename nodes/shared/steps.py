@@ -24,14 +24,12 @@ _STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay wh
 @ends_lineage
 @pointwise
 def difference(work: Work, picture: Array, other: Array) -> Array:
-    """A picture less another."""
     return np.subtract(picture, other, dtype=work.policy.dtype)
 
 
 @in_blocks()
 @ends_lineage
 def even(work: Work, *, shape: tuple[int, int], value: float) -> Array:
-    """A picture of one value."""
     picture: Array = work.empty(shape)
     picture.fill(value)
     return picture
@@ -40,14 +38,11 @@ def even(work: Work, *, shape: tuple[int, int], value: float) -> Array:
 @in_blocks()
 @ends_lineage
 def mean_of(work: Work, samples: Array) -> float:
-    """Mean of a picture, in double."""
     return float(np.mean(samples, dtype=np.float64))
 
 
 @dataclass(frozen=True)
 class PictureRange:
-    """Mean and extremes of a picture."""
-
     mean: float
     low: float
     high: float
@@ -56,7 +51,6 @@ class PictureRange:
 @in_blocks()
 @ends_lineage
 def picture_range(work: Work, image: Array) -> PictureRange:
-    """Mean (in double) and extremes."""
     return PictureRange(
         float(np.mean(image, dtype=np.float64)), float(np.min(image)), float(np.max(image))
     )

@@ -58,7 +58,6 @@ class AntiAlias(Module, key="anti_alias", title="Anti-Aliaser", group="Transform
     ] = 1
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
-        """Plan the low-pass."""
         if self.factor == 1:
             return ImageOutput(image)
         grid = Grid(image.rows, image.columns, 1.0, 1.0)  # frequencies in cycles/sample

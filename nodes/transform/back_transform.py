@@ -25,5 +25,4 @@ class BackTransform(Module, key="back_transform", title="Back Transform", group=
     )
 
     def run(self, magnitude: Magnitude, phase: Phase, here: NodeContext) -> ImageOutput:
-        """Plan the inverse transform."""
         return ImageOutput(back_transform(magnitude, phase, node=here.node))

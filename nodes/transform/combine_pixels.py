@@ -46,7 +46,6 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
     mode: Annotated[BinMode, Param("mean (radiance) or sum (counts) of each block")] = "mean"
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
-        """Plan the aggregation; factors of 1 pass the image on."""
         if self.factor_x == 1 and self.factor_y == 1:
             return ImageOutput(image)
         return ImageOutput(

@@ -18,8 +18,6 @@ from nodes.shared.shared_warnings import apart_caution, first
 
 
 class InitOutputs(NamedTuple):
-    """The data structure and the two halves of the spectrum."""
-
     context: Context
     magnitude: Magnitude
     phase: Phase
@@ -105,7 +103,6 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
     )
 
     def run(self, image: Image) -> InitOutputs:
-        """Plan the transform."""
         grid = Grid(
             image.rows,
             image.columns,

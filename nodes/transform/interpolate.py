@@ -65,7 +65,6 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
     order: Annotated[Literal[0, 1, 3], Param("0 nearest, 1 bilinear, 3 cubic")] = 1
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
-        """Plan the resampling."""
         width, height = self.width or image.columns, self.height or image.rows
         if (height, width) == image.shape:
             return ImageOutput(image)
@@ -229,11 +228,9 @@ class Resampling(Linear):
     edges: Edges | None
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:
-        """The old one."""
         return self.old
 
     def grid_before(self, grid: Grid) -> Grid:
-        """The same field in the old samples."""
         rows, columns = self.old
         return Grid(
             rows,
@@ -269,14 +266,12 @@ class Resampling(Linear):
         )
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Interpolated, as columns and rows are."""
         along, across = (
             interpolator(self.old[axis], self.new[axis], self.order, self.edges) for axis in (0, 1)
         )
         return power.resampled(self.new, along, across)
 
     def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
-        """Interpolated."""
         new = self.new[1 if axis == "x" else 0]
         if new == len(row):
             return row
@@ -308,7 +303,6 @@ class InterpolationMTF(PlaceDependent):
 
 
 def interpolator(old: int, new: int, order: int, edges: Edges | None) -> Operator:
-    """Interpolation of columns of samples as a linear operator."""
     base, further = taps(old, new, order, edges)
 
     def interpolated(waves: Array) -> Array:

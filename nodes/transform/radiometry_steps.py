@@ -44,7 +44,6 @@ class Surface:
 
     @property
     def band(self) -> dict[str, float]:
-        """The band as arguments."""
         return {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
 
 
@@ -56,11 +55,9 @@ class AboutMean(Linear):
 
     @property
     def level(self) -> Recipe:
-        """The change about the mean."""
         return self.change
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Scaled by that slope."""
         return power.scaled(work.value(self.change).gain)
 
 
@@ -68,7 +65,6 @@ class AboutMean(Linear):
 def radiance_change(
     work: Work, mean: float, *shares: float, surface: Surface, unit: str
 ) -> LevelChange:
-    """From temperature to radiance about the mean."""
     share = shares[0] if shares else surface.emissivity
     kelvin = float(in_kelvin(np.asarray(mean), unit=unit))
     slope = grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
@@ -84,7 +80,6 @@ def radiance_change(
 def temperature_change(
     work: Work, mean: float, *shares: float, surface: Surface, factor: float
 ) -> LevelChange:
-    """From radiance to temperature about the mean."""
     share = shares[0] if shares else surface.emissivity
     made = grey_temperature(
         radiance=mean * factor, emissivity=share, surroundings_K=surface.surroundings_K,
@@ -112,8 +107,6 @@ def _to_temperature(*images: Recipe, **how: Any) -> AboutMean:
 def radiance_of_temperature(
     work: Work, image: Array, *emissivities: Array, surface: Surface, unit: str
 ) -> Array:
-    """Band radiance of temperatures."""
-
     def convert(samples: Array, share: Array | float) -> Array:
         return grey_radiance(
             temperature_K=in_kelvin(samples, unit=unit), emissivity=share,
@@ -183,7 +176,6 @@ class Radiometry(Module):
         return Surface(self.emissivity, self.surroundings_K, *band)
 
     def shares(self, image: Image, emissivity: Image | None) -> tuple[Recipe, ...]:
-        """The image of emissivities, where one comes in."""
         if emissivity is None:
             return ()
         if emissivity.shape != image.shape:

@@ -79,7 +79,6 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
     )
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
-        """Plan the sampling; factors of 1 without an offset pass the image on."""
         ratio_x, ratio_y = self._ratio("x", image), self._ratio("y", image)
         offset_y = self.offset if self.offset_y is None else self.offset_y
         if (ratio_x, ratio_y, self.offset, offset_y) == (1.0, 1.0, 0.0, 0.0):

@@ -34,7 +34,6 @@ class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Tran
     )
 
     def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
-        """Plan the conversion."""
         if not is_temperature(image.unit):
             named = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
             what = "radiance already" if is_radiance(image.unit) else "no temperature"

@@ -31,7 +31,6 @@ class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", gr
     )
 
     def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
-        """Plan the conversion."""
         surface = self.surface(image)
         made = here.step(
             temperature_of_radiance,

@@ -46,7 +46,6 @@ class Line:
         return min(highest / share for highest, share in ends if share > 0.0)
 
     def frequencies(self, grid: Grid, samples: int) -> Vector:
-        """From zero to the end of the image's band, cycles/mrad."""
         return np.linspace(0.0, self.end(grid.nyquist_x, grid.nyquist_y), samples)
 
 
@@ -176,7 +175,6 @@ class ImageTransfer:
 
     @property
     def factors(self) -> tuple[Factor, ...]:
-        """All factors, MTF and PTF, of all stages."""
         return tuple(factor for stage in self.stages for factor in stage.factors)
 
     def part(self, part: str) -> tuple[Stage, ...]:

@@ -59,7 +59,6 @@ class ImageNoise:
 
     @property
     def total(self) -> Summed:
-        """Variances of independent noises add."""
         total = NoiseVariances()
         for term in self.terms:
             total += term.variances
@@ -92,7 +91,6 @@ class NoiseOf(Recipe):
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """The picture without noise, of which its mean is taken."""
         return (self._mean_of,)
 
     @cached_property
@@ -104,7 +102,6 @@ class NoiseOf(Recipe):
 
     @property
     def in_words(self) -> str:
-        """What takes pictures as a whole."""
         return "following noises through filters and patterns"
 
     @property
@@ -126,7 +123,6 @@ class NoiseOf(Recipe):
         return (self._mean_of, *_behind(self.image.recipe, self.uniform))
 
     def compute(self, work: Work) -> ImageNoise:
-        """Follow every noise to the picture."""
         known = _Follow(work, self.uniform, self._filtered)
         noises = known.to(self.image.recipe, *self.image.shape)
         if any(noise.pattern for noise in noises):
@@ -209,7 +205,6 @@ class _Follow:
         self.unknown: list[str] = []
 
     def to(self, recipe: Recipe, rows: int, columns: int) -> list[Noise]:
-        """All noises in a picture of this size."""
         noises: list[Noise] = []
         way: list[tuple[Recipe, Lineage, int, int]] = []
         for upstream, lineage in _way_up(recipe):
@@ -233,7 +228,6 @@ class _Follow:
         return noises
 
     def delivered(self, recipe: Delivered) -> list[Noise]:
-        """All noises in a filtered picture."""
         lineage = lineage_of(recipe)
         if lineage is None or lineage.picture is None:
             return self._lost(recipe)
@@ -276,7 +270,6 @@ class _DeliveredNoise(Recipe):
 
     @property
     def made_of(self) -> tuple[Recipe, ...]:
-        """The filtered picture."""
         return (self.recipe,)
 
     @property
@@ -287,14 +280,12 @@ class _DeliveredNoise(Recipe):
         return (*self.recipe.bound, *before)
 
     def first(self, work: Work) -> tuple[Recipe, ...]:
-        """The noises behind the transform before."""
         source = self.recipe.magnitude.image
         if source is None or not self.recipe.one_source:
             return ()
         return _behind(source.recipe, self.uniform)
 
     def compute(self, work: Work) -> _Behind:
-        """Follow the noises through its transfer functions."""
         known = _Follow(work, self.uniform)
         noises = tuple(known.delivered(self.recipe))
         return _Behind(noises, tuple(known.unknown))

@@ -41,7 +41,6 @@ NETCDF = Format("netcdf", (".nc",), "netCDF")
 
 
 def suffixes(*formats: Format) -> tuple[str, ...]:
-    """All suffixes of the formats."""
     return tuple(suffix for file_format in formats for suffix in file_format.suffixes)
 
 

@@ -58,7 +58,6 @@ def _status(text: str) -> os.stat_result:
 
 
 def first_bytes(path: Path, count: int) -> bytes:
-    """Return the first `count` bytes of `path`, fewer when the file is shorter."""
     with stored_bytes(path) as content:
         return content[:count]
 

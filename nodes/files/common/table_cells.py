@@ -120,7 +120,6 @@ def refuse_long_table(file: Path, most_bytes: int, what: str) -> None:
 
 
 def table_lines(file: Path, *, what: str, wanted: str, most_bytes: int = 10_000_000) -> list[str]:
-    """Lines of a table in UTF-8."""
     refuse_long_table(file, most_bytes, what)
     try:
         return file.read_text(encoding="utf-8-sig").splitlines()
@@ -153,7 +152,6 @@ def point_rows(
 
 
 def numbers_of(cells: Iterable[str]) -> tuple[float, ...] | None:
-    """The numbers that cells are; None where one is none."""
     try:
         return tuple(map(number_of, cells))
     except ValueError:

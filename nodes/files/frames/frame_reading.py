@@ -109,7 +109,6 @@ def open_frames(path: Path) -> FrameFile:
 
 
 def tiff_pages(path: Path) -> int:
-    """How many pages a TIFF has."""
     file = readable_file(path)
     with stored_bytes(file) as content:
         return sum(1 for _ in directories(content, file))

@@ -37,16 +37,13 @@ class FrameSeries:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns of a frame."""
         return self.rows, self.columns
 
     @property
     def frame_bytes(self) -> int:
-        """Bytes of the samples of a frame."""
         return self.rows * self.columns * self.dtype.itemsize
 
     @property
     def size_text(self) -> str:
-        """Number and size, in words."""
         size = f"{self.rows} × {self.columns} samples"
         return size if self.frames == 1 else f"{self.frames} {self.what} of {size}"

@@ -54,7 +54,6 @@ class FrameFormat(Format):
     beside: Callable[[FrameSeries], str] | None = None
 
     def size_bytes(self, series: FrameSeries) -> int:
-        """Length of the file."""
         page = len(self.page(series, 0)) + series.frame_bytes
         return len(self.head(series)) + series.frames * page
 
@@ -69,7 +68,6 @@ class FrameFormat(Format):
 
 
 def header_beside_frames(path: Path) -> Path:
-    """The header of an ENVI file of frames."""
     return path.with_name(path.name + HEADER_SUFFIX)
 
 
@@ -120,7 +118,6 @@ def frame_format(path: Path) -> FrameFormat | None:
 
 
 def frame_suffixes() -> tuple[str, ...]:
-    """What names of files of frames may end in."""
     return suffixes(*FRAME_FORMATS)
 
 

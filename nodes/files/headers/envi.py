@@ -65,7 +65,6 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
 
 
 def info_of(layout: EnviLayout) -> PictureInfo:
-    """Describe the picture of a checked header."""
     description = layout.fields.get("description", "")
     common = header_fields(
         layout.fields,
@@ -153,7 +152,6 @@ def _wavelengths(
 
 
 def _wavelength_unit(layout: EnviLayout) -> str:
-    """The header's wavelength units; empty where it names none."""
     return str(layout.fields.get("wavelength units", "")).strip().lower()
 
 

@@ -187,7 +187,6 @@ def _check_coverage(
 
 
 def _per_um(info: PictureInfo) -> float:
-    """Factor that makes the samples per µm."""
     if not info.unit:
         return 1.0
     try:

@@ -28,22 +28,18 @@ class CubeInMemory:
 
     @property
     def bands(self) -> int:
-        """Number of bands."""
         return int(self.samples.shape[0])
 
     @property
     def rows(self) -> int:
-        """Number of rows."""
         return int(self.samples.shape[1])
 
     @property
     def columns(self) -> int:
-        """Number of columns."""
         return int(self.samples.shape[2])
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """Type of the samples."""
         return self.samples.dtype
 
 

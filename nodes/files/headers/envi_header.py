@@ -69,7 +69,6 @@ class EnviLayout:
 
 
 def is_envi_header(path: Path) -> bool:
-    """Whether the file begins as an ENVI header does."""
     return first_bytes(path, 16).removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"ENVI")
 
 
@@ -83,7 +82,6 @@ def header_beside(data: Path) -> Path | None:
 
 
 def is_envi(path: Path) -> bool:
-    """Whether the file is an ENVI header, or has one beside it."""
     if path.suffix.lower() == ".hdr":
         return is_envi_header(path)  # radiance pictures have the same suffix
     return header_beside(path) is not None

@@ -72,7 +72,6 @@ class FitsHeader:
 
 
 def read_fits_header(path: Path) -> FitsHeader:
-    """Read the first header of a FITS file."""
     cards: dict[str, str] = {}
     with stored_bytes(path) as file:
         for start in range(0, _MOST_BLOCKS * _BLOCK, _BLOCK):
@@ -210,7 +209,6 @@ def check_sums(header: FitsHeader) -> None:
 
 
 def _data_bytes(header: FitsHeader) -> int:
-    """Length of the samples, whole blocks."""
     try:
         axes = int(header.cards["NAXIS"])
         sizes = [int(header.cards[f"NAXIS{axis + 1}"]) for axis in range(min(axes, 999))]
