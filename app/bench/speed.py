@@ -28,7 +28,7 @@ from app.bench.tables import Chart, Table, judged
 from app.bench.timing import Settings, environment, paired, repeated, round_trip, seconds
 from app.run.saving import save_frames
 from app.run.shipped import command
-from nodes.files.frames.frame_writing import FRAME_FORMATS
+from nodes.files.frame_writing import FRAME_FORMATS
 
 Array = NDArray[Any]
 Subject = tuple[str, Callable[[], float], float | None, float | None]

@@ -30,7 +30,7 @@ from core.physics.measurement.levels.thermal_response import (
 from core.physics.noise.noise_components import COMPONENTS, NoiseCube
 from nodes.files.common.file_format import JSON
 from nodes.files.common.table_cells import csv_lines
-from nodes.files.frames.frame_reading import FrameFile, check_one_camera, open_frames
+from nodes.files.frame_reading import FrameFile, check_one_camera, open_frames
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
 _COARSE = 0.5  # of the converter's step, below which rounding makes or hides the noise

@@ -63,10 +63,10 @@ from core.network.file import read_network
 from core.network.network import Network
 from core.network.validation import NetworkProblems, check_network, plain_network
 from nodes.files.common.file_format import ZARR
-from nodes.files.frames.frame_series import FrameSeries
-from nodes.files.frames.frame_writing import (
+from nodes.files.frame_writing import (
     STORE,
     FrameFormat,
+    FrameSeries,
     header_beside_frames,
     refuse_without_room,
 )

@@ -50,7 +50,7 @@ from core.physics.measurement.levels.photon_transfer import photon_transfer
 from core.physics.measurement.noise.frames_noise import FramesNoise, SceneFrames
 from core.physics.measurement.noise.picture_noise import LineNoise, PictureNoise, noise_of_picture
 from core.physics.sampling.detector_sampling import interval_mrad
-from nodes.files.frames.frame_reading import open_frames
+from nodes.files.frame_reading import open_frames
 
 Matrix = NDArray[np.float64]
 Report = Callable[[str], None]

@@ -18,7 +18,7 @@ from nodes.files.arrays import npy_header
 from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.formats import NPY, TIFF, format_of
-from nodes.files.frames.frame_reading import FrameFile, open_frames, tiff_pages
+from nodes.files.frame_reading import FrameFile, open_frames, tiff_pages
 from nodes.files.read import check_finite, read_info, read_pixels
 
 Matrix = NDArray[np.float64]

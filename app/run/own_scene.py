@@ -26,7 +26,7 @@ from core.network.network import Link, Network, Node
 from core.network.validation import NetworkProblems
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from nodes.files.common.picture_info import PictureInfo
-from nodes.files.headers.envi_bands import band_ends_um, coverage
+from nodes.files.envi import band_ends_um, coverage
 from nodes.files.read import read_info, read_pixels
 from nodes.input_output.sample_unit import is_spectral
 from nodes.input_output.source_file import LUMINANCE, HeldSamples, luminance

@@ -30,15 +30,15 @@ from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffi
 from nodes.files.common.stored_samples import integer_type
 from nodes.files.common.table_cells import csv_lines
 from nodes.files.formats import PNG, SAVED, TIFF, WRITTEN, written_format
-from nodes.files.frames.frame_series import FrameSeries
-from nodes.files.frames.frame_writing import (
+from nodes.files.frame_writing import (
     FrameFormat,
+    FrameSeries,
     frame_format,
     frame_suffixes,
     header_beside_frames,
     write_frames,
+    write_tiled_tiff,
 )
-from nodes.files.frames.tiff_writing import write_tiled_tiff
 from nodes.files.read import check_finite
 from nodes.files.write import write_picture
 from nodes.files.zarr_array import check_zarr, write_store

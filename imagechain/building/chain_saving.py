@@ -19,8 +19,7 @@ from core.network.file import format_network, save_network
 from core.network.network import Network
 from core.network.parsing import parse_network
 from nodes.files.arrays import npy_header, whole_npy, write_npy
-from nodes.files.frames.frame_series import FrameSeries
-from nodes.files.frames.frame_writing import envi_header_text, header_beside_frames
+from nodes.files.frame_writing import FrameSeries, envi_header_text, header_beside_frames
 from nodes.input_output.sample_unit import DEFAULT_UNIT
 from nodes.input_output.source_file import HeldSamples
 

@@ -31,7 +31,7 @@ from imagechain.results.chain_picture import Picture, PictureValues
 from imagechain.results.readout_table import ReadoutTable, readout_table
 from imagechain.results.run_options import Origin, RunOptions
 from imagechain.results.stage_curves import StageCurves, curves_along, curves_of
-from nodes.files.frames.frame_writing import header_beside_frames
+from nodes.files.frame_writing import header_beside_frames
 from nodes.files.read import check_finite
 
 Smaller = Callable[[ImagechainError], Plan]

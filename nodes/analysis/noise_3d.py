@@ -23,8 +23,8 @@ from core.modules.parameters import Formula, Param
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
 from nodes.analysis.lineage import ImageNoise, NoiseOf, noise_free
 from nodes.files.common.paths import readable_file
-from nodes.files.frames.frame_reading import FrameFile, open_frames
-from nodes.files.headers.envi_header import header_beside
+from nodes.files.envi_header import header_beside
+from nodes.files.frame_reading import FrameFile, open_frames
 from nodes.input_output.source_file import Stamp, check_unchanged, stamps_of
 
 

@@ -33,7 +33,7 @@ from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.radiance_units import radiance_unit
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from nodes.files.path_table import read_path_table
-from nodes.files.wavelength_table import read_wavelengths
+from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.module_ports import WeightingSource, table_figure
 from nodes.shared.shared_warnings import apart_caution, first, is_temperature
 from nodes.shared.steps import mean_of

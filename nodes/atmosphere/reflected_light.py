@@ -25,7 +25,7 @@ from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.atmosphere.sun_and_sky import Sunlight, relative_air_mass
-from nodes.files.wavelength_table import read_wavelengths
+from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import CutOff, CutOn, table_figure
 from nodes.shared.shared_warnings import Band, is_radiance, is_temperature

@@ -23,7 +23,7 @@ from core.physics.detector.spectral_photons import QuantumEfficiency
 from core.physics.noise.noise_equivalent import detector_area_cm2
 from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.detector.spectral_response import lit_windows
-from nodes.files.wavelength_table import read_wavelengths
+from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.context_defaults import given_band, of_context
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 

@@ -25,7 +25,7 @@ from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
-from nodes.files.wavelength_table import read_wavelengths
+from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.module_ports import ImageOutput, WeightingSource
 from nodes.shared.shared_warnings import Band, unit_caution
 

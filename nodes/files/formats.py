@@ -14,10 +14,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from nodes.files import arrays, pictures, zarr_array
+from nodes.files import arrays, envi, envi_header, pictures, zarr_array
 from nodes.files.common.file_format import BLANKS, CSV, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples
-from nodes.files.headers import envi, envi_header
 from nodes.files.store_folder import is_store
 
 

@@ -14,6 +14,7 @@ import os
 import re
 import sys
 import threading
+import zlib
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -34,16 +35,11 @@ from nodes.files.common.picture_info import (
     metadata_text,
 )
 from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
+from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
 from nodes.files.common.stored_samples import SAMPLE_TYPES
-from nodes.files.damage import png_bit_depth, refuse_damaged
-from nodes.files.headers.fits_header import read_fits_header, refuse_unsupported
-from nodes.files.headers.header_fields import FieldValue, header_fields
-from nodes.files.tiff_reading import (
-    check_deflate,
-    is_deflated,
-    read_plain_tiff,
-    refuse_predictor,
-)
+from nodes.files.fits_header import check_sums, read_fits_header, refuse_unsupported
+from nodes.files.header_fields import FieldValue, header_fields
+from nodes.files.tiff_reading import check_deflate, is_deflated, read_plain_tiff, refuse_predictor
 
 # Rows that a format packs together: 256 of DWAB, fewer of all others.
 _STRIP_ROWS, _STRIP_BYTES = 256, 1 << 25
@@ -57,6 +53,11 @@ _NUMPY_NAMES = {
     "int": "int32",
 }
 _BLANK_BYTES = 16
+_PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_JPEG_START = b"\xff\xd8\xff"
+_JPEG_SCAN = b"\xff\xda"
+_JPEG_END = b"\xff\xd9"
+_FITS_START = b"SIMPLE  ="
 _ADVICE = re.compile(
     r"\s*\([^()]*(\?|maybe )[^()]*\)"
     r"|(^|(?<=[.!]))\s*([^.!?()]*\?+|(Please|Perhaps|Maybe)\b[^.!]*[.!]?)"
@@ -443,3 +444,47 @@ def _quiet_stderr() -> Iterator[None]:
             os.dup2(null, _STDERR)
             stack.callback(os.dup2, saved, _STDERR)
         yield
+
+
+# Damage that the library would not report, or only on stderr.
+
+
+def refuse_damaged(path: Path) -> None:
+    """Raise `FileError` for what a checksum or an end marker of the format gives away.
+
+    That is a PNG with a broken chunk, a FITS whose sums do not fit, a JPEG that was cut off: its
+    decoder fills what is missing with grey and reports nothing.
+    """
+    with stored_bytes(path) as content:
+        if content[:8] == _PNG_SIGNATURE:
+            _check_png(content, path)
+        elif content[:9] == _FITS_START:
+            check_sums(read_fits_header(path))
+        elif content[:3] == _JPEG_START and content.rfind(_JPEG_END) < content.rfind(_JPEG_SCAN):
+            raise FileError(f"{path}: this JPEG file is truncated: its end marker is missing")
+
+
+def png_bit_depth(head: bytes) -> int | None:
+    """Bits of a sample of a greyscale PNG given its first bytes; None for every other file."""
+    if len(head) < 26 or not head.startswith(_PNG_SIGNATURE) or head[25] not in (0, 4):
+        return None
+    return head[24]
+
+
+def _check_png(content: StoredBytes, path: Path) -> None:
+    place = len(_PNG_SIGNATURE)
+    while place + 12 <= len(content):
+        length, kind = content.unpack(">I4s", place)
+        end = place + 12 + length
+        if end > len(content):
+            break
+        checksum = 0
+        for covered in content.pieces(place + 4, end - 4):
+            checksum = zlib.crc32(covered, checksum)
+        if checksum != int.from_bytes(content[end - 4 : end], "big"):
+            name = kind.decode("ascii", "replace")
+            raise FileError(f"{path}: this PNG file is damaged: wrong checksum in chunk {name}")
+        if kind == b"IEND":
+            return
+        place = end
+    raise FileError(f"{path}: this PNG file is truncated: its end chunk is missing")

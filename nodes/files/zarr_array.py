@@ -28,7 +28,7 @@ from core.scratch import Empty
 from nodes.files.common.paths import checked_band, first_bytes
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples, delivered_dtype
 from nodes.files.common.size_limits import oversized, refuse_oversized
-from nodes.files.headers.header_fields import header_fields
+from nodes.files.header_fields import header_fields
 from nodes.files.store_folder import (
     atomic_store,
     count_chunks,

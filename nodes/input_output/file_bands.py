@@ -20,15 +20,15 @@ from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.common.size_limits import oversized
-from nodes.files.headers.envi_bands import band_ends_um, band_weights_um
-from nodes.files.headers.envi_cube import (
+from nodes.files.envi import band_ends_um, band_weights_um
+from nodes.files.envi_cube import (
     CubeInMemory,
     Layout,
     band_totals,
     mean_spectrum,
     weighted_sums,
 )
-from nodes.files.headers.envi_header import read_layout
+from nodes.files.envi_header import read_layout
 from nodes.input_output.source_file import HeldSamples, Missing, Source, Stamp, check_unchanged
 
 Array = NDArray[Any]

@@ -17,8 +17,8 @@ from core.modules.parameters import Formula, Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo
+from nodes.files.envi import coverage
 from nodes.files.formats import readable_formats
-from nodes.files.headers.envi_bands import coverage
 from nodes.input_output.file_bands import bands_of
 from nodes.input_output.sample_unit import (
     DEFAULT_UNIT,

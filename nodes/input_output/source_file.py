@@ -18,8 +18,8 @@ from core.evaluation.work import Work
 from core.modules.declaration import NodeContext
 from core.scratch import Empty
 from nodes.files.common.picture_info import PictureInfo
-from nodes.files.headers.envi_bands import integrate_bands
-from nodes.files.headers.envi_header import header_beside
+from nodes.files.envi import integrate_bands
+from nodes.files.envi_header import header_beside
 from nodes.files.read import check_finite, read_info, read_pixels
 from nodes.files.store_folder import is_store, readable_picture, store_state
 

@@ -27,8 +27,8 @@ from nodes.files.common.file_format import ENVI_FRAMES, ZARR, suffixes
 from nodes.files.common.picture_info import MetadataValue
 from nodes.files.common.stored_samples import DIGITAL_NUMBER, integer_type
 from nodes.files.formats import WRITTEN, written_format
-from nodes.files.frames.frame_series import FrameSeries
-from nodes.files.frames.frame_writing import (
+from nodes.files.frame_writing import (
+    FrameSeries,
     envi_header_text,
     frame_format,
     header_beside_frames,

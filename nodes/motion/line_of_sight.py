@@ -25,7 +25,7 @@ from core.physics.sampling.vibration import (
     motion_waves,
     within_exposure,
 )
-from nodes.files.motion_table import read_motion
+from nodes.files.spectrum_tables import read_motion
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.factors import OtfOutputs, otf_outputs, separable
 from nodes.shared.module_ports import Apply, NyquistReadouts

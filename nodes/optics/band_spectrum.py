@@ -20,7 +20,7 @@ from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
-from nodes.files.wavelength_table import read_wavelengths
+from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.shared_warnings import Band, is_radiance
 
 Responses = tuple[ResponseCurve, ...]

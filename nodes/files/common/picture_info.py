@@ -89,5 +89,5 @@ def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:
 
 
 def metadata_text(metadata: Mapping[str, object]) -> str:
-    """``key = value``, one on a line, as `nodes.files.headers.header_fields` reads it."""
+    """``key = value``, one on a line, as `nodes.files.header_fields` reads it."""
     return "\n".join(f"{key} = {' '.join(str(value).split())}" for key, value in metadata.items())

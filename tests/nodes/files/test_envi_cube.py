@@ -13,17 +13,17 @@ import pytest
 
 from core.errors import FileError
 from nodes.files.common.picture_info import PictureInfo
-from nodes.files.headers.envi_bands import band_weights_um
-from nodes.files.headers.envi_cube import weighted_sums
-from nodes.files.headers.envi_header import read_layout
+from nodes.files.envi import band_weights_um
+from nodes.files.envi_cube import weighted_sums
+from nodes.files.envi_header import read_layout
 from picture_samples import envi
 
 INTERLEAVES = ("bsq", "bil", "bip")
 CUT_SHORT = """
 import os, sys
 import numpy as np
-from nodes.files.headers.envi_cube import weighted_sums
-from nodes.files.headers.envi_header import read_layout
+from nodes.files.envi_cube import weighted_sums
+from nodes.files.envi_header import read_layout
 
 layout = read_layout(sys.argv[1])
 def cut_short(function, items):

@@ -8,7 +8,7 @@ from core.chain.results import CurveData
 from core.errors import DataError, FileError
 from core.machine import usable_bytes
 from nodes.files import arrays
-from nodes.files.frames.frame_reading import open_frames
+from nodes.files.frame_reading import open_frames
 from nodes.files.read import check_finite, read_info, read_pixels
 
 

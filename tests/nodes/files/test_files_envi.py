@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from core.errors import FileError
-from nodes.files.headers import envi
-from nodes.files.headers.envi_cube import weighted_sums
+from nodes.files import envi
+from nodes.files.envi_cube import weighted_sums
 from nodes.files.read import read_info, read_pixels
 
 ROWS, COLUMNS, BANDS = 5, 7, 3

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from core.errors import FileError, ParameterError
-from nodes.files.headers import envi
-from nodes.files.headers.envi_bands import band_weights_um, integrate_bands
+from nodes.files import envi
+from nodes.files.envi import band_weights_um, integrate_bands
 from picture_samples import envi as write_envi
 
 

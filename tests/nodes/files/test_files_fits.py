@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.errors import FileError
-from nodes.files.headers.fits_header import read_fits_header
+from nodes.files.fits_header import read_fits_header
 from nodes.files.read import read_info, read_pixels
 from picture_samples import fits
 

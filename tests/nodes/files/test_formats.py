@@ -22,7 +22,7 @@ SHIPPED = ("by_suffix", "exr", "tif", "png", "npy")  # what network files may sa
 PLACES = {
     "nodes/files/formats.py",
     "nodes/files/common/file_format.py",
-    "nodes/files/headers/envi_header.py",
+    "nodes/files/envi_header.py",
     "nodes/files/lens_samples.py",  # listings of lens programs, and no pictures
     "app/editor/window/documents/opening.py",
 }

@@ -9,16 +9,17 @@ import pytest
 from PIL import Image as Pillow
 
 from core.errors import FileError
-from nodes.files.frames.frame_series import FrameSeries
-from nodes.files.frames.frame_writing import (
+from nodes.files.frame_writing import (
     FRAME_FORMATS,
     STORE,
+    FrameSeries,
     frame_format,
     header_beside_frames,
     refuse_without_room,
+    tiff_head,
+    tiff_page,
     write_frames,
 )
-from nodes.files.frames.tiff_writing import tiff_head, tiff_page
 from nodes.files.read import read_info, read_pixels
 
 KNOWN = {"unit": "W/m²/sr", "fov_x_deg": 3.5, "fov_y_deg": 2.5, "focal_length_mm": 100.0}

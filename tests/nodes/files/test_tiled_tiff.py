@@ -6,8 +6,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 
-from nodes.files.frames.frame_series import FrameSeries
-from nodes.files.frames.tiff_writing import tiled_head, write_tiled_tiff
+from nodes.files.frame_writing import FrameSeries, tiled_head, write_tiled_tiff
 from nodes.files.read import read_info, read_pixels
 
 

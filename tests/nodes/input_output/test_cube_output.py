@@ -10,7 +10,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.work import Work
 from cube_files import centres, materials_cube, write_cube
 from node_bench import NodeBench
-from nodes.files.headers.envi_header import read_layout
+from nodes.files.envi_header import read_layout
 from nodes.library import standard_library
 
 LIBRARY = standard_library()

@@ -18,9 +18,9 @@ from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import Samples, delivered_dtype
 from nodes.files.common.size_limits import oversized
 from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
+from nodes.files.envi import band_of, info_of
+from nodes.files.envi_header import is_envi, read_layout
 from nodes.files.formats import NPY, TIFF
-from nodes.files.headers.envi import band_of, info_of
-from nodes.files.headers.envi_header import is_envi, read_layout
 from nodes.files.read import check_finite, read_info
 from nodes.files.tiff_reading import TiffLayout, channel_of, directories, tiff_layouts
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from core.machine import ForEach, in_turn
 from core.scratch import Empty
 from nodes.files.common.stored_bytes import stored_bytes
-from nodes.files.headers.envi_header import EnviLayout
+from nodes.files.envi_header import EnviLayout
 
 Array = NDArray[Any]
 

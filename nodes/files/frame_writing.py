@@ -1,0 +1,347 @@
+"""Writing files of frames: what stands before them, between them and beside them.
+
+The samples follow from front to end, so a file of any number of frames takes the memory of one.
+
+A TIFF is not compressed, classic or big: frames as pages, or one picture in tiles, of which other
+programs read a part. Every page, and every tile, takes the same number of bytes, so a directory
+names what follows before that is written. Sources: Adobe, TIFF Revision 6.0 (1992), sections 2, 8,
+15 and 19; libtiff, BigTIFF design (2007).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import shutil
+import struct
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import FileError
+from nodes.files.arrays import write_npy_header
+from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
+from nodes.files.common.picture_info import MetadataValue, metadata_text
+from nodes.files.envi_header import HEADER_SUFFIX, REAL_TYPES
+from nodes.files.formats import NPY, TIFF
+
+Array = NDArray[Any]
+_Entry = tuple[int, int, int, int]  # of a TIFF's directory: tag, type, count, value or place
+
+_BLOCK_SAMPLES = 1 << 24  # written at a time
+_CLASSIC_END = 1 << 32  # classic TIFF addresses bytes by 32 bits
+_ASCII, _SHORT, _LONG, _LONG8 = 2, 3, 4, 16
+_SAMPLE_FORMATS = {"u": 1, "i": 2, "f": 3}
+_PAGE_OF_SEVERAL = 2
+_LEAST_TEXT = 9  # a shorter one would stand in its directory's entry
+_LONGEST_PX = 512  # rows and columns of a tile; multiples of 16, as the format has it
+_STEP_PX = 16
+
+
+@dataclass(frozen=True)
+class FrameSeries:
+    """Frames of one size and type.
+
+    `metadata` are texts and numbers of all frames, as `nodes.files.write.write_picture` takes them;
+    a tuple is a list with a number for each frame. `what` they are: bands of wavelength are written
+    as frames are.
+    """
+
+    frames: int
+    rows: int
+    columns: int
+    dtype: np.dtype[Any]
+    metadata: Mapping[str, MetadataValue | tuple[float, ...]] = field(default_factory=dict)
+    what: str = "frames"
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self.rows, self.columns
+
+    @property
+    def frame_bytes(self) -> int:
+        return self.rows * self.columns * self.dtype.itemsize
+
+    @property
+    def size_text(self) -> str:
+        size = f"{self.rows} × {self.columns} samples"
+        return size if self.frames == 1 else f"{self.frames} {self.what} of {size}"
+
+
+def tiff_head(series: FrameSeries, *, big: bool | None = None) -> bytes:
+    """What stands before the first page: header and description."""
+    return _header(_description(series), big=_is_big(series) if big is None else big)
+
+
+def tiff_page(series: FrameSeries, number: int, *, big: bool | None = None) -> bytes:
+    """The directory before the samples of a page, counted from 0; that of the next one named."""
+    big = _is_big(series) if big is None else big
+    head = len(tiff_head(series, big=big))
+    known = _known_entries(series, head)
+    directory = _directory_bytes(len(known) + 4, big=big)
+    page = directory + series.frame_bytes
+    start = head + number * page
+    word = _LONG8 if big else _LONG
+    entries = [
+        *known,
+        (254, _LONG, 1, _PAGE_OF_SEVERAL),
+        (273, word, 1, start + directory),
+        (278, _LONG, 1, series.rows),
+        (279, word, 1, series.frame_bytes),
+    ]
+    return _directory(entries, start + page if number + 1 < series.frames else 0, big=big)
+
+
+def tiled_head(series: FrameSeries, side: int, *, big: bool | None = None) -> bytes:
+    """What stands before the first tile: header, description, directory, and the tiles' places."""
+    count = -(-series.rows // side) * -(-series.columns // side)
+    tile_bytes = side * side * series.dtype.itemsize
+    text = _description(series)
+    number = len(_known_entries(series, len(text))) + 4
+    if big is None:
+        lists = len(_header(text, big=False)) + _directory_bytes(number, big=False)
+        big = lists + count * (8 + tile_bytes) >= _CLASSIC_END
+    head = _header(text, big=big)
+    word, letter = (_LONG8, "Q") if big else (_LONG, "I")
+    lists = len(head) + _directory_bytes(number, big=big)
+    list_bytes = count * struct.calcsize(letter)
+    start = lists + (2 * list_bytes if count > 1 else 0)
+    places = struct.pack(f"<{count}{letter}", *range(start, start + count * tile_bytes, tile_bytes))
+    sizes = struct.pack(f"<{count}{letter}", *[tile_bytes] * count)
+    entries = [
+        *_known_entries(series, len(head)),
+        (322, _LONG, 1, side),
+        (323, _LONG, 1, side),
+        # A single place stands in the entry itself.
+        (324, word, count, lists if count > 1 else start),
+        (325, word, count, lists + list_bytes if count > 1 else tile_bytes),
+    ]
+    return head + _directory(entries, 0, big=big) + (places + sizes if count > 1 else b"")
+
+
+def _is_big(series: FrameSeries) -> bool:
+    """Whether the pages would go beyond what classic TIFF can address."""
+    head = len(tiff_head(series, big=False))
+    entries = len(_known_entries(series, head)) + 4
+    page = _directory_bytes(entries, big=False) + series.frame_bytes
+    return head + series.frames * page >= _CLASSIC_END
+
+
+def _header(text: bytes, *, big: bool) -> bytes:
+    """The first bytes of a file, then the description, then comes the first directory."""
+    if big:
+        return struct.pack("<2sHHHQ", b"II", 43, 8, 0, 16 + len(text)) + text
+    return struct.pack("<2sHI", b"II", 42, 8 + len(text)) + text
+
+
+def _description(series: FrameSeries) -> bytes:
+    """The metadata as a text that ends in a zero; of an even length, as directories begin."""
+    if not series.metadata:
+        return b""
+    text = metadata_text(series.metadata).encode().ljust(_LEAST_TEXT) + b"\0"
+    return text + b"\0" * (len(text) % 2)
+
+
+def _known_entries(series: FrameSeries, first: int) -> list[_Entry]:
+    """Size, type and description of a page, whose text ends where the first directory begins."""
+    text = _description(series)
+    entries = [
+        (256, _LONG, 1, series.columns),
+        (257, _LONG, 1, series.rows),
+        (258, _SHORT, 1, 8 * series.dtype.itemsize),
+        (259, _SHORT, 1, 1),
+        (262, _SHORT, 1, 1),
+        (277, _SHORT, 1, 1),
+        (284, _SHORT, 1, 1),
+        (339, _SHORT, 1, _SAMPLE_FORMATS[series.dtype.kind]),
+    ]
+    if text:
+        entries.append((270, _ASCII, len(text.rstrip(b"\0")) + 1, first - len(text)))
+    return entries
+
+
+def _directory_bytes(entries: int, *, big: bool) -> int:
+    return 16 + 20 * entries if big else 6 + 12 * entries
+
+
+def _directory(entries: list[_Entry], following: int, *, big: bool) -> bytes:
+    # Little-endian, so a short value stands first in its field, zeros behind it.
+    packed = b"".join(struct.pack("<HHQQ" if big else "<HHII", *entry) for entry in sorted(entries))
+    count, place = ("<Q", "<Q") if big else ("<H", "<I")
+    return struct.pack(count, len(entries)) + packed + struct.pack(place, following)
+
+
+def envi_header_text(series: FrameSeries) -> str:
+    """The header of an ENVI file of frames or bands, one after the other (BSQ)."""
+    code = next(code for code, name in REAL_TYPES.items() if name == series.dtype.str[1:])
+    beside = ", a band each" if series.what == "frames" else ""
+    lines = [
+        "ENVI",
+        f"description = {{{series.what} of Imagechain{beside}}}",
+        f"samples = {series.columns}",
+        f"lines = {series.rows}",
+        f"bands = {series.frames}",
+        "header offset = 0",
+        "file type = ENVI Standard",
+        f"data type = {code}",
+        "interleave = bsq",
+        "byte order = 0",
+    ]
+    for key, value in series.metadata.items():
+        name = "data units" if key == "unit" else key.replace("_", " ")
+        text = f"{{{', '.join(map(repr, value))}}}" if isinstance(value, tuple) else str(value)
+        lines.append(f"{name} = {' '.join(text.split())}")
+    return "\n".join(lines) + "\n"
+
+
+def header_beside_frames(path: Path) -> Path:
+    return path.with_name(path.name + HEADER_SUFFIX)
+
+
+def _nothing(_series: FrameSeries, _number: int = 0) -> bytes:
+    return b""
+
+
+def _npy_head(series: FrameSeries) -> bytes:
+    head = io.BytesIO()
+    write_npy_header(head, (series.frames, *series.shape), series.dtype)
+    return head.getvalue()
+
+
+@dataclass(frozen=True)
+class FrameFormat(Format):
+    """A format of files of frames.
+
+    Attributes
+    ----------
+    head
+        The bytes before the first frame.
+    page
+        The bytes before each frame, as many for all of them.
+    whole_numbers
+        Whether a converter's numbers are stored as integers.
+    beside
+        Text of the file beside it, of that name and `HEADER_SUFFIX`; None where there is none.
+    """
+
+    head: Callable[[FrameSeries], bytes] = _nothing
+    page: Callable[[FrameSeries, int], bytes] = _nothing
+    whole_numbers: bool = True
+    beside: Callable[[FrameSeries], str] | None = None
+
+    def size_bytes(self, series: FrameSeries) -> int:
+        page = len(self.page(series, 0)) + series.frame_bytes
+        return len(self.head(series)) + series.frames * page
+
+    def stored_type(self, precision: np.dtype[Any], bits: int | None) -> np.dtype[Any]:
+        """The type of a picture's samples: integers of a converter of that many bits, else floats.
+
+        Of 16 bits up to 16, of 32 beyond: `precision` holds them all, 24 bits at most.
+        """
+        if bits is None or not self.whole_numbers:
+            return precision.newbyteorder("<")
+        return np.dtype("<u2" if bits <= 16 else "<u4")
+
+
+FRAME_FORMATS = (
+    # Floats, as .npy files of pictures are: whole numbers of 16 bits would wrap round where two
+    # frames are subtracted.
+    FrameFormat(NPY.name, NPY.suffixes, NPY.description, _npy_head, whole_numbers=False),
+    FrameFormat(TIFF.name, TIFF.suffixes, "multi-page TIFF", tiff_head, tiff_page),
+    FrameFormat(**vars(ENVI_FRAMES), beside=envi_header_text),
+)
+
+STORE = FrameFormat(**vars(ZARR), whole_numbers=False)
+"""A picture in a store, which is written by itself: here for its size."""
+
+
+def frame_format(path: Path) -> FrameFormat | None:
+    """The format of a file of frames of that name; None where there is none."""
+    return next((kind for kind in FRAME_FORMATS if kind.matches(path)), None)
+
+
+def frame_suffixes() -> tuple[str, ...]:
+    return suffixes(*FRAME_FORMATS)
+
+
+def write_frames(
+    path: Path,
+    kind: FrameFormat,
+    series: FrameSeries,
+    frames: Iterable[Array],
+    done: Callable[[int], None] | None = None,
+) -> None:
+    """Write frames one after the other; `done` is called after each with how many there are."""
+    with _written(path) as file:
+        file.write(kind.head(series))
+        for number, frame in enumerate(frames):
+            file.write(kind.page(series, number))
+            step = max(1, _BLOCK_SAMPLES // max(1, frame.shape[1]))
+            for top in range(0, len(frame), step):
+                rows = frame[top : top + step]
+                file.write(np.ascontiguousarray(rows, series.dtype).data)
+            if done is not None:
+                done(number + 1)
+
+
+def write_tiled_tiff(path: Path, series: FrameSeries, samples: Array) -> None:
+    """Write a picture (rows, columns), perhaps on disk, as one page of tiles.
+
+    Tiles at the picture's ends are filled up with zeros.
+    """
+    rows, columns = samples.shape
+    side = min(_LONGEST_PX, -(-max(samples.shape) // _STEP_PX) * _STEP_PX)
+    with _written(path) as file:
+        file.write(tiled_head(series, side))
+        for top in range(0, rows, side):
+            for left in range(0, columns, side):
+                part = samples[top : top + side, left : left + side]
+                tile = np.zeros((side, side), series.dtype)
+                tile[: part.shape[0], : part.shape[1]] = part
+                file.write(tile.data)
+
+
+@contextlib.contextmanager
+def _written(path: Path) -> Iterator[BinaryIO]:
+    """A file that is on the disk in the end, where a full one shows at the latest."""
+    try:
+        # Not mapped into memory: a disk that is full then ends the process (SIGBUS).
+        with path.open("wb") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        raise FileError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def refuse_without_room(files: Sequence[tuple[Path, FrameFormat, FrameSeries]]) -> None:
+    """Refuse files of frames for which a disk has no room, before anything is computed."""
+    left: dict[int, int] = {}
+    for path, kind, series in files:
+        folder = next((above for above in path.absolute().parents if above.exists()), None)
+        if folder is None:
+            continue
+        try:
+            device = folder.stat().st_dev
+            free = left.setdefault(device, shutil.disk_usage(folder).free)
+        except OSError as error:
+            raise FileError(f"cannot write {path}: {error.strerror or error}") from error
+        size = kind.size_bytes(series)
+        if size > free:
+            raise FileError(
+                f"cannot write {path}: {series.size_text} take {_amount(size)}, and its disk has "
+                f"room for {_amount(free)}"
+            )
+        left[device] = free - size
+
+
+def _amount(size: int) -> str:
+    for unit, bytes_of in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if size >= bytes_of:
+            return f"{size / bytes_of:.3g} {unit}"
+    return f"{size} bytes"

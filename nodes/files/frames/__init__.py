@@ -1,1 +1,0 @@
-"""Files of many frames, written and read one frame at a time."""

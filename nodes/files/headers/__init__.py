@@ -1,1 +1,0 @@
-"""Headers of ENVI and FITS files, and pictures described by them."""

@@ -1,0 +1,57 @@
+"""Quantities against wavelength or frequency from CSV files of two or three columns.
+
+Columns are parted by comma, semicolon, tab or blanks; lines that begin with ``#`` and a first line
+of names are passed over.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from nodes.files.common.table_cells import line_refused, point_rows, read_once, table_lines
+
+Points = tuple[tuple[float, float], ...]
+_LARGEST_UM = 1e6
+_COLUMNS = "Hz, mrad²/Hz across and, if it differs, mrad²/Hz along"
+
+
+@read_once
+def read_wavelengths(path: Path, *, what: str, low: float, high: float) -> Points:
+    """Points (wavelength in µm, value), rising in wavelength; values from `low` to `high`.
+
+    `what` the values are is for people.
+    """
+    columns = f"two columns, µm and {what}"
+    lines = table_lines(path, what=f"{what} against wavelength", wanted=f" of {columns}")
+    points: list[tuple[float, float]] = []
+    allowed = f"two numbers, µm and {what}"
+    for number, (place, value) in point_rows(path, lines, (2,), allowed, makes="curve"):
+        if not 0.0 < place <= _LARGEST_UM:
+            raise line_refused(path, number, f"a wavelength above 0, at most {_LARGEST_UM:g} µm")
+        if not (math.isfinite(value) and low <= value <= high):
+            raise line_refused(path, number, f"{what} from {low:g} to {high:g}")
+        if points and place <= points[-1][0]:
+            allowed = f"a wavelength above the one before, {points[-1][0]:g} µm"
+            raise line_refused(path, number, allowed)
+        points.append((place, value))
+    return tuple(points)
+
+
+@read_once
+def read_motion(path: Path) -> tuple[Points, Points]:
+    """Points (Hz, mrad²/Hz) of a motion across and along, rising in frequency.
+
+    Two columns hold for both axes.
+    """
+    lines = table_lines(path, what="power density", wanted=f" of columns, {_COLUMNS}")
+    rows: list[tuple[float, ...]] = []
+    allowed = f"numbers in columns: {_COLUMNS}"
+    for number, row in point_rows(path, lines, (2, 3), allowed, makes="spectrum"):
+        if not all(0.0 < value < math.inf for value in row):
+            raise line_refused(path, number, "finite numbers above 0")
+        if rows and row[0] <= rows[-1][0]:
+            raise line_refused(path, number, f"a frequency above {rows[-1][0]:g} Hz, the last")
+        rows.append(row)
+    across = tuple((row[0], row[1]) for row in rows)
+    return across, tuple((row[0], row[-1]) for row in rows)
