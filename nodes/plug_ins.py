@@ -31,14 +31,9 @@ from core.names import in_line
 
 @dataclass(frozen=True)
 class PlugIns:
-    """What installed packages bring.
+    """What installed packages bring: modules in the order of the packages' names.
 
-    Parameters
-    ----------
-    modules : tuple of type
-        Their modules, in the order of the packages' names.
-    faults : mapping
-        By package, why not all of its modules are there, in one line.
+    `faults` say by package why not all of its modules are there, in one line.
     """
 
     modules: tuple[type[Module], ...]
@@ -46,14 +41,9 @@ class PlugIns:
 
 
 def installed_plug_ins(taken: Iterable[str] = ()) -> PlugIns:
-    """Load the modules of every installed package that has some.
+    """Load the modules of every installed package that has some, but for keys that are `taken`.
 
     Whatever is wrong with a package keeps its modules out, and nobody else's.
-
-    Parameters
-    ----------
-    taken : iterable of str
-        Keys that are not to be had any more.
     """
     modules: dict[str, type[Module]] = {}
     faults: dict[str, str] = {}

@@ -64,14 +64,7 @@ def read_npy_info(path: Path) -> PictureInfo:
 
 
 def read_npy(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
-    """Read one band of a real array (rows, columns) or (rows, columns, bands), block by block.
-
-    Raises
-    ------
-    FileError
-        The file is missing or damaged, holds Python objects, records, complex numbers or text,
-        is not 2-D or 3-D, is empty of samples, or has no such band.
-    """
+    """Read one band of a real array (rows, columns) or (rows, columns, bands), block by block."""
     header = npy_header(path)
     info = _info(path, header.shape, header.dtype, "npy")
     if empty is np.empty:
@@ -83,13 +76,7 @@ def read_npy(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
 
 
 def write_npy(path: str | os.PathLike[str], array: ArrayLike) -> None:
-    """Write an array as ``.npy``: float32 as it is, every other real type as float64; C order.
-
-    Raises
-    ------
-    DataError
-        The array is not real.
-    """
+    """Write a real array: float32 as it is, every other type as float64; C order."""
     samples = _real(array)
     # ascontiguousarray would make a single number 1-D.
     samples = np.asarray(samples, order="C")
@@ -126,17 +113,6 @@ def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     """Read a matrix of numbers separated by blanks or by commas, a row on each line.
 
     Lines that begin with ``#`` are comments.
-
-    Returns
-    -------
-    numpy.ndarray
-        (rows, columns), float64.
-
-    Raises
-    ------
-    FileError
-        The file is missing, holds no numbers, something else than numbers, or rows of unequal
-        length.
     """
     file = readable_file(path)
     try:
@@ -183,22 +159,11 @@ def read_matrix_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> S
 
 
 def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
-    """Write a matrix as plain numbers, which MathCad's READPRN reads.
+    """Write a matrix, or a single row, as plain numbers, which MathCad's READPRN reads.
 
     Each number is the shortest text that reads back to the same bits in the array's precision.
-    Commas separate them where the path ends in ``.csv``, else blanks.
-
-    Parameters
-    ----------
-    path
-        The file to write.
-    array
-        (rows, columns), or (columns,) for a single row; real and finite.
-
-    Raises
-    ------
-    DataError
-        The array is not real, not 2-D, empty or not finite.
+    Commas separate them where the path ends in ``.csv``, else blanks. `DataError` where the array
+    is not real, not 2-D, empty or not finite.
     """
     samples = np.atleast_2d(_real(array))
     if samples.ndim != 2 or samples.size == 0:
@@ -219,19 +184,10 @@ def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
 def write_curves(
     path: str | os.PathLike[str], curves: CurveData, columns: Mapping[str, ArrayLike]
 ) -> None:
-    """Write curves as CSV: a line of names, then a line for each sample.
+    """Write curves as CSV: a line of names, then a line for each sample of their `columns` (n,).
 
-    Of bars, their names take the place of the abscissa. Each number is the shortest text that reads
-    back to the same bits; infinite values are ``inf``, missing ones ``nan``.
-
-    Parameters
-    ----------
-    path
-        The file to write.
-    curves
-        What is written.
-    columns
-        Its columns (n,) by name, such as ``xi (cyc/mrad)``; the first is the axis.
+    The first column is the axis; of bars, their names take its place. Each number is the shortest
+    text that reads back to the same bits; infinite values are ``inf``, missing ones ``nan``.
     """
     names, values = list(columns), [_numbers(_real(column)) for column in columns.values()]
     if curves.bars and names:

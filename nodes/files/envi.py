@@ -52,19 +52,7 @@ _WAVENUMBERS = ("wavenumber", "wavenumbers", "cm-1", "1/cm", "cm^-1")
 
 
 def read_info(path: str | os.PathLike[str]) -> PictureInfo:
-    """Read an ENVI header and check it against the size of its data file.
-
-    Parameters
-    ----------
-    path
-        The data file or its header.
-
-    Raises
-    ------
-    FileError
-        See `nodes.files.envi_header.read_layout`; also a wavelength or fwhm list that is
-        not one positive number for each band, or wavelengths without a unit that cannot be µm.
-    """
+    """Read an ENVI header, by its path or its data's, and check it against the data's size."""
     return info_of(read_layout(path))
 
 
@@ -198,35 +186,11 @@ def integrate_bands(
 ) -> Samples:
     """Integrate spectral radiance over an interval of wavelength: L = Σ L_k·w_k.
 
-    The weights are those of `band_weights_um`. The result has the file's unit times µm, with no
-    other conversion: DIRSIG's W cm⁻² sr⁻¹ µm⁻¹ gives W cm⁻² sr⁻¹, and a scale of 1e4 brings that
+    The weights are those of `band_weights_um`; `min_coverage` is the least part of the interval
+    that the bands must cover, 0 accepts any overlap. The result has the file's unit times µm, with
+    no other conversion: DIRSIG's W cm⁻² sr⁻¹ µm⁻¹ gives W cm⁻² sr⁻¹, and a scale of 1e4 brings that
     to W m⁻² sr⁻¹. A file without a unit is taken to be per µm, as DIRSIG's are; a unit per nm is
-    allowed for.
-
-    Parameters
-    ----------
-    path
-        The data file or its header.
-    cut_on_um, cut_off_um
-        The interval, µm.
-    min_coverage
-        The least part of the interval the bands must cover, 0 to 1; 0 accepts any overlap.
-    empty
-        Makes the array to be filled in, perhaps on disk.
-
-    Returns
-    -------
-    numpy.ndarray
-        (rows, columns), summed in double precision, delivered as
-        `nodes.files.envi.read_band`.
-
-    Raises
-    ------
-    FileError
-        As `nodes.files.envi.read_info`; no usable wavelengths; samples that by their unit
-        are not spectral.
-    ParameterError
-        The interval is empty or less of it than `min_coverage` is covered.
+    allowed for. The sums are in double precision.
     """
     layout = read_layout(path)
     info = info_of(layout)
@@ -247,33 +211,14 @@ def integrate_bands(
 def band_weights_um(
     info: PictureInfo, *, cut_on_um: float, cut_off_um: float
 ) -> NDArray[np.float64]:
-    """Width of each band's share of the interval, µm.
+    """Width of each band's share of the interval, µm; the sum is the covered part of the interval.
 
     A band reaches over wavelength ± fwhm/2. Without ``fwhm`` it reaches half-way to its
     neighbours (the outer ones as far outward), which inside the spectrum is the trapezoid rule.
     Where bands overlap they share the width equally, so that a constant spectrum L gives
     L·(covered width) whatever the widths; gaps between bands count nothing, nor do bands that the
-    header marks as bad. Shares that the header
-    gives itself (``band shares``, µm, as cubes of our own that overlap have it) hold as they are.
-
-    Parameters
-    ----------
-    info
-        Description with wavelengths.
-    cut_on_um, cut_off_um
-        The interval, µm.
-
-    Returns
-    -------
-    numpy.ndarray
-        (bands,); the sum is the covered part of the interval.
-
-    Raises
-    ------
-    FileError
-        No wavelengths in a unit of length, or a single or repeated one without ``fwhm``.
-    ParameterError
-        `cut_on_um` is not below `cut_off_um`, or either is not positive and finite.
+    header marks as bad. Shares that the header gives itself (``band shares``, µm, as cubes of our
+    own that overlap have it) hold as they are.
     """
     if not (math.isfinite(cut_on_um) and cut_on_um >= 0):
         raise ParameterError("cut_on_um", cut_on_um, "a finite number of 0 or more", unit="um")

@@ -57,28 +57,11 @@ def weighted_sums(
     for_each: ForEach = in_turn,
     empty: Empty = np.empty,
 ) -> Array:
-    """Σ_b w_b·L_b for a few rows of weights, in one pass over the file.
+    """Σ_b w_b·L_b for a few rows of weights (sums, bands), in one pass over the file.
 
-    Parameters
-    ----------
-    layout : EnviLayout or CubeInMemory
-        The cube.
-    weights : ndarray, (sums, bands)
-        Bands whose weights are all 0 are not read where they lie by themselves.
-    dtype : dtype
-        Of the sums and of the samples as they are multiplied.
-    fill : callable, optional
-        Is given every block, (bands, samples), with NaN for what is missing, to put numbers in
-        place of those.
-    for_each : callable
-        Calls a function on every block of rows: `Work.for_each`.
-    empty : callable
-        Makes the array to be filled in, perhaps on disk.
-
-    Returns
-    -------
-    ndarray, (sums, rows, columns)
-        Not finite where a sample is not and has not been filled.
+    Bands whose weights are all 0 are not read where they lie by themselves. Samples are multiplied
+    and summed in `dtype`. `fill` is given every block, (bands, samples), with NaN for what is
+    missing, to put numbers in place of those; without, such sums are not finite.
     """
     used = np.flatnonzero(np.any(weights != 0.0, axis=0))
     sums = empty((len(weights), layout.rows, layout.columns), dtype)

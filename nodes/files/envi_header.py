@@ -88,19 +88,11 @@ def is_envi(path: Path) -> bool:
 
 
 def read_layout(path: str | os.PathLike[str]) -> EnviLayout:
-    """Read and check the header of an ENVI picture.
+    """Read and check the header of an ENVI picture, by its own path or that of its data file.
 
-    Parameters
-    ----------
-    path
-        The data file or its header (``x.img.hdr`` or ``x.hdr``).
-
-    Raises
-    ------
-    FileError
-        Either of the two files is missing; a field is missing, malformed or of a kind that is
-        not supported (complex, compressed, frame offsets); the size of the data file is not
-        offset + lines·samples·bands·bytes.
+    Refused are two files of which one is missing, fields that are missing, malformed or not
+    supported (complex, compressed, frame offsets), and a data file whose size is not
+    offset + lines·samples·bands·bytes.
     """
     data, header = _pair(readable_file(path))
     fields = _fields(header)

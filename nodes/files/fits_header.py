@@ -36,18 +36,11 @@ _BITPIX = ("8", "16", "32", "-32", "-64")
 
 @dataclass(frozen=True)
 class FitsHeader:
-    """The first header of a file and how it scales stored numbers.
+    """The first header of a file: values by keyword, as text, and how numbers are scaled.
 
-    Attributes
-    ----------
-    cards
-        Values by keyword, as text without comment.
-    length
-        Bytes up to the samples.
-    zero, scale
-        BZERO and BSCALE: the value of a stored 0 and of a step of 1.
-    blank
-        BLANK: the stored integer that stands for none; None where the samples are no integers.
+    `length` are the bytes up to the samples, `zero` and `scale` the value of a stored 0 and of a
+    step of 1 (BZERO, BSCALE), `blank` the stored integer that stands for none, if the samples are
+    integers.
     """
 
     path: Path
@@ -89,11 +82,8 @@ def read_fits_header(path: Path) -> FitsHeader:
 def refuse_unsupported(path: Path) -> None:
     """Refuse a FITS file whose first header is not that of a picture that can be read.
 
-    Raises
-    ------
-    FileError
-        There is none in it, as where pictures are in extensions; it departs from the standard; its
-        samples are of another type, or lie along more than three axes; or as of `read_fits_header`.
+    There is none in it, as where pictures are in extensions; it departs from the standard; its
+    samples are of another type, or lie along more than three axes.
     """
     with stored_bytes(path) as file:
         if file[: len(_START)] != _START:

@@ -29,21 +29,7 @@ _READ = ".npy (frames, rows, columns), TIFF of a page each, ENVI of a band each"
 
 @dataclass(frozen=True)
 class FrameFile:
-    """A file of frames of one size.
-
-    Attributes
-    ----------
-    path
-        The file; for ENVI its data.
-    kind
-        How it is read.
-    frames, rows, columns
-        How many there are, and the size of each.
-    dtype
-        Of the stored samples.
-    unit
-        Of the samples as the file words it, or None.
-    """
+    """A file of frames of one size; `path` is that of the data, `dtype` that of stored samples."""
 
     path: Path
     kind: Literal["npy", "tiff", "envi"]
@@ -54,15 +40,7 @@ class FrameFile:
     unit: str | None
 
     def each(self) -> Iterator[Samples]:
-        """The frames in turn, in single or double precision as `delivered_dtype`.
-
-        Raises
-        ------
-        FileError
-            The file is damaged.
-        DataError
-            A frame has samples that are not finite.
-        """
+        """The frames in turn, in the precision of `delivered_dtype`, all finite."""
         read = {"npy": self._of_npy, "tiff": self._of_tiff, "envi": self._of_envi}[self.kind]
         for number, samples in enumerate(read()):
             check_finite(samples, f"{self.path}, frame {number}")
@@ -87,13 +65,7 @@ class FrameFile:
 
 
 def open_frames(path: Path) -> FrameFile:
-    """Describe a file of frames; every page of a TIFF is looked at.
-
-    Raises
-    ------
-    FileError
-        The file is missing, damaged, of another format, or its frames differ in size or type.
-    """
+    """Describe a file of frames; every page of a TIFF is looked at."""
     file = readable_file(path)
     if NPY.matches(file) or is_npy(file):
         found = _npy(file)
@@ -175,19 +147,9 @@ def _words(layout: TiffLayout) -> str:
 
 
 def check_one_camera(files: Sequence[FrameFile], *, of_one: str) -> None:
-    """Refuse files of which no noise in time can be had, or of several cameras.
+    """Refuse files of which no noise in time can be had, or of several cameras (`DataError`).
 
-    Parameters
-    ----------
-    files : sequence of FrameFile
-        What was opened, in order.
-    of_one : str
-        What is said of a file with a single frame.
-
-    Raises
-    ------
-    DataError
-        With the first file that is at fault.
+    `of_one` is said of a file with a single frame.
     """
     first = files[0]
     for file in files:

@@ -73,19 +73,8 @@ def header_fields(
 ) -> HeaderFields:
     """Read the common fields from a header's keys, then from its description.
 
-    Parameters
-    ----------
-    fields
-        The header's own keys with values as text, number or list of texts.
-    description
-        Free text in which ``key = value`` pairs may stand; what cannot be read there is prose.
-    where
-        Name of the file for error messages.
-
-    Raises
-    ------
-    FileError
-        One of the header's own keys has a value that is no length or no angle.
+    A key whose value is no length or no angle is refused; in the description, free text in which
+    ``key = value`` pairs may stand, it is prose. `where` names the file in messages.
     """
     own = {_normal(key): _texts(value) for key, value in fields.items()}
     described = _in_description(description)

@@ -37,18 +37,9 @@ _MICROMETRES = {"nm": 1e-3, "mm": 1e3, "millimeter": 1e3, "millimeters": 1e3}
 
 @dataclass(frozen=True)
 class LensSamples:
-    """What a file holds.
+    """What a file holds: its size, and what a listing's header names, None where it does not.
 
-    Attributes
-    ----------
-    rows, columns
-        Size.
-    is_complex
-        Whether the samples are complex numbers.
-    wavelength_um, spacing_um
-        As a listing's header names them; None where nothing is named.
-    bands
-        Bands or channels of the file, of which one is read.
+    One of its `bands` or channels is read.
     """
 
     rows: int
@@ -81,13 +72,7 @@ def describe_lens_samples(path: Path, band: int = 0) -> LensSamples:
 
 
 def read_lens_samples(path: Path, band: int = 0) -> NDArray[Any]:
-    """Read samples, row 0 at the top.
-
-    Returns
-    -------
-    numpy.ndarray
-        (rows, columns), float64, or complex128 of a complex ``.npy``. Some may be not finite.
-    """
+    """Read samples, row 0 at the top: float64, or complex128; some may be not finite."""
     described = describe_lens_samples(path, band)
     if _is_listing(path):
         return read_listing(path).matrix
@@ -111,15 +96,7 @@ def _within_limits(path: Path, samples: LensSamples) -> LensSamples:
 
 @dataclass(frozen=True)
 class Listing:
-    """A matrix and the lines above it.
-
-    Attributes
-    ----------
-    header
-        Lines of words, without the empty ones; none in a plain matrix.
-    matrix
-        (rows, columns), the first row at the top; NaN where the text has it.
-    """
+    """A matrix, NaN where the text has it, and the lines of words above it but for empty ones."""
 
     header: tuple[str, ...]
     matrix: NDArray[np.float64]
@@ -146,16 +123,8 @@ class Listing:
 def read_listing(path: Path) -> Listing:
     """Read a text matrix with or without a header, such as Zemax's wavefront map or PSF.
 
-    Parameters
-    ----------
-    path
-        Text in UTF-8 or, as Zemax writes it, UTF-16; numbers parted by blanks, commas or tabs.
-        Lines that begin with ``#`` count as header.
-
-    Raises
-    ------
-    FileError
-        It is no text, holds no matrix, or rows of unequal length; names the line.
+    UTF-8 or, as Zemax writes it, UTF-16; numbers parted by blanks, commas or tabs. Lines that begin
+    with ``#`` count as header.
     """
     lines = [line.strip() for line in lens_lines(path, what="a matrix of numbers")]
     header: list[str] = []

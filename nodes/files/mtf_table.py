@@ -39,18 +39,10 @@ _ZEMAX_UNIT = re.compile(r"spatial frequency units are (cycles per \w+)", re.IGN
 
 @dataclass(frozen=True)
 class MtfTable:
-    """Columns of a file.
+    """Columns of a file: those there are of `MTF_COLUMNS`, and of `PHASE_COLUMNS` in radians.
 
-    Attributes
-    ----------
-    file
-        Where they come from.
-    unit
-        ``cyc/mm``, ``cyc/mrad`` or ``cyc/pixel`` as the file names it; None where it does not.
-    frequencies
-        Rising, 0 or above.
-    columns
-        Those there are of `MTF_COLUMNS`, and of `PHASE_COLUMNS` in radians, by name.
+    `unit` is ``cyc/mm``, ``cyc/mrad`` or ``cyc/pixel`` as the file names it, None where it does
+    not; `frequencies` rise from 0 or above.
     """
 
     file: Path
@@ -64,16 +56,10 @@ class MtfTable:
 
 @read_once
 def read_mtf_table(path: Path, *, field: int = 0) -> MtfTable:
-    """Read a table of MTF.
+    """Read a CSV table parted by comma, semicolon, tab or blanks, or Zemax's MTF as text.
 
-    Parameters
-    ----------
-    path
-        A CSV file, its columns parted by comma, semicolon, tab or blanks, or the text of Zemax's
-        MTF against frequency. Lines that begin with ``#`` are passed over.
-    field
-        Of a listing of Zemax, which of its fields, counted from 0 without the diffraction limit.
-        Its tangential column is the MTF along y, as for a field along y.
+    Lines that begin with ``#`` are passed over. `field` counts those of a listing of Zemax from 0,
+    without the diffraction limit; its tangential column is the MTF along y, as for a field along y.
     """
     refuse_long_table(path, _LONGEST_BYTES, "MTF against frequency")
     lines = list(enumerate(lens_lines(path, what="columns, frequency and MTF"), 1))

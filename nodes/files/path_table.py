@@ -64,12 +64,9 @@ _ROUNDED = 1e-4  # by which a transmission written with few digits may exceed 1
 def read_path_table(path: Path) -> tuple[Points, Points]:
     """Transmission and path radiance (W/m²/sr/µm) against wavelength in µm, rising.
 
-    Parameters
-    ----------
-    path
-        MODTRAN's tape7, or a CSV file whose first line names the columns
-        ``wavelength_um``, ``transmission`` and ``path_radiance`` (W/m²/sr/µm), in any order and
-        among others; without names, these three alone. Lines that begin with ``#`` are passed over.
+    Of MODTRAN's tape7, or of a CSV file whose first line names the columns ``wavelength_um``,
+    ``transmission`` and ``path_radiance``, in any order and among others; without names, these
+    three alone. Lines that begin with ``#`` are passed over.
     """
     lines = table_lines(
         path,

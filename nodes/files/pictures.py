@@ -122,16 +122,10 @@ def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
 
 
 def write_by_oiio(path: Path, stored: NDArray[Any], metadata: Mapping[str, MetadataValue]) -> None:
-    """Write samples as they are, in the format of the path's suffix; same samples, same bytes.
+    """Write samples (rows, columns, channels) as they are; same samples, same bytes.
 
-    Parameters
-    ----------
-    path
-        The file.
-    stored
-        (rows, columns, channels), of one of `SAMPLE_TYPES`.
-    metadata
-        Written into the picture's description as ``key = value`` lines.
+    The format is that of the path's suffix; `metadata` become ``key = value`` lines of the
+    picture's description.
     """
     # Imported when needed: 30 ms that a run without picture files need not pay.
     import OpenImageIO

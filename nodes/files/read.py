@@ -28,46 +28,21 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
 
 
 def read_pixels(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
-    """Read one band of a picture file of any supported kind.
+    """Read one band of a picture file, counted from 0, into an array that `empty` makes.
 
-    Parameters
-    ----------
-    path
-        See `read_info`.
-    band
-        Band or channel, counted from 0.
-    empty
-        Makes the array to be filled in, perhaps on disk.
-
-    Returns
-    -------
-    numpy.ndarray
-        (rows, columns), C order, as the numbers the file stores; float64 when it holds doubles,
-        integers of 32 or more bits or text, else float32. Samples may be not finite, as those are
-        that are missing by the header: see `check_finite`.
+    (rows, columns) in C order, as the numbers the file stores; float64 when it holds doubles,
+    integers of 32 or more bits or text, else float32. Samples may be not finite, as those are
+    that are missing by the header: see `check_finite`.
     """
     file = readable_picture(path)
     return format_of(file).read_band(file, band, empty=empty)
 
 
 def check_finite(array: NDArray[Any], name: str, *, advice: str = "") -> None:
-    """Refuse samples that are NaN or infinite.
+    """Refuse samples (rows, columns) that are NaN or infinite; name how many, and the first.
 
-    Works in blocks of rows, so that the memory it takes does not grow with the picture.
-
-    Parameters
-    ----------
-    array
-        (rows, columns).
-    name
-        What the samples are, for the message.
-    advice
-        What can be done about it, for the message's end.
-
-    Raises
-    ------
-    DataError
-        Names how many samples are not finite and the row and column of the first.
+    `name` and `advice` are for the message. Works in blocks of rows, so that the memory it takes
+    does not grow with the picture.
     """
     step = max(1, _BLOCK_SAMPLES // max(1, array.shape[1]))
     count = 0

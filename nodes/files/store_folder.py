@@ -39,13 +39,7 @@ def readable_picture(path: str | os.PathLike[str]) -> Path:
 
 
 def store_state(folder: Path) -> tuple[int, int]:
-    """Bytes of all files of a store, and when the last of them or of its folders was changed, ns.
-
-    Raises
-    ------
-    FileError
-        It cannot be looked through, or holds something else than folders and regular files.
-    """
+    """Bytes of all files of a store, and when the last of them or its folders was changed, ns."""
     states = list(_states(folder))
     return sum(one.st_size for _, one in states), max(one.st_mtime_ns for _, one in states)
 

@@ -24,34 +24,13 @@ def write_picture(
     high: float | None = None,
     metadata: Mapping[str, MetadataValue] | None = None,
 ) -> None:
-    """Write a picture atomically; the same samples give the same bytes.
+    """Write a picture (rows, columns[, channels]) atomically; the same samples give the same bytes.
 
     Float and double samples read back bit for bit. For `uint8` and `uint16`, `low` and `high`
     are the values that become black and white (0 and 255 or 65535; linear, nearest, clipped);
-    without them the samples must be whole numbers within the range already.
-
-    Parameters
-    ----------
-    path
-        Ends in a suffix of `nodes.files.formats.WRITTEN`.
-    array
-        (rows, columns) or (rows, columns, channels), real.
-    dtype
-        ``float``, ``half``, ``double``, ``uint8`` or ``uint16``, as far as the format holds it.
-    low, high
-        Display range for the integer types.
-    metadata
-        Texts and numbers that `read_info` finds again where the format has room for them:
-        ``unit``, ``focal_length_mm``, ``fov_x_deg`` and ``fov_y_deg``.
-
-    Raises
-    ------
-    ParameterError
-        `dtype`, `low` or `high` cannot be used.
-    DataError
-        No picture, or samples that do not fit the type.
-    FileError
-        Unknown suffix, or the file cannot be written.
+    without them the samples must be whole numbers within the range already. `metadata` are what
+    `read_info` finds again where the format has room: ``unit``, ``focal_length_mm``, ``fov_x_deg``
+    and ``fov_y_deg``.
     """
     file = Path(os.fspath(path))
     suffix, kind = file.suffix.lower(), written_format(file)

@@ -106,13 +106,7 @@ class _Opened:
 
 
 def read_info(path: Path) -> PictureInfo:
-    """Describe an array without reading its samples.
-
-    Raises
-    ------
-    FileError
-        The store is damaged, holds no picture or several, or the package zarr is not installed.
-    """
+    """Describe an array without reading its samples."""
     return _info(path, _opened(path))
 
 
@@ -174,23 +168,10 @@ def write_store(
     metadata: Mapping[str, MetadataValue],
     dtype: np.dtype[Any] | None = None,
 ) -> None:
-    """Write a picture as a Zarr array of version 3, not packed, whole or not at all.
+    """Write a picture, perhaps on disk, as a Zarr array of version 3, whole or not at all.
 
-    Parameters
-    ----------
-    path
-        A new folder, or a store that is replaced.
-    samples
-        (rows, columns), perhaps on disk.
-    metadata
-        Attributes: what `read_info` finds again.
-    dtype
-        Of the stored samples, by default their own.
-
-    Raises
-    ------
-    FileError
-        It cannot be written, or the package zarr is not installed.
+    `path` is a new folder, or a store that is replaced; `metadata` become attributes, which
+    `read_info` finds again. It is not packed.
     """
     zarr = _library(path)
     rows, columns = samples.shape

@@ -31,27 +31,13 @@ def surface_spectra(
     emissivity: Emissivity,
     sun_elevation_deg: float,
 ) -> dict[str, FloatArray]:
-    """Spectral radiance of every surface, the mean over each band.
+    """Spectral radiance of every surface, the mean over each band, (bands,) [W m⁻² sr⁻¹ µm⁻¹].
 
     L = ε·L(T) + (1 − ε)·(L_sky + L_sun), where L_sky is the zenith's and L_sun that of a level,
-    white, matt surface in the Sun. Every surface is lit as level ground is; those in the shade see
-    the sky alone. ε is the mean over the band by the light in question.
-
-    Parameters
-    ----------
-    edges_um : ndarray, (bands + 1,)
-        Where the bands end [µm], ascending.
-    temperature_K, delta_K : float
-        As for `surface_radiance`.
-    emissivity : "spectra" or "grey"
-        Those of `MATERIALS`, or one number a surface, as without bands.
-    sun_elevation_deg : float
-        0 for no Sun.
-
-    Returns
-    -------
-    dict of str to ndarray
-        (bands,) by surface name [W m⁻² sr⁻¹ µm⁻¹].
+    white, matt surface in the Sun (`sun_elevation_deg` 0: none). Every surface is lit as level
+    ground is; those in the shade see the sky alone. ε is the mean over the band by the light in
+    question: of `MATERIALS`, or grey, one number a surface, as without bands. `edges_um` (bands +
+    1,) ascend.
     """
     kelvins = surface_temperatures(temperature_K=temperature_K, delta_K=delta_K)
     names = list(SURFACES)
@@ -275,22 +261,10 @@ def surface_temperatures(*, temperature_K: float, delta_K: float) -> FloatArray:
 def surface_radiance(
     *, cut_on_um: float, cut_off_um: float, temperature_K: float, delta_K: float
 ) -> dict[str, float]:
-    """Band radiance of every surface, emitted and mirrored.
+    """Band radiance of every surface, emitted and mirrored [W m⁻² sr⁻¹].
 
     L = emissivity·L_band(T) + (1 - emissivity)·L_band(T_sky), with opaque grey surfaces that
-    see the sky by reflection.
-
-    Parameters
-    ----------
-    cut_on_um, cut_off_um : float
-        Band [µm].
-    temperature_K, delta_K : float
-        Air temperature [K] and the step in which surfaces differ from it [K].
-
-    Returns
-    -------
-    dict of str to float
-        Radiance [W m⁻² sr⁻¹] by surface name.
+    see the sky by reflection; they differ from the air's temperature_K by steps of delta_K.
     """
     temperatures = surface_temperatures(temperature_K=temperature_K, delta_K=delta_K)
     emissivity = np.array([share for _, share, _ in SURFACES.values()])

@@ -8,16 +8,9 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Format:
-    """A format of files.
+    """A format of files: a word for it, what names of its files end in, what people call it.
 
-    Attributes
-    ----------
-    name
-        A word for it, where one is chosen.
-    suffixes
-        What names of its files end in, in lower case; the first is the usual one.
-    description
-        What people call it.
+    Suffixes are in lower case, the usual one first.
     """
 
     name: str

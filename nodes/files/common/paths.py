@@ -11,14 +11,7 @@ from nodes.files.common.stored_bytes import stored_bytes
 
 
 def readable_file(path: str | os.PathLike[str]) -> Path:
-    """Return `path` once it is known to be a regular, readable file that is not empty.
-
-    Raises
-    ------
-    FileError
-        The path is empty or malformed, or names nothing, a folder, a device or pipe, an empty
-        file or one without permission to read.
-    """
+    """The path, once it is known to be a regular, readable file that is not empty."""
     text = os.fspath(path)
     if not text:
         raise FileError("no file to read: the path is empty")

@@ -74,16 +74,9 @@ def refuse_oversized_text(path: Path) -> None:
 
 
 def refuse_impossible(info: PictureInfo, *, compression: str, bits: int) -> None:
-    """Refuse a header that claims more samples than the file's bytes can unpack to.
+    """Refuse a header that claims more samples of so many bits than the file can unpack to.
 
-    Parameters
-    ----------
-    info
-        What the header claims.
-    compression
-        How the samples are packed; one without a bound passes.
-    bits
-        Of a stored sample.
+    A compression without a bound passes.
     """
     most = _DEFLATE if info.kind == "png" else _MOST_BYTES.get(compression)
     if most is None:

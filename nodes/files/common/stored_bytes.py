@@ -59,13 +59,7 @@ class StoredBytes:
         return -1
 
     def fill(self, samples: NDArray[Any], place: int) -> None:
-        """Fill a contiguous array with the bytes from `place` on.
-
-        Raises
-        ------
-        FileError
-            The file ends before, perhaps because it was cut short meanwhile.
-        """
+        """Fill a contiguous array with the bytes from `place` on, which must be there."""
         left = samples.reshape(-1).view(np.uint8).data
         with self._lock:
             self._file.seek(place)
@@ -78,13 +72,7 @@ class StoredBytes:
 
 @contextlib.contextmanager
 def stored_bytes(path: Path) -> Iterator[StoredBytes]:
-    """Open a regular file; what another program put in its place meanwhile is refused.
-
-    Raises
-    ------
-    FileError
-        It cannot be opened or read, also from within the block; or is a pipe, a device or the like.
-    """
+    """Open a regular file, no pipe or device, also where another program put it there meanwhile."""
     # Without O_NONBLOCK a pipe would be waited for.
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     try:

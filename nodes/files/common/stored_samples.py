@@ -28,13 +28,7 @@ _BLOCK_ROWS = 256
 
 
 def as_picture(array: ArrayLike) -> NDArray[Any]:
-    """Real samples as (rows, columns, channels), not empty.
-
-    Raises
-    ------
-    DataError
-        They are not real, or no picture.
-    """
+    """Real samples as (rows, columns, channels), not empty; else `DataError`."""
     samples = np.asarray(array)
     if samples.dtype.kind not in "buif":
         raise DataError(f"samples of type {samples.dtype} cannot be written as a picture: not real")
@@ -51,26 +45,10 @@ def as_picture(array: ArrayLike) -> NDArray[Any]:
 def as_stored(
     samples: NDArray[Any], dtype: str, low: float | None, high: float | None
 ) -> NDArray[Any]:
-    """Samples in the type of that name, C order.
+    """Samples (rows, columns, channels) in the type of that name in `SAMPLE_TYPES`, C order.
 
     For the integer types `low` and `high` become 0 and the largest integer (linear, nearest,
     clipped); without them the samples must be whole numbers within the range already.
-
-    Parameters
-    ----------
-    samples
-        (rows, columns, channels).
-    dtype
-        A name of `SAMPLE_TYPES`.
-    low, high
-        Of integer types alone.
-
-    Raises
-    ------
-    ParameterError
-        `low` or `high` cannot be used.
-    DataError
-        Samples that do not fit the type.
     """
     kind = SAMPLE_TYPES[dtype]
     if kind.kind == "u":

@@ -64,12 +64,9 @@ def cells_of(line: str) -> list[str]:
 
 
 def number_of(cell: str) -> float:
-    """The number that a cell is.
+    """The number that a cell is; `ValueError` where none, or in Python's own writing alone.
 
-    Raises
-    ------
-    ValueError
-        It is none, or in Python's own writing alone: 0_6 is 6 there, and a slip for 0.6 in a table.
+    0_6 is 6 there, and a slip for 0.6 in a table.
     """
     if "_" in cell or not cell.isascii():
         raise ValueError("is no number")
