@@ -67,33 +67,15 @@ _WIDEST_UM = 10_000.0  # of a pixel
 
 @dataclass(frozen=True)
 class MeasurePlan:
-    """What is measured.
+    """What is measured."""
 
-    Parameters
-    ----------
-    pictures : tuple of Path
-        Pictures, or files of frames, of one camera.
-    band : int or None
-        Band of files that have several.
-    fov_x_deg : float or None
-        Field of view across, in place of the header's.
-    pitch_um : float or None
-        From one pixel to the next.
-    flats : tuple of Path
-        Files of frames of flat fields, each of another level.
-    dark : Path or None
-        Frames without light.
-    offset_dn : float or None
-        The number of no electrons.
-    """
-
-    pictures: tuple[Path, ...]
-    band: int | None = None
-    fov_x_deg: float | None = None
-    flats: tuple[Path, ...] = ()
-    dark: Path | None = None
-    offset_dn: float | None = None
-    pitch_um: float | None = None
+    pictures: tuple[Path, ...]  # pictures, or files of frames, of one camera
+    band: int | None = None  # band of files that have several
+    fov_x_deg: float | None = None  # field of view across, in place of the header's
+    flats: tuple[Path, ...] = ()  # files of frames of flat fields, each of another level
+    dark: Path | None = None  # frames without light
+    offset_dn: float | None = None  # the number of no electrons
+    pitch_um: float | None = None  # from one pixel to the next
 
 
 @dataclass(frozen=True)

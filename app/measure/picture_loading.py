@@ -37,45 +37,26 @@ _PERHAPS_ENCODED = ("tiff",)
 
 @dataclass(frozen=True)
 class PictureFile:
-    """A file of one picture or several frames, and what of it is measured.
+    """A file of one picture or several frames, and what of it is measured."""
 
-    Parameters
-    ----------
-    path : Path
-        As it was given.
-    rows, columns, frames : int
-        Size of a frame, and how many there are.
-    band : int or None
-        The one that is measured; None: luminance of a colour picture, or the only one.
-    taken : str
-        What of a file of several bands is measured, in words; empty where there is one.
-    unit : str
-        Of the samples as the file words it, or empty.
-    interval_x_mrad, interval_y_mrad : float or None
-        Between samples, by the header's field of view.
-    limits : tuple of float or None
-        Least and largest number of samples that are stored as whole numbers; None of others.
-    gamma : str
-        Whether numbers of such a file follow the eye instead of the light, usually or possibly.
-    is_lossy : bool
-        Whether the format leaves out what the eye would not miss.
-    is_stack : bool
-        Whether it holds frames, were it a single one.
-    """
-
-    path: Path
+    path: Path  # as it was given
+    # size of a frame, and how many there are
     rows: int
     columns: int
     frames: int
+    # the one that is measured; None: luminance of a colour picture, or the only one
     band: int | None
-    taken: str
-    unit: str
+    taken: str  # what of a file of several bands is measured, in words; empty where there is one
+    unit: str  # of the samples as the file words it, or empty
+    # between samples, by the header's field of view
     interval_x_mrad: float | None
     interval_y_mrad: float | None
+    # least and largest number of samples that are stored as whole numbers; None of others
     limits: tuple[float, float] | None
+    # whether numbers of such a file follow the eye instead of the light, usually or possibly
     gamma: Gamma = ""
-    is_lossy: bool = False
-    is_stack: bool = False
+    is_lossy: bool = False  # whether the format leaves out what the eye would not miss
+    is_stack: bool = False  # whether it holds frames, were it a single one
 
     def pictures(self) -> Iterator[Matrix]:
         """The frames in turn, in double precision.

@@ -90,21 +90,11 @@ class MeasuredEdge:
 
 @dataclass(frozen=True, eq=False)
 class Preview:
-    """A picture that was measured, small enough to be drawn.
+    """A picture that was measured, small enough to be drawn."""
 
-    Parameters
-    ----------
-    picture : int
-        Its number among those measured.
-    samples : ndarray
-        Means of squares of `factor` samples, single precision.
-    factor : int
-        Samples along a side of such a square.
-    """
-
-    picture: int
-    samples: NDArray[np.float32]
-    factor: int
+    picture: int  # its number among those measured
+    samples: NDArray[np.float32]  # means of squares of `factor` samples, single precision
+    factor: int  # samples along a side of such a square
 
 
 @dataclass(frozen=True)
@@ -178,67 +168,35 @@ class MeasuredFile:
 
 @dataclass(frozen=True, eq=False)
 class PictureMeasurement:
-    """Everything that was measured in pictures of one camera.
+    """Everything that was measured in pictures of one camera."""
 
-    Parameters
-    ----------
-    files : tuple of MeasuredFile
-        Where the pictures come from, in order.
-    rows, columns : int
-        Size of each.
-    unit : str
-        Of the samples, or empty.
-    interval_x_mrad, interval_y_mrad : float or None
-        Angle between samples, where the field of view is known.
-    edges : tuple of MeasuredEdge
-        All that were seen.
-    x, y : MtfCurve or None
-        Pooled over the edges across, and along.
-    reason_x, reason_y : str
-        Why there is none.
-    noise : NoiseFigures or None
-        Of the flat areas of the pictures.
-    noise_reason : str
-        Why there is none.
-    frames : FramesNoise or None
-        Noise from frame to frame.
-    frames_reason : str
-        Why there are none.
-    flats : FlatCurve or None
-        The photon transfer curve of flat fields, where they were given.
-    flats_reason : str
-        Why there is none.
-    previews : tuple of Preview
-        The first pictures.
-    pitch_um : float or None
-        From one pixel to the next, where it was given.
-    repeated : tuple of int
-        Numbers of pictures that are the same as one before, whose edges and noise do not count.
-    warnings : tuple of str
-        What makes the figures other than those of the camera.
-    """
-
-    files: tuple[MeasuredFile, ...]
+    files: tuple[MeasuredFile, ...]  # where the pictures come from, in order
+    # size of each
     rows: int
     columns: int
-    unit: str
+    unit: str  # of the samples, or empty
+    # angle between samples, where the field of view is known
     interval_x_mrad: float | None
     interval_y_mrad: float | None
-    edges: tuple[MeasuredEdge, ...]
+    edges: tuple[MeasuredEdge, ...]  # all that were seen
+    # pooled over the edges across, and along
     x: MtfCurve | None
     y: MtfCurve | None
+    # why there is none
     reason_x: str
     reason_y: str
-    noise: NoiseFigures | None
-    noise_reason: str
-    frames: FramesNoise | None = None
-    frames_reason: str = ""
+    noise: NoiseFigures | None  # of the flat areas of the pictures
+    noise_reason: str  # why there is none
+    frames: FramesNoise | None = None  # noise from frame to frame
+    frames_reason: str = ""  # why there are none
+    # the photon transfer curve of flat fields, where they were given
     flats: FlatCurve | None = None
-    flats_reason: str = ""
-    previews: tuple[Preview, ...] = ()
+    flats_reason: str = ""  # why there is none
+    previews: tuple[Preview, ...] = ()  # the first pictures
+    # numbers of pictures that are the same as one before, whose edges and noise do not count
     repeated: tuple[int, ...] = ()
-    pitch_um: float | None = None
-    warnings: tuple[str, ...] = ()
+    pitch_um: float | None = None  # from one pixel to the next, where it was given
+    warnings: tuple[str, ...] = ()  # what makes the figures other than those of the camera
 
     @property
     def picture_count(self) -> int:

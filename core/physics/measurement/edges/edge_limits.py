@@ -313,29 +313,17 @@ _STEEP = 2  # samples beside an edge where its level changes fast
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What belongs to an edge.
+    """What belongs to an edge."""
 
-    Parameters
-    ----------
-    start, end : float
-        Of the edge, along it from the piece's middle.
-    reach : float
-        Samples on both sides.
-    low, high : float
-        Levels.
-    noise_sigma : float
-        Of a sample on the level sides.
-    why_not : str
-        Why there is no such part; empty if there is.
-    """
-
+    # of the edge, along it from the piece's middle
     start: float
     end: float
-    reach: float
+    reach: float  # samples on both sides
+    # levels
     low: float
     high: float
-    noise_sigma: float
-    why_not: str = ""
+    noise_sigma: float  # of a sample on the level sides
+    why_not: str = ""  # why there is no such part; empty if there is
 
 
 def cells_along(length: float) -> int:

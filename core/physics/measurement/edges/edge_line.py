@@ -26,19 +26,12 @@ _SETTLED = 1e-9
 
 @dataclass(frozen=True)
 class EdgeLine:
-    """The straight line x = start + slope·row, in samples.
+    """The straight line x = start + slope·row, in samples."""
 
-    Parameters
-    ----------
-    start, slope : float
-        Column in row 0, and columns per row.
-    places : ndarray
-        Where each row has the edge, shape (rows,).
-    """
-
+    # column in row 0, and columns per row
     start: float
     slope: float
-    places: Vector
+    places: Vector  # where each row has the edge, shape (rows,)
 
     @property
     def rows(self) -> int:
@@ -211,20 +204,11 @@ def _refuse_line(line: EdgeLine, columns: int) -> None:
 
 @dataclass(frozen=True)
 class EdgeSamples:
-    """Samples about an edge, in the order of the picture's rows.
+    """Samples about an edge, in the order of the picture's rows."""
 
-    Parameters
-    ----------
-    distance : ndarray
-        Of each sample's middle from the edge along its normal, positive on the brighter side.
-    along : ndarray
-        Place along the edge, 0 at its middle.
-    value : ndarray
-        The samples.
-    """
-
+    # of each sample's middle from the edge along its normal, positive on the brighter side
     distance: Vector
-    along: Vector
+    along: Vector  # place along the edge, 0 at its middle
     value: Vector
 
 

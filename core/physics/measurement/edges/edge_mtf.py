@@ -41,32 +41,20 @@ _SLOPE_WIDTH = 0.03  # cycles per sample about a crossing, over which the MTF's 
 
 @dataclass(frozen=True)
 class EdgeMtf:
-    """MTF measured across an edge.
-
-    Parameters
-    ----------
-    edge : FoundEdge
-        The edge.
-    frequency : ndarray
-        Cycles per sample along the edge's normal.
-    mtf, sigma : ndarray
-        Modulus, 1 at zero, and its standard error.
-    shared_sigma : ndarray
-        Part of `sigma` that all edges of a picture share: what is assumed of the spread's tails.
-    mtf50, mtf50_sigma : float or None
-        Lowest frequency at which the MTF falls to one half, and its standard error; None where it
-        does not in `frequency`.
-    tail : TailShare or None
-        Light in long tails, that is taken into account; None where none was seen.
-    """
+    """MTF measured across an edge."""
 
     edge: FoundEdge
-    frequency: Vector
+    frequency: Vector  # cycles per sample along the edge's normal
+    # modulus, 1 at zero, and its standard error
     mtf: Vector
     sigma: Vector
+    # part of `sigma` that all edges of a picture share: what is assumed of the spread's tails
     shared_sigma: Vector
+    # lowest frequency at which the MTF falls to one half, and its standard error; None where it
+    # does not in `frequency`
     mtf50: float | None
     mtf50_sigma: float | None
+    # light in long tails, that is taken into account; None where none was seen
     tail: TailShare | None = None
 
 

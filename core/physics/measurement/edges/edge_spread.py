@@ -23,21 +23,13 @@ _LEAST_REACH = 5.0  # samples on each side of the edge
 
 @dataclass(frozen=True)
 class EdgeSpread:
-    """Means of bins a quarter sample wide, across an edge.
+    """Means of bins a quarter sample wide, across an edge."""
 
-    Parameters
-    ----------
-    values : ndarray
-        Mean level of each bin, from one side of the edge to the other; the middle is on it.
-    scatter : ndarray
-        Standard deviation of the samples within each bin.
-    variance : float
-        Variance of the distances within a bin, mean over the edge, samples². Were they spread
-        evenly, it would be (1/4)²/12.
-    """
-
+    # mean level of each bin, from one side of the edge to the other; the middle is on it
     values: Vector
-    scatter: Vector
+    scatter: Vector  # standard deviation of the samples within each bin
+    # variance of the distances within a bin, mean over the edge, samples². Were they spread evenly,
+    # it would be (1/4)²/12.
     variance: float
 
     @property

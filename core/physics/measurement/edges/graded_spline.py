@@ -20,18 +20,13 @@ _FINE = 2.5  # samples from the middle to where intervals begin to widen
 class GradedSpline:
     """Basis of cubic splines on intervals between breaks; level outside with no corner.
 
-    Parameters
-    ----------
-    breaks : ndarray
-        Ascending, at least four.
-
     Notes
     -----
     Source: de Boor, A Practical Guide to Splines, 2001, ch. IX and X. The first two and the last
     two B-splines are joined, which makes the slope zero at both ends.
     """
 
-    breaks: Vector
+    breaks: Vector  # ascending, at least four
 
     @property
     def size(self) -> int:

@@ -46,53 +46,31 @@ _NEGLIGIBLE = 3e-3  # of that probability, below which a tail is left out
 
 @dataclass(frozen=True)
 class TailShare:
-    """How much of all light lies in long tails.
+    """How much of all light lies in long tails."""
 
-    Parameters
-    ----------
-    share, error : float
-        Of all light, and its standard error.
-    beyond : float
-        Share of all light that lies farther away than the sides of the edges are seen.
-    seen : float
-        Samples from the edges to which these are, median.
-    """
-
+    # of all light, and its standard error
     share: float
     error: float
-    beyond: float
-    seen: float
+    beyond: float  # share of all light that lies farther away than the sides of the edges are seen
+    seen: float  # samples from the edges to which these are, median
 
 
 @dataclass(frozen=True)
 class LongTails:
-    """What is known of the light in long tails: possible tails and how likely each is.
+    """What is known of the light in long tails: possible tails and how likely each is."""
 
-    Parameters
-    ----------
-    form, length : tuple
-        Of each tail, and its length in samples.
-    spread : ndarray
-        Light that each tail brings to each cell, for one unit in the core; shape (tails, rows,
-        columns), in the picture's unit.
-    factor : int
-        Samples along the side of a cell.
-    which : ndarray
-        Tail of each possibility; 0 of the one without any, whose `ratio` is 0.
-    ratio, weight : ndarray
-        Light in the tail over that in the core, and the probability.
-    seen : float
-        Samples from the edges to which their sides could be followed, median.
-    """
-
+    # of each tail, and its length in samples
     form: tuple[str, ...]
     length: tuple[float, ...]
+    # light that each tail brings to each cell, for one unit in the core; shape (tails, rows,
+    # columns), in the picture's unit
     spread: NDArray[np.float64]
-    factor: int
-    which: Index
+    factor: int  # samples along the side of a cell
+    which: Index  # tail of each possibility; 0 of the one without any, whose `ratio` is 0
+    # light in the tail over that in the core, and the probability
     ratio: Vector
     weight: Vector
-    seen: float
+    seen: float  # samples from the edges to which their sides could be followed, median
 
     @property
     def share(self) -> TailShare:

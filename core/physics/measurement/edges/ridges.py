@@ -26,30 +26,15 @@ _NEIGHBOURS = [(0, 1), (1, -1), (1, 0), (1, 1), (0, 2), (1, -2), (1, 2), (2, -1)
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece of a ridge.
+    """A piece of a ridge."""
 
-    Parameters
-    ----------
-    x, y : float
-        Its middle.
-    angle_deg : float
-        Of the normal towards the brighter side.
-    length : float
-        Samples.
-    bend : float
-        Of its ends off the tangent at the middle, along the normal.
-    strength : float
-        Median gradient of its points.
-    points : ndarray of int
-        Which they are.
-    """
-
+    # its middle
     x: float
     y: float
-    angle_deg: float
-    length: float
-    bend: float
-    strength: float
+    angle_deg: float  # of the normal towards the brighter side
+    length: float  # samples
+    bend: float  # of its ends off the tangent at the middle, along the normal
+    strength: float  # median gradient of its points
     points: Index
 
 
@@ -225,26 +210,16 @@ _ABOVE_NOISE = 8.0
 
 @dataclass(frozen=True)
 class RidgePoints:
-    """Places where the gradient is largest along its own direction.
+    """Places where the gradient is largest along its own direction."""
 
-    Parameters
-    ----------
-    x, y : ndarray
-        Place, samples.
-    column, row : ndarray of int
-        The sample it belongs to.
-    angle_deg : ndarray
-        Direction of the gradient, towards brighter, in [0, 360).
-    strength : ndarray
-        Gradient of the smoothed picture, per sample.
-    """
-
+    # place, samples
     x: Vector
     y: Vector
+    # the sample it belongs to
     column: Index
     row: Index
-    angle_deg: Vector
-    strength: Vector
+    angle_deg: Vector  # direction of the gradient, towards brighter, in [0, 360)
+    strength: Vector  # gradient of the smoothed picture, per sample
 
 
 def rough_noise(*, picture: Picture, missing: float = 0.0) -> float:

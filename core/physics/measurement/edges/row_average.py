@@ -22,28 +22,17 @@ _LEAST_CONTRAST = 5.0  # times the standard error of a mean of rows
 
 @dataclass(frozen=True)
 class RowAverage:
-    """MTF measured from the mean of rows.
+    """MTF measured from the mean of rows."""
 
-    Parameters
-    ----------
-    frequency : ndarray
-        Cycles per sample, from 0 to 1/2.
-    mtf, error : ndarray
-        Modulus divided by its largest, and standard error.
-    clipped : ndarray
-        Mean of the rows, with level ends.
-    left, right : int
-        First and last sample between these.
-    contrast, noise : float
-        Step, or height of the line, and standard deviation of a sample about its column's mean.
-    """
-
-    frequency: Vector
+    frequency: Vector  # cycles per sample, from 0 to 1/2
+    # modulus divided by its largest, and standard error
     mtf: Vector
     error: Vector
-    clipped: Vector
+    clipped: Vector  # mean of the rows, with level ends
+    # first and last sample between these
     left: int
     right: int
+    # step, or height of the line, and standard deviation of a sample about its column's mean
     contrast: float
     noise: float
 

@@ -34,24 +34,14 @@ _GROUPS = 24  # of rows, each left out once for the standard error
 
 @dataclass(frozen=True)
 class SlantedEdge:
-    """MTF measured from a slanted edge.
+    """MTF measured from a slanted edge."""
 
-    Parameters
-    ----------
-    frequency : ndarray
-        Cycles per sample along the edge's normal.
-    mtf, error : ndarray
-        Modulus, 1 at zero, and its standard error.
-    replicas : ndarray
-        Modulus without each group of rows, shape (groups, frequencies).
-    line, spread
-        The edge, and its supersampled spread.
-    """
-
-    frequency: Vector
+    frequency: Vector  # cycles per sample along the edge's normal
+    # modulus, 1 at zero, and its standard error
     mtf: Vector
     error: Vector
-    replicas: Matrix
+    replicas: Matrix  # modulus without each group of rows, shape (groups, frequencies)
+    # the edge, and its supersampled spread
     line: EdgeLine
     spread: EdgeSpread
 

@@ -26,25 +26,17 @@ OTHERS = 5
 class SpreadBasis:
     """The functions at the samples of an edge.
 
-    Parameters
-    ----------
-    spline : GradedSpline
-        The spline's functions.
-    values, which : ndarray
-        Its four functions that are not zero at each sample, and which they are.
-    others : ndarray
-        Tail, ramps, and what a turn and a bend of the edge change, shape (5, samples).
-
     Notes
     -----
     Beyond an edge's reach the spread of diffraction still falls as 1/distance, for its line
     spread as 1/distance². The tail is the integral of a Lorentzian, which does the same.
     """
 
-    spline: GradedSpline
+    spline: GradedSpline  # the spline's functions
+    # its four functions that are not zero at each sample, and which they are
     values: Matrix
     which: Index
-    others: Matrix
+    others: Matrix  # tail, ramps, and what a turn and a bend of the edge change, shape (5, samples)
 
     @property
     def size(self) -> int:
@@ -148,38 +140,19 @@ _SETTLED_COURSE = 0.05  # after the coarse fit, beside its own error
 
 @dataclass(frozen=True)
 class SpreadFit:
-    """Spread of an edge as a sum of functions, with what is needed for its errors.
-
-    Parameters
-    ----------
-    basis : SpreadBasis
-        The functions.
-    coefficients : ndarray
-        Of the functions.
-    inverse : ndarray
-        Of the normal equations' matrix.
-    prior : ndarray
-        What the doubt of each assumption adds to their right side, one a row.
-    residual : ndarray
-        Of each sample.
-    turn, bend : float
-        By how many samples both ends of the edge were moved towards the brighter side: in
-        opposite directions, and alike.
-    turn_error : float
-        Standard error of the turn.
-    gap : float
-        Largest distance near the edge between neighbouring samples.
-    """
+    """Spread of an edge as a sum of functions, with what is needed for its errors."""
 
     basis: SpreadBasis
-    coefficients: Vector
-    inverse: Matrix
-    prior: Matrix
-    residual: Vector
+    coefficients: Vector  # of the functions
+    inverse: Matrix  # of the normal equations' matrix
+    prior: Matrix  # what the doubt of each assumption adds to their right side, one a row
+    residual: Vector  # of each sample
+    # by how many samples both ends of the edge were moved towards the brighter side: in opposite
+    # directions, and alike
     turn: float
     bend: float
     turn_error: float
-    gap: float
+    gap: float  # largest distance near the edge between neighbouring samples
 
     @property
     def spline(self) -> GradedSpline:

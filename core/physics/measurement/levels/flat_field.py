@@ -22,40 +22,26 @@ _BLOCK, _LEAST_BLOCKS = 8, 4
 
 @dataclass(frozen=True)
 class FlatField:
-    """What frames of one level show, of the pixels that are no bad ones.
+    """What frames of one level show, of the pixels that are no bad ones."""
 
-    Parameters
-    ----------
-    mean_dn : float
-        Of all of them.
-    temporal_dn2 : float
-        Variance of a pixel from frame to frame, the mean of all, without what whole frames share.
-    fixed_dn2 : float
-        Variance among the pixels' means in time, less what temporal noise leaves in these.
-    frames, pixels, bad : int
-        How many frames, pixels that count, and bad ones.
-    step_dn : float
-        Of the converter: the largest whole number that the samples are apart by multiples of; 0 of
-        samples that are not whole.
-    least_dn : float
-        The least sample.
-    structure_dn2 : float
-        Variance of what is wider than 8 pixels, beyond what unlike pixels, rows and columns leave
-        there; 0 of frames below 32 × 32 pixels.
-    rows_dn2, columns_dn2 : float
-        Parts of `fixed_dn2` that whole rows, and whole columns, have of their own: unbiased, and
-        below 0 by chance where there is next to nothing.
-    """
-
-    mean_dn: float
+    mean_dn: float  # of all of them
+    # variance of a pixel from frame to frame, the mean of all, without what whole frames share
     temporal_dn2: float
+    # variance among the pixels' means in time, less what temporal noise leaves in these
     fixed_dn2: float
+    # how many frames, pixels that count, and bad ones
     frames: int
     pixels: int
     bad: int
+    # of the converter: the largest whole number that the samples are apart by multiples of; 0 of
+    # samples that are not whole
     step_dn: float
     least_dn: float
+    # variance of what is wider than 8 pixels, beyond what unlike pixels, rows and columns leave
+    # there; 0 of frames below 32 × 32 pixels
     structure_dn2: float = 0.0
+    # parts of `fixed_dn2` that whole rows, and whole columns, have of their own: unbiased, and
+    # below 0 by chance where there is next to nothing
     rows_dn2: float = 0.0
     columns_dn2: float = 0.0
 

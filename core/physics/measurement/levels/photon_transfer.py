@@ -32,35 +32,21 @@ _LEAST_DARK = 0.24  # steps², below which rounding hides the dark noise (the st
 
 @dataclass(frozen=True)
 class EmvaFigures:
-    """What the standard calls by these names; None of what the flat fields do not show.
+    """What the standard calls by these names; None of what the flat fields do not show."""
 
-    Parameters
-    ----------
-    system_gain_dn_per_e : float
-        K, digital numbers of an electron.
-    saturation_capacity_e : float or None
-        Electrons at the level whose temporal variance is the largest (µe.sat); None where no level
-        beyond it is saturated.
-    sensitivity_threshold_e : float or None
-        Electrons of light at which SNR is 1 (µe.min): the dark noise, rounding included, and ½.
-    snr_max : float or None
-        Root of the saturation capacity.
-    dynamic_range : float or None
-        Saturation capacity over sensitivity threshold.
-    dsnu_row_e, dsnu_column_e, dsnu_pixel_e : float or None
-        Parts of DSNU that differ by row, by column, and by neither.
-    prnu_row_percent, prnu_column_percent, prnu_pixel_percent : float or None
-        The same of PRNU.
-    """
-
-    system_gain_dn_per_e: float
+    system_gain_dn_per_e: float  # K, digital numbers of an electron
+    # electrons at the level whose temporal variance is the largest (µe.sat); None where no level
+    # beyond it is saturated
     saturation_capacity_e: float | None
+    # electrons of light at which SNR is 1 (µe.min): the dark noise, rounding included, and ½
     sensitivity_threshold_e: float | None
-    snr_max: float | None
-    dynamic_range: float | None
+    snr_max: float | None  # root of the saturation capacity
+    dynamic_range: float | None  # saturation capacity over sensitivity threshold
+    # parts of DSNU that differ by row, by column, and by neither
     dsnu_row_e: float | None
     dsnu_column_e: float | None
     dsnu_pixel_e: float | None
+    # the same of PRNU
     prnu_row_percent: float | None
     prnu_column_percent: float | None
     prnu_pixel_percent: float | None
@@ -130,43 +116,27 @@ _LEAST_VARIANCE = 1e-6  # of the largest; a level without noise has no infinite 
 
 @dataclass(frozen=True)
 class PhotonTransfer:
-    """What the curve gives; None of what the flat fields do not show.
+    """What the curve gives; None of what the flat fields do not show."""
 
-    Parameters
-    ----------
-    gain_e_per_dn, gain_error : float
-        Electrons of one digital number, and the standard error.
-    offset_dn : float or None
-        The number of no electrons.
-    read_noise_e, read_noise_error : float or None
-        Temporal noise without light and rounding, and the standard error.
-    full_well_e : float or None
-        Electrons at which the variance has collapsed; None where no level is saturated.
-    brightest_e : float or None
-        Electrons of the brightest level.
-    dsnu_e, prnu_percent : float or None
-        Fixed pattern in the dark, and the part that grows with the signal, of the straight part.
-    used, saturated : tuple of bool
-        Which levels the straight line is fitted to, and which are saturated.
-    dark_cut_off : bool
-        Whether the dark frames end at the converter's zero, so that they count for nothing.
-    emva : EmvaFigures
-        What EMVA 1288 defines otherwise, or beside these.
-    """
-
+    # electrons of one digital number, and the standard error
     gain_e_per_dn: float
     gain_error: float
-    offset_dn: float | None
+    offset_dn: float | None  # the number of no electrons
+    # temporal noise without light and rounding, and the standard error
     read_noise_e: float | None
     read_noise_error: float | None
+    # electrons at which the variance has collapsed; None where no level is saturated
     full_well_e: float | None
-    brightest_e: float | None
+    brightest_e: float | None  # electrons of the brightest level
+    # fixed pattern in the dark, and the part that grows with the signal, of the straight part
     dsnu_e: float | None
     prnu_percent: float | None
+    # which levels the straight line is fitted to, and which are saturated
     used: tuple[bool, ...]
     saturated: tuple[bool, ...]
+    # whether the dark frames end at the converter's zero, so that they count for nothing
     dark_cut_off: bool
-    emva: EmvaFigures
+    emva: EmvaFigures  # what EMVA 1288 defines otherwise, or beside these
 
 
 def photon_transfer(

@@ -38,72 +38,41 @@ _SECOND_RADIATION_UM_K = 14387.768775
 
 @dataclass(frozen=True)
 class ThermalField:
-    """A uniform field of known temperature.
+    """A uniform field of known temperature."""
 
-    Parameters
-    ----------
-    temperature_K : float
-        Of the black body, less what it emits short of one.
-    field : FlatField
-        Mean and patterns of the frames.
-    noise : MeasuredNoise
-        Its seven components, without bad pixels.
-    """
-
-    temperature_K: float
-    field: FlatField
-    noise: MeasuredNoise
+    temperature_K: float  # of the black body, less what it emits short of one
+    field: FlatField  # mean and patterns of the frames
+    noise: MeasuredNoise  # its seven components, without bad pixels
 
 
 @dataclass(frozen=True)
 class NoiseTemperature:
-    """Response and noise at one temperature.
-
-    Parameters
-    ----------
-    temperature_K : float
-        The temperature.
-    sitf_per_K, sitf_error : float
-        Numbers of a kelvin there, and the standard error.
-    netd_K, netd_error : float
-        Noise that is random in time, row and column (σ_tvh) over SiTF, and the standard error.
-    temporal_K : float
-        All that changes from frame to frame, over SiTF.
-    components_K : dict
-        Each of the seven components over SiTF; below 0 for a variance estimated below 0.
-    """
+    """Response and noise at one temperature."""
 
     temperature_K: float
+    # numbers of a kelvin there, and the standard error
     sitf_per_K: float
     sitf_error: float
+    # noise that is random in time, row and column (σ_tvh) over SiTF, and the standard error
     netd_K: float
     netd_error: float
-    temporal_K: float
+    temporal_K: float  # all that changes from frame to frame, over SiTF
+    # each of the seven components over SiTF; below 0 for a variance estimated below 0
     components_K: dict[str, float]
 
 
 @dataclass(frozen=True)
 class ThermalResponse:
-    """What fields of several temperatures give.
+    """What fields of several temperatures give."""
 
-    Parameters
-    ----------
-    middle : NoiseTemperature
-        Midway between the lowest and the highest temperature.
-    levels : tuple of NoiseTemperature
-        At each field's temperature.
-    wavelength_um, wavelength_error : float or None
-        Of Planck's law that the means follow, and the standard error; None of two temperatures, or
-        where the means are on a straight line.
-    departure_percent : float or None
-        Largest departure of a mean from that law, of the means' span; None where it goes through
-        all, as through three.
-    """
-
-    middle: NoiseTemperature
-    levels: tuple[NoiseTemperature, ...]
+    middle: NoiseTemperature  # midway between the lowest and the highest temperature
+    levels: tuple[NoiseTemperature, ...]  # at each field's temperature
+    # of Planck's law that the means follow, and the standard error; None of two temperatures, or
+    # where the means are on a straight line
     wavelength_um: float | None
     wavelength_error: float | None
+    # largest departure of a mean from that law, of the means' span; None where it goes through all,
+    # as through three
     departure_percent: float | None
 
 

@@ -46,28 +46,18 @@ WAVES = SIDE - 2  # of rows or columns; the first one is mostly shading
 
 @dataclass(frozen=True)
 class PictureBlocks:
-    """Blocks without bad samples, in the order of the picture's rows.
+    """Blocks without bad samples, in the order of the picture's rows."""
 
-    Parameters
-    ----------
-    level : ndarray, shape (blocks,)
-        Mean of the samples.
-    power : ndarray, shape (blocks, 64)
-        Squares of the coefficients, by frequency down and across; the first is 0.
-    rows, columns : ndarray, shape (blocks, 6)
-        Coefficients of the waves down, and across, with their signs, less a ramp through the block.
-    place : ndarray of int, shape (blocks,)
-        Which block of the picture: row of blocks times blocks in a row, plus column.
-    grid : tuple of int
-        Rows and columns of blocks of the picture.
-    """
-
-    level: Vector
+    level: Vector  # mean of the samples, shape (blocks,)
+    # squares of the coefficients, by frequency down and across; the first is 0, shape (blocks, 64)
     power: NDArray[np.float32]
+    # coefficients of the waves down, and across, with their signs, less a ramp through the block,
+    # shape (blocks, 6)
     rows: NDArray[np.float32]
     columns: NDArray[np.float32]
+    # which block of the picture: row of blocks times blocks in a row, plus column, shape (blocks,)
     place: NDArray[np.intp]
-    grid: tuple[int, int]
+    grid: tuple[int, int]  # rows and columns of blocks of the picture
 
     def axis_power(self) -> Vector:
         """Mean square of the waves along one axis alone, of a block: edges along the axes too."""
@@ -169,30 +159,18 @@ _NARROWEST, _WIDEST = 0.3, 8.0
 
 @dataclass(frozen=True)
 class StructureShare:
-    """Power of structure over that of noise, and what to take for the noise of a block.
+    """Power of structure over that of noise, and what to take for the noise of a block."""
 
-    Parameters
-    ----------
-    coarse, coarse_error : float
-        Structure in the coarse waves before the choice cut them, and its standard error by chance.
-    weight : float
-        Of the middle waves in a block's variance; the fine ones have the rest.
-    removal : float
-        Of a block's coarse excess over its variance, what is taken off the variance.
-    shown : float
-        By how much the chosen blocks' coarse power, over that of noise alone, rises with structure.
-    doubt : float
-        Standard error of what is left in the variance, over the structure in the coarse waves.
-    middle, middle_error : float
-        Excess of the middle waves over the fine ones, and its standard error.
-    """
-
+    # structure in the coarse waves before the choice cut them, and its standard error by chance
     coarse: float
     coarse_error: float
-    weight: float
-    removal: float
+    weight: float  # of the middle waves in a block's variance; the fine ones have the rest
+    removal: float  # of a block's coarse excess over its variance, what is taken off the variance
+    # by how much the chosen blocks' coarse power, over that of noise alone, rises with structure
     shown: float
+    # standard error of what is left in the variance, over the structure in the coarse waves
     doubt: float
+    # excess of the middle waves over the fine ones, and its standard error
     middle: float
     middle_error: float
 
@@ -292,32 +270,19 @@ _FROM_END = 5.0  # deviations from a clipped end within which noise is cut
 
 @dataclass(frozen=True)
 class FlatBlocks:
-    """The choice, and the noise in it.
+    """The choice, and the noise in it."""
 
-    Parameters
-    ----------
-    chosen : ndarray of bool, shape (blocks,)
-        Blocks of noise alone.
-    variance : ndarray, shape (blocks,)
-        Of each block, chosen or not, less what its coarse power lets expect of structure.
-    line : VarianceLine
-        Variance over the level of the chosen.
-    structure : StructureShare
-        What of the power is no noise.
-    lean, lean_error : float
-        By how much middle waves that are finer down have more power than those finer across, over
-        that of the fine ones, and its standard error: 0 of white noise.
-    even : bool
-        Whether the noise is of one kind, but for the level.
-    """
-
-    chosen: Mask
+    chosen: Mask  # blocks of noise alone, shape (blocks,)
+    # of each block, chosen or not, less what its coarse power lets expect of structure, shape
+    # (blocks,)
     variance: Vector
-    line: VarianceLine
-    structure: StructureShare
+    line: VarianceLine  # variance over the level of the chosen
+    structure: StructureShare  # what of the power is no noise
+    # by how much middle waves that are finer down have more power than those finer across, over
+    # that of the fine ones, and its standard error: 0 of white noise
     lean: float
     lean_error: float
-    even: bool
+    even: bool  # whether the noise is of one kind, but for the level
 
     def mean(self) -> tuple[float, float]:
         """Mean variance of the chosen blocks where it differs among them, and its standard error.

@@ -36,40 +36,25 @@ _COARSE_STEPS = 0.5  # deviations of the noise in steps, below which rounding hi
 
 @dataclass(frozen=True)
 class FramesNoise:
-    """What frames show of their noise; None, with a reason, of what they do not.
+    """What frames show of their noise; None, with a reason, of what they do not."""
 
-    Parameters
-    ----------
-    sigma, sigma_error, sigma_reason
-        Temporal noise of a sample at the mean level, rounding included, without what whole rows,
-        columns and frames share.
-    mean_level : float
-        Of all frames.
-    gain_e_per_dn, gain_error, gain_reason
-        Electrons of one unit of the frames.
-    read_noise_dn, read_noise_error, read_noise_reason
-        Noise at the level without light, rounding taken off.
-    levels : tuple of LevelVariance
-        Temporal variance over the level.
-    components : MeasuredNoise
-        The seven of 3-D noise; the fixed ones hold the scene.
-    step : float or None
-        Of the converter; None where the samples show none.
-    """
-
+    # temporal noise of a sample at the mean level, rounding included, without what whole rows,
+    # columns and frames share
     sigma: float | None
     sigma_error: float | None
     sigma_reason: str
-    mean_level: float
+    mean_level: float  # of all frames
+    # electrons of one unit of the frames
     gain_e_per_dn: float | None
     gain_error: float | None
     gain_reason: str
+    # noise at the level without light, rounding taken off
     read_noise_dn: float | None
     read_noise_error: float | None
     read_noise_reason: str
-    levels: tuple[LevelVariance, ...]
-    components: MeasuredNoise
-    step: float | None
+    levels: tuple[LevelVariance, ...]  # temporal variance over the level
+    components: MeasuredNoise  # the seven of 3-D noise; the fixed ones hold the scene
+    step: float | None  # of the converter; None where the samples show none
 
 
 class SceneFrames:

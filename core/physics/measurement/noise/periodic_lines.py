@@ -35,23 +35,15 @@ _MOST_SIDE = 2048  # samples along a side that the lines are looked for in
 
 @dataclass(frozen=True)
 class PeriodicLine:
-    """A sine wave all over the picture, amplitude · cos(2π (x·across + y·down) + phase).
+    """A sine wave all over the picture, amplitude · cos(2π (x·across + y·down) + phase)."""
 
-    Parameters
-    ----------
-    across, down : float
-        Cycles per sample along the rows, 0 to 0.5, and along the columns, −0.5 to 0.5.
-    amplitude, amplitude_error : float
-        In the picture's unit, and the standard error.
-    phase : float
-        Radians, at the middle of the first sample.
-    """
-
+    # cycles per sample along the rows, 0 to 0.5, and along the columns, −0.5 to 0.5
     across: float
     down: float
+    # in the picture's unit, and the standard error
     amplitude: float
     amplitude_error: float
-    phase: float
+    phase: float  # radians, at the middle of the first sample
 
     @property
     def frequency(self) -> float:

@@ -59,17 +59,10 @@ _WITHIN, _CONFIDENCE = 0.03, 1.96
 
 @dataclass(frozen=True)
 class LineNoise:
-    """What whole rows, or columns, have of their own.
+    """What whole rows, or columns, have of their own."""
 
-    Parameters
-    ----------
-    sigma : float
-        Standard deviation of the rows' offsets; 0 where none shows.
-    variance, variance_error : float
-        Its unbiased square, which may come out below zero, and the standard error.
-    """
-
-    sigma: float
+    sigma: float  # standard deviation of the rows' offsets; 0 where none shows
+    # its unbiased square, which may come out below zero, and the standard error
     variance: float
     variance_error: float
 
@@ -81,49 +74,29 @@ class LineNoise:
 
 @dataclass(frozen=True)
 class PictureNoise:
-    """What a picture shows of its noise; None, with a reason, of what it does not.
+    """What a picture shows of its noise; None, with a reason, of what it does not."""
 
-    Parameters
-    ----------
-    sigma, sigma_error : float or None
-        Standard deviation of a sample at the picture's mean level, rounding included, and its
-        standard error.
-    sigma_reason : str
-        Why there is none.
-    mean_level : float
-        Mean of the samples that are not to be avoided.
-    gain_e_per_dn, gain_error, gain_reason
-        Electrons of one unit of the picture.
-    read_noise_dn, read_noise_error, read_noise_reason
-        Noise at the level without light, rounding taken off.
-    levels : tuple of LevelVariance
-        Variance over the level, from dark to bright.
-    rows, columns : LineNoise or None
-        Offsets of rows, and of columns, that hold across the picture; None with too few flat areas.
-    lines : tuple of PeriodicLine
-        Sine waves all over the picture, the strongest first.
-    step : float or None
-        Of the converter, in the picture's unit; None where the samples show none.
-    remarks : tuple of str
-        What to know of the figures.
-    """
-
+    # standard deviation of a sample at the picture's mean level, rounding included, and its
+    # standard error
     sigma: float | None
     sigma_error: float | None
-    sigma_reason: str
-    mean_level: float
+    sigma_reason: str  # why there is none
+    mean_level: float  # mean of the samples that are not to be avoided
+    # electrons of one unit of the picture
     gain_e_per_dn: float | None
     gain_error: float | None
     gain_reason: str
+    # noise at the level without light, rounding taken off
     read_noise_dn: float | None
     read_noise_error: float | None
     read_noise_reason: str
-    levels: tuple[LevelVariance, ...]
+    levels: tuple[LevelVariance, ...]  # variance over the level, from dark to bright
+    # offsets of rows, and of columns, that hold across the picture; None with too few flat areas
     rows: LineNoise | None
     columns: LineNoise | None
-    lines: tuple[PeriodicLine, ...]
-    step: float | None
-    remarks: tuple[str, ...]
+    lines: tuple[PeriodicLine, ...]  # sine waves all over the picture, the strongest first
+    step: float | None  # of the converter, in the picture's unit; None where the samples show none
+    remarks: tuple[str, ...]  # what to know of the figures
 
 
 def noise_of_picture(

@@ -24,20 +24,13 @@ _GAIN_WITHIN, _READ_WITHIN = 0.05, 0.25
 
 @dataclass(frozen=True)
 class LevelVariance:
-    """Noise at one level.
+    """Noise at one level."""
 
-    Parameters
-    ----------
-    level, variance, variance_error : float
-        Mean level, variance of a sample and its standard error.
-    samples : int
-        In flat areas of that level.
-    """
-
+    # mean level, variance of a sample and its standard error
     level: float
     variance: float
     variance_error: float
-    samples: int
+    samples: int  # in flat areas of that level
 
 
 Figure = tuple[float | None, float | None, str]

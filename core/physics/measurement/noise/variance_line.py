@@ -20,21 +20,13 @@ _LEAST = 0.05  # of the mean variance, below which no level counts for more
 
 @dataclass(frozen=True)
 class VarianceLine:
-    """Variance = `middle` + `slope` · (level − `centre`), and the covariance of both.
+    """Variance = `middle` + `slope` · (level − `centre`), and the covariance of both."""
 
-    Parameters
-    ----------
-    centre : float
-        Mean level of the blocks, by weight.
-    middle, slope : float
-        Variance there, and by how much it rises with the level.
-    middle_error, slope_error, covariance : float
-        Standard errors, from the scatter of the blocks themselves.
-    """
-
-    centre: float
+    centre: float  # mean level of the blocks, by weight
+    # variance there, and by how much it rises with the level
     middle: float
     slope: float
+    # standard errors, from the scatter of the blocks themselves
     middle_error: float
     slope_error: float
     covariance: float
