@@ -103,11 +103,16 @@ def test_of_scipy_only_fft_and_special(layer):
         for name in imports(path)
         if name.startswith("scipy.") and name.split(".")[1] not in ("fft", "special")
     }
-    # The fit's optimizer, and its splines; imported in functions, as test_loaded_modules sees to.
+    # The fit's optimizer, and its splines; chains, distances and rising curves of edges.
+    # Imported in functions, as test_loaded_modules sees to.
     assert wrong <= {
         "app/fit/chain_fit.py: scipy.optimize.least_squares",
         "app/fit/parameter_search.py: scipy.optimize.least_squares",
         "app/fit/scene_fit.py: scipy.ndimage",
+        "core/physics/measurement/edges/clipping.py: scipy.optimize.isotonic_regression",
+        "core/physics/measurement/edges/picture_checks.py: scipy.ndimage",
+        "core/physics/measurement/edges/ridges.py: scipy.sparse.coo_array",
+        "core/physics/measurement/edges/ridges.py: scipy.sparse.csgraph.connected_components",
     }
 
 

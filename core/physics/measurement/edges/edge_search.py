@@ -9,15 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.edge_limits import (
-    BEYOND,
-    LARGEST_REACH,
-    LEAST_LENGTH,
-    LEAST_REACH,
-    Surroundings,
-    frame_reach,
-    least_contrast,
-    surroundings,
+from core.physics.measurement.edges.clipping import (
     why_clipped,
     why_cut_off,
     why_piled_up,
@@ -40,6 +32,24 @@ from core.physics.measurement.edges.ridges import (
 )
 from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
 
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+_LARGEST_REACH = 20
+_BEYOND = 2  # samples beyond the reach that are looked at, for a neighbour's blur
+_LEAST_REACH = 5
+_LEAST_LENGTH = 11.0
+_LEAST_CONTRAST = 5.0  # of the noise, for the longest edges
+_CONTRAST_OF_16 = 10.0  # the same for one of 16 samples
+_REACHES = (20, 16, 13, 10, 8, 6, 5)
+_ENOUGH_REACH = 16.0  # beyond which more reach is worth no length
+_CELL = 3.0  # samples along the edge
+_LEVEL = 0.04  # of the contrast, by which a level side may differ across it
+_ALIKE = 0.06  # of the contrast, by which pieces of the edge may differ
+_NEIGHBOUR = 0.2  # of the contrast, that the level just beyond the reach may differ by
+_OVERSHOOT = 0.35  # of the contrast, beyond the levels
+_SURE = 4.0  # standard errors
+_STEEP = 2  # samples beside an edge where its level changes fast
 _ENDS = 1.0  # samples left off at both ends, where corners are rounded
 _LARGEST_GAP = 0.7  # samples between distances; beyond 0.75 nothing can be measured
 _BENT_REACH = 4.0  # least radius of a bent edge, in its reaches
@@ -93,7 +103,7 @@ def find_edges(
     missing = missing_samples(picture=picture)
     clear = None
     if missing is not None:
-        clear = clear_of(missing=missing, farthest=LARGEST_REACH + BEYOND + 2)
+        clear = clear_of(missing=missing, farthest=_LARGEST_REACH + _BEYOND + 2)
         picture = np.where(missing, np.median(picture[~missing]), picture)
     share = 0.0 if missing is None else float(missing.mean())
     noise = rough_noise(picture=picture, missing=share)
@@ -103,12 +113,12 @@ def find_edges(
     pieces = straight_pieces(
         points=points,
         shape=picture.shape,
-        least_length=LEAST_LENGTH,
-        least_strength=steep * least_contrast(1e9),
-        strength_of_16=steep * least_contrast(16.0),
+        least_length=_LEAST_LENGTH,
+        least_strength=steep * _least_contrast(1e9),
+        strength_of_16=steep * _least_contrast(16.0),
     )
     if clear is not None:  # the steps to missing samples are no edges
-        pieces = [piece for piece in pieces if clear[round(piece.y), round(piece.x)] > LEAST_REACH]
+        pieces = [piece for piece in pieces if clear[round(piece.y), round(piece.x)] > _LEAST_REACH]
     extremes = (float(picture.min()), float(picture.max()))
     enough = min(max(_LEAST_EXAMINED, picture.size // _SAMPLES_EXAMINED), _MOST_EXAMINED)
     waiting = _in_turn(pieces, picture.shape)
@@ -140,20 +150,20 @@ def _examined(
     noise: float,
     clip_levels: tuple[float, float] | None,
     extremes: tuple[float, float],
-    clear: NDArray[np.float64] | None,
+    clear: Matrix | None,
 ) -> FoundEdge:
     """A piece as an edge, used or not."""
     rough = _rough(piece, noise)
     least = rough.contrast
-    if _BLURRED * least < least_contrast(piece.length) * noise:
+    if _BLURRED * least < _least_contrast(piece.length) * noise:
         return replace(
             rough,
             why_not=f"too little contrast: about {least / noise:.2g} times the noise, of at "
-            f"least {least_contrast(piece.length):.2g} for its length",
+            f"least {_least_contrast(piece.length):.2g} for its length",
         )
-    room = frame_reach(piece=piece, shape=picture.shape, clear=clear)
-    reach = min(float(room.max()), float(LARGEST_REACH + BEYOND))
-    if reach < LEAST_REACH:
+    room = _frame_reach(piece, picture.shape, clear)
+    reach = min(float(room.max()), float(_LARGEST_REACH + _BEYOND))
+    if reach < _LEAST_REACH:
         return replace(rough, why_not=f"too near to the frame's side: {reach:.1f} samples")
     samples = rectangle_samples(
         picture=picture,
@@ -163,13 +173,8 @@ def _examined(
         reach=reach,
         bend=piece.bend,
     )
-    around = surroundings(
-        samples=samples, length=piece.length, reach=reach, room=room, noise_sigma=noise
-    )
-    edge = _with_surroundings(rough, around)
-    if around.why_not:
-        return replace(edge, why_not=around.why_not)
-    return _settled(picture, edge, clip_levels, extremes)
+    edge = _within_surroundings(rough, samples, reach, room)
+    return edge if edge.why_not else _settled(picture, edge, clip_levels, extremes)
 
 
 def _rough(piece: Piece, noise: float) -> FoundEdge:
@@ -179,7 +184,7 @@ def _rough(piece: Piece, noise: float) -> FoundEdge:
         y=piece.y,
         angle_deg=_turned(piece.angle_deg),
         length=piece.length,
-        reach=float(LEAST_REACH),
+        reach=float(_LEAST_REACH),
         low=0.0,
         high=piece.strength * SMOOTHING * math.sqrt(2.0 * math.pi),
         noise_sigma=noise,
@@ -215,20 +220,6 @@ def _enough(used: int, examined: int) -> str:
 def _turned(angle_deg: float) -> float:
     """An angle in (-180, 180]."""
     return 180.0 - (180.0 - angle_deg) % 360.0
-
-
-def _with_surroundings(rough: FoundEdge, around: Surroundings) -> FoundEdge:
-    """The edge over the length and reach that belong to it."""
-    ends = _ENDS if not around.why_not else 0.0
-    start = max(around.start, -rough.length / 2.0 + ends)
-    end = min(around.end, rough.length / 2.0 - ends)
-    return replace(
-        _part_of(rough, start, end),
-        reach=around.reach,
-        low=around.low,
-        high=around.high,
-        noise_sigma=around.noise_sigma,
-    )
 
 
 def _part_of(edge: FoundEdge, start: float, end: float) -> FoundEdge:
@@ -324,6 +315,206 @@ def _off_course(samples: EdgeSamples, fit: SpreadFit, half_length: float) -> flo
     moved = np.bincount(piece, slope * fit.residual, pieces) / np.maximum(square, 1e-300)
     noise = float(np.std(fit.residual))
     return float(np.max(np.abs(moved) - 3.0 * noise / np.sqrt(np.maximum(square, 1e-300))))
+
+
+# How much of a picture belongs to an edge alone: its length and reach, and what limits them.
+
+
+def _cells_along(length: float) -> int:
+    """Number of cells along an edge."""
+    return max(3, round(length / _CELL))
+
+
+def _frame_reach(piece: Piece, shape: tuple[int, ...], clear: Matrix | None) -> Vector:
+    """Samples on both sides of each cell along a piece to the frame's border, or to missing ones.
+
+    `clear` is how far each sample of the frame is from missing ones.
+    """
+    across_x, across_y = (
+        math.cos(math.radians(piece.angle_deg)),
+        math.sin(math.radians(piece.angle_deg)),
+    )
+    place = np.linspace(-0.5, 0.5, _cells_along(piece.length) + 1)
+    off = piece.bend * 4.0 * place**2
+    x = piece.x - place * piece.length * across_y + off * across_x
+    y = piece.y + place * piece.length * across_x + off * across_y
+    reach = np.full(len(place), np.inf)
+    for at, across, last in ((x, across_x, shape[1] - 1), (y, across_y, shape[0] - 1)):
+        if abs(across) > 1e-3:
+            reach = np.minimum(reach, np.minimum(at, last - at) / abs(across))
+    if clear is not None:
+        row, column = (
+            np.clip(np.rint(at), 0, last - 1).astype(np.intp)
+            for at, last in zip((y, x), shape, strict=True)
+        )
+        reach = np.minimum(reach, clear[row, column] - 1.5)
+    return np.asarray(np.maximum(np.minimum(reach[1:], reach[:-1]), 0.0), np.float64)
+
+
+def _within_surroundings(
+    edge: FoundEdge, samples: EdgeSamples, reach: float, room: Vector
+) -> FoundEdge:
+    """The edge over the length and reach within which it is one step between level sides.
+
+    `samples` fill its length and `reach`, `room` is beside each cell of it to the frame's border.
+
+    Notes
+    -----
+    The samples' means in cells of one sample by four are compared with the medians along the
+    edge. Of the runs of cells that agree within 6 % of the contrast (and four standard errors of
+    the noise) to a reach, the one of the largest length times reach is chosen; its sides must be
+    level within 4 %.
+    """
+    length, noise_sigma = edge.length, edge.noise_sigma
+    wide = int(min(reach, _LARGEST_REACH + _BEYOND))
+    cells = _cells_along(length)
+    column = np.rint(samples.distance).astype(np.intp) + wide
+    row = np.clip(((samples.along / length + 0.5) * cells).astype(np.intp), 0, cells - 1)
+    inside = (column >= 0) & (column <= 2 * wide)
+    column, row, value = column[inside], row[inside], samples.value[inside]
+    distance = samples.distance[inside]
+    size = 2 * wide + 1
+    profile = _medians(row * size + column, value, cells, size)
+    near, far = 3, min(6, wide)
+    low = float(np.median(profile[wide - far : wide - near + 1]))
+    high = float(np.median(profile[wide + near : wide + far + 1]))
+    contrast = high - low
+    whole = _part_of(edge, -length / 2, length / 2)
+    nothing = replace(whole, reach=float(wide), low=low, high=high)
+    if not contrast > _least_contrast(length) * noise_sigma:
+        return replace(nothing, why_not=_contrast_reason(contrast, noise_sigma, length))
+    residual = value - np.interp(distance, np.arange(-wide, wide + 1), profile)
+    count = np.bincount(row * size + column, minlength=cells * size).reshape(cells, size)
+    total = np.bincount(row * size + column, residual, cells * size).reshape(cells, size)
+    off = np.abs(total) / np.maximum(count, 1)
+    doubt = _SURE * noise_sigma / np.sqrt(np.maximum(count, 1))
+    good = off <= _ALIKE * contrast + doubt
+    good[:, wide - _STEEP : wide + _STEEP + 1] = True  # there a mean depends on the phase
+    best, reasons = None, {}
+    for reach_now in sorted({r for r in _REACHES if r <= wide}, reverse=True):
+        within = good[:, wide - reach_now : wide + reach_now + 1]
+        in_frame = room >= reach_now - 0.5
+        first, last = _longest_run(np.asarray(within.all(axis=1)) & in_frame)
+        piece_length = (last - first) * length / cells
+        if piece_length < _LEAST_LENGTH:
+            reasons[reach_now] = (
+                "too near to the frame's side"
+                if not in_frame.any()
+                else (
+                    f"its sides or its contrast differ along it by "
+                    f"{_beside(off, wide, reach_now) / contrast:.0%} of the contrast"
+                )
+            )
+            continue
+        chosen = (row >= first) & (row < last)
+        sides = _sides(
+            distance[chosen], value[chosen], reach_now, noise_sigma, profile, wide, piece_length
+        )
+        if isinstance(sides, str):
+            reasons[reach_now] = sides
+            continue
+        score = piece_length * min(reach_now, _ENOUGH_REACH)
+        if best is None or score > best[0]:
+            start, end = (k * length / cells - length / 2 for k in (first, last))
+            best = (score, start, end, float(reach_now), sides)
+    if best is None:
+        why_not = reasons[min(reasons)] if reasons else "too near to the frame"
+        return replace(nothing, why_not=why_not)
+    _, start, end, reach, (low, high, noise) = best
+    start, end = max(start, -length / 2.0 + _ENDS), min(end, length / 2.0 - _ENDS)
+    own = _part_of(edge, start, end)
+    return replace(own, reach=reach, low=low, high=high, noise_sigma=noise)
+
+
+def _beside(off: Matrix, wide: int, reach: int) -> float:
+    """Largest departure of a cell beside the edge, within its reach."""
+    near = np.abs(np.arange(-wide, wide + 1))
+    return float(off[:, (near > _STEEP) & (near <= reach)].max())
+
+
+def _least_contrast(length: float) -> float:
+    """Contrast over the noise that an edge of a length needs."""
+    return max(_LEAST_CONTRAST, _CONTRAST_OF_16 * math.sqrt(16.0 / length))
+
+
+def _contrast_reason(contrast: float, noise_sigma: float, length: float) -> str:
+    if not contrast > 0.0:
+        return "too little contrast: farther from it, its bright side is no brighter than the other"
+    times = contrast / max(noise_sigma, 1e-300)
+    return (
+        f"too little contrast: {times:.2g} times the noise, of at least "
+        f"{_least_contrast(length):.2g} for its length"
+    )
+
+
+def _medians(place: NDArray[np.intp], value: Vector, cells: int, size: int) -> Vector:
+    """Median over the cells along the edge of the mean at each distance."""
+    count = np.bincount(place, minlength=cells * size).reshape(cells, size)
+    total = np.bincount(place, value, cells * size).reshape(cells, size)
+    means = np.where(count > 0, total / np.maximum(count, 1), np.inf)
+    means.sort(axis=0)
+    known = np.sum(count > 0, axis=0)
+    columns = np.arange(size)
+    lower = means[np.maximum(known - 1, 0) // 2, columns]
+    upper = means[np.minimum(known // 2, np.maximum(known - 1, 0)), columns]
+    return np.asarray(np.where(known > 0, (lower + upper) / 2.0, np.median(value)), np.float64)
+
+
+def _longest_run(agree: NDArray[np.bool_]) -> tuple[int, int]:
+    """First, and one beyond the last, of the longest run of true values."""
+    steps = np.flatnonzero(np.diff(np.concatenate([[False], agree, [False]]).astype(np.int8)))
+    if len(steps) == 0:
+        return 0, 0
+    starts, ends = steps[::2], steps[1::2]
+    k = int(np.argmax(ends - starts))
+    return int(starts[k]), int(ends[k])
+
+
+def _sides(
+    distance: Vector,
+    value: Vector,
+    reach: int,
+    noise_sigma: float,
+    profile: Vector,
+    wide: int,
+    length: float,
+) -> tuple[float, float, float] | str:
+    """Levels and noise of the outer halves of both sides, or why they are not level."""
+    levels, variances, steps = [], [], []
+    for side in (-1.0, 1.0):
+        away = side * distance
+        inner = value[(away > 0.5 * reach) & (away <= 0.75 * reach)]
+        outer = value[(away > 0.75 * reach) & (away <= reach)]
+        if len(inner) < 8 or len(outer) < 8:
+            return "too few samples beside it"
+        error = math.sqrt(inner.var() / len(inner) + outer.var() / len(outer))
+        levels.append(float(np.mean(np.concatenate([inner, outer]))))
+        variances.append(float((inner.var() + outer.var()) / 2.0))
+        steps.append((abs(float(outer.mean() - inner.mean())), error))
+    contrast = levels[1] - levels[0]
+    noise = math.sqrt(sum(variances) / 2.0)
+    if not contrast > _least_contrast(length) * max(noise, noise_sigma):
+        return _contrast_reason(contrast, max(noise, noise_sigma), length)
+    for change, error in steps:
+        if change > _LEVEL * contrast + 3.0 * error:
+            return (
+                f"{reach} samples from it a side is not level: it changes by "
+                f"{change / contrast:.0%} of the contrast"
+            )
+    seen = min(reach + _BEYOND, wide)
+    place = np.arange(-seen, seen + 1)
+    part = (profile[wide - seen : wide + seen + 1] - levels[0]) / contrast
+    doubt = _SURE * noise / contrast / math.sqrt(max(1.0, len(value) / (2.0 * reach + 1.0)))
+    off = np.abs(part - (place > 0))
+    beyond = off[(np.abs(place) > reach / 2.0) & (np.abs(place) <= reach)]
+    inside = np.maximum(part - 1.0, -part)[np.abs(place) <= reach / 2.0]
+    neighbour = off[np.abs(place) > reach]
+    if neighbour.max(initial=0.0) > _NEIGHBOUR + doubt:
+        return f"another edge about {reach + _BEYOND} samples away"
+    if beyond.max() > _ALIKE + doubt or inside.max() > _OVERSHOOT + doubt:
+        farthest = int(np.abs(place[off > _ALIKE + doubt]).max())
+        return f"another edge about {farthest} samples away"
+    return levels[0], levels[1], noise
 
 
 # Edges that are soft in the scene itself, among those that the camera made as soft as they are.

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from core.physics.measurement.edges.edge_line import EdgeSamples, rectangle_samples
 from core.physics.measurement.edges.picture_checks import FoundEdge
+from core.physics.measurement.edges.ridges import between
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -413,9 +414,4 @@ def _between(cells: Matrix, factor: int, x: Vector, y: Vector) -> Vector:
     rows, columns = cells.shape
     down = np.clip((y - (factor - 1) / 2.0) / factor, 0.0, rows - 1.0)
     across = np.clip((x - (factor - 1) / 2.0) / factor, 0.0, columns - 1.0)
-    i = np.minimum(down.astype(np.intp), max(rows - 2, 0))
-    j = np.minimum(across.astype(np.intp), max(columns - 2, 0))
-    down, across = down - i, across - j
-    upper = cells[i, j] * (1.0 - across) + cells[i, j + 1] * across
-    lower = cells[i + 1, j] * (1.0 - across) + cells[i + 1, j + 1] * across
-    return np.asarray(upper * (1.0 - down) + lower * down, np.float64)
+    return between(cells, down, across)

@@ -132,19 +132,12 @@ def _clearest(
 
 
 def _components(first: Index, second: Index, size: int) -> Index:
-    """Smallest number among the points that hang together with each, by links."""
-    label = np.arange(size)
-    while len(first):
-        one, other = label[first], label[second]
-        apart = one != other
-        first, second, one, other = first[apart], second[apart], one[apart], other[apart]
-        np.minimum.at(label, np.maximum(one, other), np.minimum(one, other))
-        while True:
-            further = label[label]
-            if np.array_equal(further, label):
-                break
-            label = further
-    return label
+    """Number of the chain of each point, by links; chains in the order of their first points."""
+    from scipy.sparse import coo_array  # imported where it is used: start-up time
+    from scipy.sparse.csgraph import connected_components
+
+    links = coo_array((np.ones(len(first), np.bool_), (first, second)), shape=(size, size))
+    return np.asarray(connected_components(links, directed=False)[1], np.intp)
 
 
 def _parted(points: RidgePoints, chain: Index, least_length: float) -> list[Piece]:
@@ -312,8 +305,8 @@ def _ridges(slope_x: Picture, slope_y: Picture, least: float) -> RidgePoints:
     row, column = np.nonzero(inner)
     here = strength[row, column]
     unit_x, unit_y = slope_x[row, column] / here, slope_y[row, column] / here
-    before = _between(strength, row - unit_y, column - unit_x)
-    after = _between(strength, row + unit_y, column + unit_x)
+    before = between(strength, row - unit_y, column - unit_x)
+    after = between(strength, row + unit_y, column + unit_x)
     ridge = (here >= before) & (here > after)
     row, column, unit_x, unit_y = row[ridge], column[ridge], unit_x[ridge], unit_y[ridge]
     here, before, after = here[ridge], before[ridge], after[ridge]
@@ -324,9 +317,10 @@ def _ridges(slope_x: Picture, slope_y: Picture, least: float) -> RidgePoints:
     return RidgePoints(x, y, column, row, angle.astype(np.float64), here.astype(np.float64))
 
 
-def _between(field: Picture, row: Vector, column: Vector) -> Vector:
-    """Linear interpolation of a field."""
-    top, left = np.floor(row).astype(np.intp), np.floor(column).astype(np.intp)
+def between(field: Picture, row: Vector, column: Vector) -> Vector:
+    """Values between samples, by linear interpolation."""
+    top = np.minimum(np.floor(row).astype(np.intp), field.shape[0] - 2)
+    left = np.minimum(np.floor(column).astype(np.intp), field.shape[1] - 2)
     down, right = row - top, column - left
     upper = field[top, left] * (1 - right) + field[top, left + 1] * right
     lower = field[top + 1, left] * (1 - right) + field[top + 1, left + 1] * right

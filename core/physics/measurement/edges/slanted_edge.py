@@ -11,6 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
+from core.physics.measurement.edges.clipping import (
+    refuse_corner,
+    refuse_piled_up,
+    refuse_quiet_side,
+)
 from core.physics.measurement.edges.edge_line import EdgeLine, Target, edge_line
 from core.physics.measurement.edges.edge_spread import (
     BINS_PER_SAMPLE,
@@ -18,9 +23,6 @@ from core.physics.measurement.edges.edge_spread import (
     bin_response,
     edge_spread,
     reach,
-    refuse_corner,
-    refuse_piled_up,
-    refuse_quiet_side,
 )
 from core.physics.numerics import sinc
 

@@ -14,9 +14,10 @@ from core.errors import DataError
 from core.physics.measurement.noise.digitisation import clipped_ends, rounding_step
 from core.physics.measurement.noise.flat_blocks import SIDE, clear_of_ends
 from core.physics.measurement.noise.variance_levels import (
-    LevelVariance,
+    SampleNoise,
     gain_and_read_noise,
     level_variances,
+    withheld,
 )
 from core.physics.measurement.noise.variance_line import VarianceLine, variance_line
 from core.physics.noise.noise_components import MeasuredNoise, NoiseCube
@@ -34,27 +35,11 @@ _MOST_GROUPS = 16  # of levels
 _COARSE_STEPS = 0.5  # deviations of the noise in steps, below which rounding hides it
 
 
-@dataclass(frozen=True)
-class FramesNoise:
-    """What frames show of their noise; None, with a reason, of what they do not."""
+@dataclass(frozen=True, kw_only=True)
+class FramesNoise(SampleNoise):
+    """What changes from frame to frame, without what whole rows, columns and frames share."""
 
-    # temporal noise of a sample at the mean level, rounding included, without what whole rows,
-    # columns and frames share
-    sigma: float | None
-    sigma_error: float | None
-    sigma_reason: str
-    mean_level: float  # of all frames
-    # electrons of one unit of the frames
-    gain_e_per_dn: float | None
-    gain_error: float | None
-    gain_reason: str
-    # noise at the level without light, rounding taken off
-    read_noise_dn: float | None
-    read_noise_error: float | None
-    read_noise_reason: str
-    levels: tuple[LevelVariance, ...]  # temporal variance over the level
     components: MeasuredNoise  # the seven of 3-D noise; the fixed ones hold the scene
-    step: float | None  # of the converter; None where the samples show none
 
 
 class SceneFrames:
@@ -130,22 +115,19 @@ class SceneFrames:
         if float(np.median(power)) <= rounding + (_COARSE_STEPS * (step or 0.0)) ** 2:
             reason = "rounding hides the noise" if step else "the frames have no temporal noise"
         if line is None or reason:
-            nothing = None, None, reason
-            return FramesNoise(*nothing, mean, *nothing, *nothing, (), components, step)
+            return FramesNoise(
+                mean_level=mean, step=step, components=components, **withheld(reason)
+            )
         at_mean, error = line.bounded(offset).at(mean)
-        gain, read = gain_and_read_noise(
-            line=line, level=level[chosen], rounding=rounding, offset=offset
-        )
+        level, power = level[chosen], power[chosen]
         return FramesNoise(
-            math.sqrt(at_mean),
-            error / (2.0 * math.sqrt(at_mean)),
-            "",
-            mean,
-            *gain,
-            *read,
-            level_variances(level=level[chosen], variance=power[chosen]),
-            components,
-            step,
+            mean_level=mean,
+            step=step,
+            sigma=math.sqrt(at_mean),
+            sigma_error=error / (2.0 * math.sqrt(at_mean)),
+            levels=level_variances(level=level, variance=power),
+            components=components,
+            **gain_and_read_noise(line=line, level=level, rounding=rounding, offset=offset),
         )
 
 

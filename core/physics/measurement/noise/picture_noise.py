@@ -27,12 +27,12 @@ from core.physics.measurement.noise.flat_blocks import (
     PictureBlocks,
     picture_blocks,
 )
-from core.physics.measurement.noise.line_removal import flat_without_lines
-from core.physics.measurement.noise.periodic_lines import PeriodicLine
+from core.physics.measurement.noise.periodic_lines import Lines, flat_without_lines
 from core.physics.measurement.noise.variance_levels import (
-    LevelVariance,
+    SampleNoise,
     gain_and_read_noise,
     level_variances,
+    withheld,
 )
 
 Matrix = NDArray[np.float64]
@@ -72,31 +72,15 @@ class LineNoise:
         return self.variance > 3.0 * self.variance_error
 
 
-@dataclass(frozen=True)
-class PictureNoise:
-    """What a picture shows of its noise; None, with a reason, of what it does not."""
+@dataclass(frozen=True, kw_only=True)
+class PictureNoise(SampleNoise):
+    """What a picture shows of its noise."""
 
-    # standard deviation of a sample at the picture's mean level, rounding included, and its
-    # standard error
-    sigma: float | None
-    sigma_error: float | None
-    sigma_reason: str  # why there is none
-    mean_level: float  # mean of the samples that are not to be avoided
-    # electrons of one unit of the picture
-    gain_e_per_dn: float | None
-    gain_error: float | None
-    gain_reason: str
-    # noise at the level without light, rounding taken off
-    read_noise_dn: float | None
-    read_noise_error: float | None
-    read_noise_reason: str
-    levels: tuple[LevelVariance, ...]  # variance over the level, from dark to bright
     # offsets of rows, and of columns, that hold across the picture; None with too few flat areas
-    rows: LineNoise | None
-    columns: LineNoise | None
-    lines: tuple[PeriodicLine, ...]  # sine waves all over the picture, the strongest first
-    step: float | None  # of the converter, in the picture's unit; None where the samples show none
-    remarks: tuple[str, ...]  # what to know of the figures
+    rows: LineNoise | None = None
+    columns: LineNoise | None = None
+    lines: Lines = ()  # sine waves all over the picture, the strongest first
+    remarks: tuple[str, ...] = ()  # what to know of the figures
 
 
 def noise_of_picture(
@@ -153,7 +137,7 @@ def noise_of_picture(
     enough = len(blocks.level) >= _LEAST_BLOCKS
     if enough and _still(blocks):
         return _nothing(_hidden(step), mean, step)
-    lines: tuple[PeriodicLine, ...] = ()
+    lines: Lines = ()
     pattern = lines
     flat = None
     if enough:
@@ -194,8 +178,8 @@ def _hidden(step: float | None) -> str:
 def _measured(
     blocks: PictureBlocks,
     flat: FlatBlocks,
-    lines: tuple[PeriodicLine, ...],
-    pattern: tuple[PeriodicLine, ...],
+    lines: Lines,
+    pattern: Lines,
     mean: float,
     step: float | None,
     offset: float,
@@ -233,7 +217,7 @@ def _measured(
         return _nothing(refusal, mean, step)
     remarks = []
     if flat.even:
-        gain, read = gain_and_read_noise(line=line, level=level, rounding=rounding, offset=offset)
+        figures = gain_and_read_noise(line=line, level=level, rounding=rounding, offset=offset)
     else:
         reason = "the noise differs from place to place by more than its level explains"
         remarks.append(
@@ -241,7 +225,7 @@ def _measured(
             + ": sigma is the root of its mean variance (noise filter of the camera, or fine "
             "texture)"
         )
-        gain = read = None, None, reason
+        figures = {"gain_reason": reason, "read_noise_reason": reason}
     sigma = math.sqrt(at_mean)
     if pattern:
         remarks.append(
@@ -265,18 +249,16 @@ def _measured(
                 "be a pattern of the scene"
             )
     return PictureNoise(
-        sigma,
-        error / (2.0 * sigma),
-        "",
-        mean,
-        *gain,
-        *read,
-        level_variances(level=level, variance=variance),
-        rows,
-        columns,
-        lines,
-        step,
-        tuple(remarks),
+        mean_level=mean,
+        step=step,
+        sigma=sigma,
+        sigma_error=error / (2.0 * sigma),
+        levels=level_variances(level=level, variance=variance),
+        rows=rows,
+        columns=columns,
+        lines=lines,
+        remarks=tuple(remarks),
+        **figures,
     )
 
 
@@ -318,9 +300,7 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
 
 
 def _nothing(reason: str, mean: float, step: float | None) -> PictureNoise:
-    """No figures, and why."""
-    nothing = None, None, reason
-    return PictureNoise(*nothing, mean, *nothing, *nothing, (), None, None, (), step, ())
+    return PictureNoise(mean_level=mean, step=step, **withheld(reason))
 
 
 # What whole rows, or columns, of a picture have of their own.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,23 +34,48 @@ class LevelVariance:
     samples: int  # in flat areas of that level
 
 
+@dataclass(frozen=True, kw_only=True)
+class SampleNoise:
+    """Noise of a sample; None, with a reason, of what is not shown."""
+
+    mean_level: float
+    step: float | None  # of the converter; None where the samples show none
+    # standard deviation at the mean level, rounding included, and its standard error
+    sigma: float | None = None
+    sigma_error: float | None = None
+    sigma_reason: str = ""
+    # electrons of one unit of the picture
+    gain_e_per_dn: float | None = None
+    gain_error: float | None = None
+    gain_reason: str = ""
+    # noise at the level without light, rounding taken off
+    read_noise_dn: float | None = None
+    read_noise_error: float | None = None
+    read_noise_reason: str = ""
+    levels: tuple[LevelVariance, ...] = ()  # variance over the level, from dark to bright
+
+
+def withheld(reason: str) -> dict[str, Any]:
+    """The reason, for all figures of a noise."""
+    return dict.fromkeys(("sigma_reason", "gain_reason", "read_noise_reason"), reason)
+
+
 Figure = tuple[float | None, float | None, str]
 
 
 def gain_and_read_noise(
     *, line: VarianceLine, level: Vector, rounding: float, offset: float
-) -> tuple[Figure, Figure]:
-    """Each with its standard error, or None twice and the reason.
+) -> dict[str, Any]:
+    """Gain and read noise, each with its standard error or the reason why there is none.
 
-    Parameters
-    ----------
-    line, level
-        Variance over the level, and the levels of the blocks that it is of.
-    rounding, offset : float
-        Variance that rounding adds, and the level without light.
+    `level` is that of the blocks which the line is of, `rounding` the variance that it adds,
+    `offset` the level without light.
     """
     gain = _gain(line, level)
-    return gain, _read_noise(line, level, rounding, offset, with_gain=gain[0] is not None)
+    read = _read_noise(line, level, rounding, offset, with_gain=gain[0] is not None)
+    names = ("gain_e_per_dn", "gain_error", "gain_reason")
+    of_read = ("read_noise_dn", "read_noise_error", "read_noise_reason")
+    return dict(zip((*names, *of_read), (*gain, *read), strict=True))
 
 
 def _gain(line: VarianceLine, level: Vector) -> Figure:
