@@ -8,16 +8,13 @@ measured as Tantalo did, by the mean of rows, one turned by 5° as in ISO 12233.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.run.evaluation import Evaluation
-from core.chain.engine import PlannedNode
 from core.chain.frame_sequence import Remaking
 from core.chain.linear_change import Axis, Linear, PlaceDependent
 from core.chain.step_lineage import lineage_of, source_step
@@ -25,7 +22,6 @@ from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext
 from core.physics.measurement.edges.row_average import row_average
 from core.physics.measurement.edges.slanted_edge import falls_to
 from core.physics.numerics import sinc
@@ -38,8 +34,6 @@ from nodes.analysis.mtf_measuring import (
     measured_rows,
     measured_slanted,
 )
-from nodes.detector.focal_plane import FocalPlane
-from nodes.detector.spectral_response import SpectralResponse
 from nodes.scenes.scene_canvas import Canvas
 from nodes.scenes.scene_targets import draw_target
 
@@ -302,52 +296,3 @@ def edge_row(work: Work, recipe: Recipe, source: Recipe, axis: Axis, samples: in
     for change in reversed(changes):
         row = change.row(work, row, axis)
     return np.asarray(row, np.float64)
-
-
-# The response of a planned node over wavelength, as it is drawn.
-
-Band = tuple[float, float]
-_POINTS = 241
-_BESIDE = 1e-9  # of a wavelength, on both sides of where a response may jump
-
-
-@dataclass(frozen=True, eq=False)
-class DrawnResponse:
-    name: str  # what it is of every wavelength
-    # wavelengths shown: the picture's band, and what lies within the response beside it
-    band_um: Band
-    # the curve
-    wavelength_um: Vector
-    values: Vector
-
-
-def response_over_band(planned: PlannedNode, folder: Path) -> DrawnResponse | None:
-    """Response of a Focal Plane or Spectral Response; None of any other node, or without a band.
-
-    Files are named from the network's `folder`.
-    """
-    image: Image | None = planned.inputs.get("image")
-    module = planned.module
-    if image is None or planned.node.disabled:
-        return None
-    if isinstance(module, FocalPlane):
-        efficiency = module.efficiency(planned.result)
-        filter_um = efficiency.cut_on_um, efficiency.cut_off_um
-        knots = [place for place, _ in efficiency.points]
-        return _drawn(
-            "quantum efficiency", image.band_um or filter_um, filter_um, knots, efficiency
-        )
-    if isinstance(module, SpectralResponse) and image.band_um is not None:
-        curve = module.response(image.band_um, NodeContext(planned.node.id, folder=folder))
-        knots = [place for place, _ in curve.points] or list(curve.ends_um)
-        return _drawn("response", image.band_um, image.band_um, knots, curve)
-    return None
-
-
-def _drawn(name: str, band: Band, own: Band, knots: list[float], response: Any) -> DrawnResponse:
-    low, high = min(band[0], own[0]), max(band[1], own[1])
-    ends = np.array([*own, *knots])
-    ends = ends[(ends >= low) & (ends <= high)]
-    beside = np.concatenate([ends * (1 - _BESIDE), ends, ends * (1 + _BESIDE)])
-    places = np.unique(np.concatenate([np.linspace(low, high, _POINTS), beside]))
-    return DrawnResponse(name, (low, high), places, np.asarray(response.at(places)))

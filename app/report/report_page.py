@@ -19,16 +19,16 @@ from app.report.blocks import (
     Warnings,
     of_many,
 )
-from app.report.budget_section import budget, spectrum
+from app.report.budget import budget
 from app.report.data_sheet_facts import DIFFERENT, REPRODUCED, TIMES
 from app.report.drawing.curves import Part, product_png, stages_png
 from app.report.drawing.node_curves import MOST, curves_png, node_curves
 from app.report.drawing.picture_drawing import named, noise_png, panels_png, pictures_png
-from app.report.drawing.printed_numbers import number
+from app.report.drawing.printed_numbers import number, short
 from app.report.drawing.pupils import pupil_panels
-from app.report.economy_section import economy, state
 from app.report.edge_section import judged
 from app.report.html_page import html_page
+from app.report.spectra import spectrum
 from app.run.evaluation import Evaluation
 from app.run.figures import Figure, figure_rows
 from app.run.readout_tables import four_digits, sized
@@ -460,3 +460,69 @@ def _at_nyquist(responses: Responses, nyquist: Fact) -> Block:
     ]
     heads = ("at Nyquist of the FFT", "node", "MTF x", "PTF x (rad)", "MTF y", "PTF y (rad)")
     return Grid(heads, rows, numbers=(2, 3, 4, 5))
+
+
+# The section on what was not computed, and why.
+
+_KINDS = {
+    "disabled": ("the node", "it is switched off"),
+    "identity": ("the node", "its setting changes nothing"),
+    "below_budget": ("a stage", "it changes less than the error budget, {budget} of the range"),
+    "wavelengths": ("transforms of every band", "a few wavelengths stand for all"),
+    "pupil_centre": ("the pupil's OTF beyond the band", "it does not reach the picture"),
+    "mirrored_edges": ("a frame padded for its edges", "cosine transforms mirror by themselves"),
+    "folded": ("the picture before its pixels are combined", "the spectrum is folded instead"),
+    "region": ("pictures beyond a region", "no more of them is used"),
+    "unchanged": ("values that were there", "nothing they are made of has changed"),
+    "unseen": ("whole arrays of outputs", "they are not used"),
+}
+
+
+def economy(facts: Fact) -> list[Block]:
+    """The section; empty where all there is was computed."""
+    budget = short(facts["run"]["tolerance"], 2)
+    rows = []
+    for kind, (what, why) in _KINDS.items():
+        where = [
+            node + _detail(fact)
+            for node, listed in facts["skipped"].items()
+            for fact in listed
+            if fact["kind"] == kind and fact["share"] != 1  # a region may take the whole picture
+        ]
+        if where:
+            more = f" and {len(where) - MOST_ROWS:,} more" if len(where) > MOST_ROWS else ""
+            rows.append((what, why.format(budget=budget), ", ".join(where[:MOST_ROWS]) + more))
+    if not rows:
+        return []
+    heads = ("not computed", "because", "where")
+    return [Heading(2, "What was not computed, and why"), Grid(heads, rows, kind="economy")]
+
+
+def state(listed: list[Fact]) -> str:
+    """A node's state in a word or two; empty where its own work was done."""
+    for fact in listed:
+        if fact["kind"] == "disabled":
+            return "disabled"
+        if fact["kind"] == "identity":
+            return "neutral: skipped"
+        if fact["kind"] == "below_budget":
+            return f"left out: at most {short(fact['bound'], 2)}"
+    return ""
+
+
+def _detail(fact: Fact) -> str:
+    template = {
+        "below_budget": "at most {bound}",
+        "wavelengths": "{share} % of them, at most {bound} of the contrast",
+        "pupil_centre": "{share} % of it evaluated",
+        "mirrored_edges": "{share} % of its samples transformed",
+        "folded": "inverse of {share} % of its samples",
+        "region": "{share} % computed",
+        "unchanged": "{share} % of its steps computed",
+        "unseen": "{ports}",
+    }.get(fact["kind"])
+    if template is None:
+        return ""
+    bound = short(fact["bound"], 2)
+    share = short(None if fact["share"] is None else 100 * fact["share"], 2)
+    return f" ({template.format(bound=bound, share=share, ports=', '.join(fact['ports']))})"

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from app.report.budget_section import bars_png
+from app.report.budget import bars_png
 from budget_chain import ELECTRONICS, PHOTONS, SCENE, SENSOR
 
 

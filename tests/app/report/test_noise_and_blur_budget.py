@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from app.report.blocks import Text
-from app.report.budget_section import budget
-from app.report.noise_and_blur_budget import blur_budget, noise_budget
-from app.report.report_facts import budget_facts
+from app.report.budget import budget, budget_facts
 from budget_chain import (
     BANDWIDTH,
     BLUR_PX,
@@ -48,14 +46,20 @@ def expected_sigmas(level):
     }
 
 
+def told(evaluation, what):
+    """The noise, or the blur; or why there is none."""
+    facts = budget_facts(evaluation)
+    return facts[what] or facts[f"{what}_reason"]
+
+
 @pytest.fixture(scope="module")
 def whole():
     found = evaluated(network())
-    return found, noise_budget(found)
+    return found, told(found, "noise")
 
 
-def sigmas(budget_):
-    return {each.name: each.sigma for each in budget_.predicted.shares}
+def sigmas(noise):
+    return {each["name"]: each["sigma"] for each in noise["sources"]}
 
 
 # Parameters of the electronics without which a source makes no noise.
@@ -100,10 +104,10 @@ def test_noise_of_each_source_is_that_of_its_law(whole):
         expected_sigmas(radiance(found)),
         rel=1e-3,  # means that have noise themselves
     )
-    assert budget_.port == "pixels.image"
-    fixed = {each.name for each in budget_.predicted.shares if each.temporal is None}
+    assert budget_["port"] == "pixels.image"
+    fixed = {each["name"] for each in budget_["sources"] if each["temporal"] is None}
     assert fixed == {"gain", "bias"}
-    assert all((each.fixed is None) != (each.name in fixed) for each in budget_.predicted.shares)
+    assert all((each["fixed"] is None) != (each["name"] in fixed) for each in budget_["sources"])
 
 
 COARSE = {**ELECTRONICS, "bits": 6}
@@ -121,47 +125,45 @@ def test_noise_of_each_source_is_what_its_silence_takes_away(case, whole):
     # As eq. 4.59 is printed the gain error is the picture: without it nothing would be left.
     other = {"as it is": ["gain"], "quantized": ["gain", "quantization"], "literal": []}[case]
     simulated = silenced_sigmas(found, ["photons", "bias", "detector", "amplifier", *other])
-    predicted = sigmas(noise_budget(found))
+    noise = told(found, "noise")
+    predicted = sigmas(noise)
     if case == "literal":  # a bias that is the same for all samples
         assert simulated.pop("bias") == pytest.approx(0, abs=1e-9 * level)
     # 65536 samples tell a deviation to 0.3 %, a blurred one to 0.7 %.
     assert predicted == pytest.approx(simulated, rel=0.02)
     variances = {name: sigma**2 for name, sigma in simulated.items()}
-    shares = {each.name: each.share_temporal + each.share_fixed
-              for each in noise_budget(found).predicted.shares}  # fmt: skip
-    for name, share in shares.items():
-        assert share == pytest.approx(variances[name] / sum(variances.values()), rel=0.05)
+    for each in noise["sources"]:
+        share = variances[each["name"]] / sum(variances.values())
+        assert each["share"] == pytest.approx(share, rel=0.05)
 
 
 def test_variances_add_up(whole):
     _, budget_ = whole
-    shares = budget_.predicted.shares
-    assert sum(each.share_temporal + each.share_fixed for each in shares) == pytest.approx(1)
+    assert sum(each["share"] for each in budget_["sources"]) == pytest.approx(1)
     variances = [sigma**2 for sigma in sigmas(budget_).values()]
-    assert budget_.predicted.sigma == pytest.approx(math.sqrt(sum(variances)), rel=1e-12)
+    assert budget_["summed"] == pytest.approx(math.sqrt(sum(variances)), rel=1e-12)
     # All at once in this picture: 65536 samples.
-    assert budget_.measured.sigma == pytest.approx(budget_.predicted.sigma, rel=0.02)
-    assert budget_.measured.mean == pytest.approx(0, abs=0.05 * budget_.predicted.sigma)
+    assert budget_["together"] == pytest.approx(budget_["summed"], rel=0.02)
+    assert budget_["together_mean"] == pytest.approx(0, abs=0.05 * budget_["summed"])
 
 
 def test_every_source_alone_makes_the_same_noise(whole):
     silent = {**ELECTRONICS, "gain_percent": 0, "bias_percent": 0, "amplifier_snr": None}
     quiet = {"mode": "published", "percent": 0}
-    shares = noise_budget(evaluated(network(quiet, silent))).predicted.shares
-    assert [(each.name, each.share_temporal) for each in shares] == [("detector", 1.0)]
-    assert shares[0].sigma == pytest.approx(sigmas(whole[1])["detector"], rel=1e-3)
+    (alone,) = told(evaluated(network(quiet, silent)), "noise")["sources"]
+    assert (alone["name"], alone["share_temporal"]) == ("detector", 1.0)
+    assert alone["sigma"] == pytest.approx(sigmas(whole[1])["detector"], rel=1e-3)
 
 
 def test_quantization_is_a_step_over_root_twelve(whole):
     level = radiance(whole[0])
     low, high = 0.8 * level, 1.2 * level
-    found = noise_budget(
-        evaluated(network(electronics={**COARSE, "range_low": low, "range_high": high}))
-    )
+    ranged = {**COARSE, "range_low": low, "range_high": high}
+    found = told(evaluated(network(electronics=ranged)), "noise")
     by_name = sigmas(found)
     step = (high - low) / 63
     assert by_name["quantization"] == pytest.approx(step / math.sqrt(12) / 2, rel=0.01)
-    assert found.measured.sigma == pytest.approx(found.predicted.sigma, rel=0.02)
+    assert found["together"] == pytest.approx(found["summed"], rel=0.02)
 
 
 def test_what_is_switched_off_or_elsewhere_is_no_source():
@@ -169,9 +171,8 @@ def test_what_is_switched_off_or_elsewhere_is_no_source():
     off = document.with_node(
         type(document.node("photons"))("photons", "poisson_noise", PHOTONS, disabled=True)
     )
-    found = noise_budget(evaluated(off)).predicted
-    assert [each.name for each in found.shares] == ["gain", "bias", "detector", "amplifier"]
-    reason = noise_budget(evaluated(without_electronics()))
+    assert list(sigmas(told(evaluated(off), "noise"))) == ["gain", "bias", "detector", "amplifier"]
+    reason = told(evaluated(without_electronics()), "noise")
     assert reason == "no noise is added on the way to pixels.image"
 
 
@@ -195,7 +196,7 @@ PAIRS = -math.log(math.cos(math.pi / 8))  # mean of two samples, at half the pix
 
 
 def shares_of(found):
-    return {each.label: each.share for each in found.shares}
+    return {each["title"]: (each["share_x"], each["share_y"]) for each in found["stages"]}
 
 
 def test_gaussian_blurs_share_as_their_variances():
@@ -204,10 +205,11 @@ def test_gaussian_blurs_share_as_their_variances():
         ("b", "jitter_mtf", {"sigma_mrad": 1.0}),
         ("idle", "gaussian_mtf", {}),
     )
-    found = blur_budget(evaluated(without_electronics(*stages)))
+    found = told(evaluated(without_electronics(*stages)), "blur")
     interval = math.radians(FOV_DEG) * 1000 / 64
     # Half of 1/(2·interval), where the interval is that of the combined pixels.
-    assert found.frequency == pytest.approx((1 / (8 * interval),) * 2, rel=1e-9)
+    for name in ("xi_cyc_per_mrad", "eta_cyc_per_mrad"):
+        assert found[name] == pytest.approx(1 / (8 * interval), rel=1e-9)
     one = 2 * (math.pi / (8 * interval)) ** 2  # −ln of exp(−2π²σ²f²) where σ is 1 mrad
     assert shares_of(found) == {
         "Gaussian MTF": pytest.approx((9 * one / (10 * one + PAIRS), one / (2 * one + PAIRS))),
@@ -215,7 +217,7 @@ def test_gaussian_blurs_share_as_their_variances():
         "Combined pixels": pytest.approx((PAIRS / (10 * one + PAIRS), PAIRS / (2 * one + PAIRS))),
     }
     x, y = (math.exp(-n * one) * math.cos(math.pi / 8) for n in (10, 2))
-    assert found.mtf == pytest.approx((x, y), rel=1e-9)
+    assert (found["mtf_x"], found["mtf_y"]) == pytest.approx((x, y), rel=1e-9)
 
 
 def test_detector_and_gaussian():
@@ -223,8 +225,8 @@ def test_detector_and_gaussian():
         ("a", "gaussian_mtf", {"sigma_x_mrad": 1.0, "sigma_y_mrad": 0.0}),
         ("b", "detector_mtf", {"detector_x_um": 200, "detector_y_um": 100}),
     )
-    found = blur_budget(evaluated(without_electronics(*stages)))
-    f = found.frequency[0]
+    found = told(evaluated(without_electronics(*stages)), "blur")
+    f = found["xi_cyc_per_mrad"]
     gaussian = 2 * (math.pi * f) ** 2
     across, along = (-math.log(math.sin(math.pi * w * f) / (math.pi * w * f)) for w in (4, 2))
     shares = shares_of(found)
@@ -251,18 +253,20 @@ def test_nothing_to_tell_says_why():
 
 def test_no_final_picture_is_a_reason():
     found = evaluated(linked_network({"pupil": ("exit_pupil", {})}))
-    assert noise_budget(found) == blur_budget(found) == "the network has no final picture"
+    assert told(found, "noise") == told(found, "blur") == "the network has no final picture"
 
 
 @pytest.mark.parametrize("gain_model", ["per_pixel", "literal"])
 def test_the_gain_as_printed_is_the_picture_and_no_noise(gain_model):
-    found = noise_budget(evaluated(network(electronics={**ELECTRONICS, "gain_model": gain_model})))
+    electronics = {**ELECTRONICS, "gain_model": gain_model}
+    found = told(evaluated(network(electronics=electronics)), "noise")
     assert ("gain" in sigmas(found)) is (gain_model == "per_pixel")
     # Without its noise there would be no picture to compare with, and the report says so.
-    assert isinstance(found.measured, str) is (gain_model == "literal")
+    assert (found["together"] is None) is (gain_model == "literal")
+    assert bool(found["together_reason"]) is (gain_model == "literal")
 
 
 def test_single_precision_tells_the_same(whole):
-    single = noise_budget(evaluated(network(), "single"))
+    single = told(evaluated(network(), "single"), "noise")
     assert sigmas(single) == pytest.approx(sigmas(whole[1]), rel=1e-3)
-    assert single.measured.sigma == pytest.approx(whole[1].measured.sigma, rel=0.02)
+    assert single["together"] == pytest.approx(whole[1]["together"], rel=0.02)

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from app.report.budget_section import spectra_png, spectrum
+from app.report.spectra import spectra_png, spectrum
 from command_line import run_here
 from cube_network import BANDS, write_cube_network
 from nodes.library import standard_library

@@ -15,7 +15,7 @@ from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.chart import Axis, Chart, brief
 from app.editor.panels.illustrations.illustration import Illustration, NodeQuery
 from app.editor.theme import Theme
-from app.report.edge_measurement import DrawnResponse, response_over_band
+from app.report.spectra import DrawnResponse, response_over_band
 from core.chain.engine import PlannedNode
 from core.chain.wires import Image
 

@@ -1,18 +1,142 @@
-"""The budget of noise and blur: which stage contributes how much, as bars and as tables."""
+"""The budget of noise and blur: which stage contributes how much, as facts, bars and tables.
+
+Noise is predicted from the chain, for all sensors of the kind; beside it stands what this picture
+has, less the same picture without noise. Blur is taken at half the Nyquist frequency of the
+picture's pixels, before a frame grabber interpolates them.
+"""
 
 from __future__ import annotations
 
-from itertools import cycle
+from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from app.report.blocks import Block, Drawn, Grid, Heading, Text, of_many
-from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, strongest
-from app.report.drawing.printed_numbers import number, short
-from nodes.analysis.budget_shares import source_title
+from app.report.drawing.picture_drawing import COLOURS, figure, strongest
+from app.report.drawing.printed_numbers import number
+from app.run.evaluation import Evaluation
+from core.chain.wires import Image
+from core.errors import Cancelled, DataError, ImagechainError
+from core.evaluation.work import Work
+from nodes.analysis.budget_shares import (
+    NoiseShare,
+    blur_shares,
+    noise_shares,
+    source_title,
+    unknown_before,
+)
+from nodes.analysis.lineage import NoiseOf, noise_free, transfer_of
+from nodes.input_output.sample_unit import statistics
 
 Fact = dict[str, Any]
 _ACROSS, _ALONG = COLOURS[0], COLOURS[1]
 _KINDS = {"temporal": "#6d8fb3", "fixed": "#b8894a"}
+
+
+def budget_facts(evaluation: Evaluation) -> Fact:
+    """Noise and blur by stage; of what there is none, the reason."""
+    noise, noise_reason = _tried(lambda: _noise_facts(evaluation))
+    blur, blur_reason = _tried(lambda: _blur_facts(evaluation))
+    return {
+        "noise_reason": noise_reason,
+        "noise": noise,
+        "blur_reason": blur_reason,
+        "blur": blur,
+    }
+
+
+def _tried(make: Callable[[], Fact]) -> tuple[Fact | None, str | None]:
+    """What is made, or why it cannot be: the run itself has not failed."""
+    try:
+        return make(), None
+    except Cancelled:
+        raise
+    except ImagechainError as error:
+        return None, str(error)
+
+
+def _final(evaluation: Evaluation) -> tuple[str, Image, Work]:
+    port = evaluation.chain.final
+    if port is None:
+        raise DataError("the network has no final picture")
+    return port, evaluation.plan.output(port), evaluation.engine.work(evaluation.work.policy)
+
+
+def _noise_facts(evaluation: Evaluation) -> Fact:
+    port, image, work = _final(evaluation)
+    if evaluation.work.blocks is not None:
+        raise DataError("the pictures are made in blocks, and noises followed through whole ones")
+    predicted = noise_shares(work, work.value(NoiseOf(image)), kind="all")
+    if not predicted.shares:
+        raise DataError(f"no noise is added on the way to {port}")
+    of_picture, reason = _tried(lambda: _noise_of(work, image))
+    return {
+        "port": port,
+        "unit": image.unit,
+        "summed": predicted.sigma,
+        "temporal": predicted.temporal,
+        "fixed": predicted.fixed,
+        **(of_picture or {"together": None, "together_mean": None}),
+        "together_reason": reason,
+        "sources": [_source(evaluation, share) for share in predicted.shares],
+    }
+
+
+def _noise_of(work: Work, image: Image) -> Fact:
+    """All noise of this one picture: its deviation, and what it adds to the mean."""
+    clean = work.value(noise_free(image.recipe))
+    noise = statistics(np.subtract(work.value(image.recipe), clean), for_each=work.for_each)
+    return {"together": noise.sigma, "together_mean": noise.mean}
+
+
+def _source(evaluation: Evaluation, share: NoiseShare) -> Fact:
+    planned = evaluation.plan.nodes.get(share.node)
+    return {
+        "node": share.node,
+        "title": planned.declaration.title if planned else share.node,
+        "name": share.name,
+        "temporal": share.temporal,
+        "fixed": share.fixed,
+        "sigma": share.sigma,
+        "share_temporal": share.share_temporal,
+        "share_fixed": share.share_fixed,
+        "share": share.share_temporal + share.share_fixed,
+    }
+
+
+def _blur_facts(evaluation: Evaluation) -> Fact:
+    port, image, work = _final(evaluation)
+    passed = transfer_of(image)
+    grid = evaluation.chain.combined or evaluation.chain.grid or image.grid()
+    blur = blur_shares(
+        work,
+        stages=passed.part("mtf"),
+        frequency=(0.5 * grid.nyquist_x, 0.5 * grid.nyquist_y),
+        before=unknown_before(passed),
+    )
+    if not blur.shares and blur.before is not None:
+        raise DataError(f"what {blur.before} does is not known as transfer functions")
+    if not blur.shares:
+        raise DataError(f"no transfer function other than 1 leads to {port}")
+    return {
+        "xi_cyc_per_mrad": blur.frequency[0],
+        "eta_cyc_per_mrad": blur.frequency[1],
+        "behind": blur.before,
+        "mtf_x": blur.mtf[0],
+        "mtf_y": blur.mtf[1],
+        "stages": [
+            {
+                "node": share.node,
+                "title": share.label,
+                "mtf_x": share.mtf[0],
+                "share_x": share.share[0],
+                "mtf_y": share.mtf[1],
+                "share_y": share.share[1],
+            }
+            for share in blur.shares
+        ],
+    }
 
 
 def budget(facts: Fact) -> list[Block]:
@@ -30,12 +154,11 @@ def budget(facts: Fact) -> list[Block]:
         caption += of_many(len(noise["sources"]), "noises") if noise else ""
         caption += of_many(len(blur["stages"])) if blur else ""
         blocks.append(Drawn(bars_png(noise, blur), caption, "shares of noise and blur"))
-    blocks += _noise(noise) if noise else _not_shared("Noise", contributions["noise_reason"])
-    return blocks + (_blur(blur) if blur else _not_shared("Blur", contributions["blur_reason"]))
-
-
-def _not_shared(what: str, reason: str) -> list[Block]:
-    return [Text(f"{what} is not shared out: {reason}.")]
+    for what, section, shares in (("Noise", _noise, noise), ("Blur", _blur, blur)):
+        reason = contributions[f"{what.lower()}_reason"]
+        unknown = Text(f"{what} is not shared out: {reason}.")
+        blocks += section(shares) if shares else [unknown]
+    return blocks
 
 
 def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
@@ -50,7 +173,7 @@ def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
         axes = list(drawn.subplots(1, panels, squeeze=False)[0])
         if noise:
             axis = axes.pop(0)
-            names = _distinct([_name(source) for source in sources], sources)
+            names = _distinct([source_title(source["name"]) for source in sources], sources)
             _stacked(axis, names, sources)
             axis.set_title("Noise")
             axis.set_xlabel("share of the variance (%)")
@@ -114,10 +237,6 @@ def _percent(share: float) -> str:
     return number(float(format(100.0 * share, ".3g")))
 
 
-def _name(source: Fact) -> str:
-    return source_title(source["name"])
-
-
 def _distinct(names: list[str], rows: list[Fact]) -> list[str]:
     """Names for the bars, with their node where two are alike."""
     return [
@@ -129,7 +248,7 @@ def _distinct(names: list[str], rows: list[Fact]) -> list[str]:
 def _noise(noise: Fact) -> list[Block]:
     rows = [
         (
-            _name(source),
+            source_title(source["name"]),
             source["node"],
             number(source["temporal"]),
             number(source["fixed"]),
@@ -185,106 +304,3 @@ def _blur(blur: Fact) -> list[Block]:
         text += "alone."
     heading = Heading(3, "Blur of the stages")
     return [heading, Text(text), Grid(heads, rows, numbers=(2, 3, 4, 5))]
-
-
-# The section on pictures with bands: their mean spectra, under the responses that weight them.
-
-_FEW = 40  # bands up to which every one has a dot
-
-
-def spectrum(facts: Fact) -> list[Block]:
-    """The section; empty where no picture has bands."""
-    spectra, responses = facts["spectra"]["means"], facts["spectra"]["responses"]
-    if not spectra:
-        return []
-    caption = "Mean of every band of the pictures, left."
-    if responses:
-        caption += " Response to every wavelength, right, from 0 to 1."
-    drawn = Drawn(
-        spectra_png(spectra, responses),
-        caption + of_many(len(spectra), "spectra"),
-        "mean spectra and responses",
-    )
-    return [Heading(2, "Spectrum"), drawn, _table(spectra), *_transformed(facts)]
-
-
-def spectra_png(spectra: list[Fact], responses: list[Fact]) -> bytes:
-    """Mean spectra against the left axis, responses against the right one."""
-    with figure(9.0, 3.9) as (drawn, out):
-        axis = drawn.subplots()
-        colours = cycle(COLOURS)
-        units = list(dict.fromkeys(one["unit"] for one in spectra))
-        for one, colour in zip(spectra[:MOST_DRAWN], colours, strict=False):
-            dot = "o" if one["bands"] <= _FEW else None
-            label = _ports(one)
-            axis.plot(
-                one["centres_um"], one["mean"], color=colour, lw=1.6, marker=dot, ms=3, label=label
-            )
-        axis.set_xlabel("wavelength (µm)")
-        axis.set_ylabel(f"mean ({', '.join(units)})" if any(units) else "mean")
-        lowest = min(min(one["mean"]) for one in spectra)
-        axis.set_ylim(bottom=min(0.0, lowest))
-        if responses:
-            beside = axis.twinx()
-            beside.spines["right"].set_visible(True)
-            beside.grid(visible=False)
-            beside.set_ylim(0.0, 1.05)
-            beside.set_ylabel("response")
-            for one, colour in zip(responses, colours, strict=False):
-                beside.plot(
-                    one["wavelength_um"],
-                    one["values"],
-                    color=colour,
-                    ls="--",
-                    lw=1.6,
-                    label=f"{one['name']} of {one['node']}",
-                )
-        drawn.legend(loc="outside lower center", ncols=2, fontsize=8.5)
-    return out.getvalue()
-
-
-def _ports(one: Fact) -> str:
-    """The first of the ports with that mean, and the last."""
-    ports = one["ports"]
-    return ports[0] if len(ports) == 1 else f"{ports[0]} to {ports[-1]}"
-
-
-def _table(spectra: list[Fact]) -> Block:
-    rows = []
-    for one in spectra:
-        low, high = one["band_um"]
-        highest = max(range(one["bands"]), key=one["mean"].__getitem__)
-        rows.append(
-            (
-                ", ".join(one["ports"]),
-                number(one["bands"]),
-                f"{short(low)} to {short(high)}",
-                short(sum(one["widths_um"]) / one["bands"]),
-                short(one["centres_um"][highest]),
-                short(one["mean"][highest]),
-                one["unit"],
-            )
-        )
-    heads = (
-        *("picture", "bands", "from, to (µm)", "mean width (µm)"),
-        *("highest at (µm)", "mean there", "unit"),
-    )
-    return Grid(heads, rows, numbers=(1, 3, 4, 5))
-
-
-def _transformed(facts: Fact) -> list[Block]:
-    rows = [
-        (
-            ", ".join(one["ports"]),
-            f"{one['wavelengths']} of {one['bands']}",
-            short(one["bound"]),
-        )
-        for one in facts["spectra"]["transformed"]
-    ]
-    if not rows:
-        return []
-    heads = ("filtered picture", "wavelengths transformed", "changes at most, of the contrast")
-    words = (
-        "Wavelengths that are not transformed are made of the others, where the optics allow it."
-    )
-    return [Text(words), Grid(heads, rows, numbers=(1, 2))]

@@ -1,0 +1,246 @@
+"""Pictures with bands of wavelength: their mean spectra, and the responses that weight them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import cycle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.report.blocks import Block, Drawn, Grid, Heading, Text, of_many
+from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure
+from app.report.drawing.printed_numbers import number, short
+from app.run.evaluation import Evaluation
+from core.chain.back_transformed import Delivered
+from core.chain.band_stack import BandStack
+from core.chain.engine import PlannedNode
+from core.chain.wires import Image
+from core.modules.declaration import NodeContext
+from nodes.detector.focal_plane import FocalPlane
+from nodes.detector.spectral_response import SpectralResponse
+
+Fact = dict[str, Any]
+Vector = NDArray[np.float64]
+_FEW = 40  # bands up to which every one has a dot
+
+
+def spectrum_facts(evaluation: Evaluation) -> Fact:
+    """Mean spectra, responses, and what stands for all wavelengths; empty lists without bands."""
+    spectra: dict[str, Fact] = {}
+    for port, image in _with_bands(evaluation):
+        assert image.bands is not None
+        means = image.bands.means()
+        if means.key not in spectra:
+            values = evaluation.work.value(means)
+            spectra[means.key] = _spectrum(image.bands, values, image.unit)
+        spectra[means.key]["ports"].append(port)
+    return {
+        "means": list(spectra.values()),
+        "responses": _responses(evaluation) if spectra else [],
+        "transformed": _transformed(evaluation),
+    }
+
+
+def _with_bands(evaluation: Evaluation) -> list[tuple[str, Image]]:
+    return [
+        (f"{name}.{port}", value)
+        for name, planned in evaluation.plan.nodes.items()
+        for port, value in planned.outputs.items()
+        if not planned.node.disabled and isinstance(value, Image) and value.bands is not None
+    ]
+
+
+def _transformed(evaluation: Evaluation) -> list[Fact]:
+    """Of filtered pictures: how many wavelengths stand for all bands, and what that changes."""
+    transformed: dict[Any, Fact] = {}
+    for port, image in _with_bands(evaluation):
+        rank = image.recipe.rank(evaluation.work) if isinstance(image.recipe, Delivered) else None
+        if rank is None:
+            continue
+        alike = tuple(rank.chosen), rank.bound
+        fact = {"ports": [], "wavelengths": len(rank.chosen), "bands": rank.shares.shape[1]}
+        transformed.setdefault(alike, {**fact, "bound": rank.bound})["ports"].append(port)
+    return list(transformed.values())
+
+
+def _spectrum(bands: BandStack, means: Any, unit: str) -> Fact:
+    return {
+        "ports": [],
+        "bands": bands.count,
+        "band_um": bands.band_um,
+        "centres_um": list(bands.centres_um),
+        "widths_um": list(bands.widths_um),
+        "mean": [float(value) for value in means],
+        "unit": f"{unit}/µm" if bands.density else unit,
+    }
+
+
+def _responses(evaluation: Evaluation) -> list[Fact]:
+    """Of nodes into which a picture with bands comes."""
+    responses = []
+    for name, planned in evaluation.plan.nodes.items():
+        image = planned.inputs.get("image")
+        if not isinstance(image, Image) or image.bands is None:
+            continue
+        drawn = response_over_band(planned, evaluation.plan.folder)
+        if drawn is not None:
+            responses.append(
+                {
+                    "node": name,
+                    "title": planned.declaration.title,
+                    "name": drawn.name,
+                    "wavelength_um": drawn.wavelength_um,
+                    "values": drawn.values,
+                }
+            )
+    return responses
+
+
+def spectrum(facts: Fact) -> list[Block]:
+    """The section; empty where no picture has bands."""
+    spectra, responses = facts["spectra"]["means"], facts["spectra"]["responses"]
+    if not spectra:
+        return []
+    caption = "Mean of every band of the pictures, left."
+    if responses:
+        caption += " Response to every wavelength, right, from 0 to 1."
+    drawn = Drawn(
+        spectra_png(spectra, responses),
+        caption + of_many(len(spectra), "spectra"),
+        "mean spectra and responses",
+    )
+    return [Heading(2, "Spectrum"), drawn, _table(spectra), *_transformed_table(facts)]
+
+
+def spectra_png(spectra: list[Fact], responses: list[Fact]) -> bytes:
+    """Mean spectra against the left axis, responses against the right one."""
+    with figure(9.0, 3.9) as (drawn, out):
+        axis = drawn.subplots()
+        colours = cycle(COLOURS)
+        units = list(dict.fromkeys(one["unit"] for one in spectra))
+        for one, colour in zip(spectra[:MOST_DRAWN], colours, strict=False):
+            dot = "o" if one["bands"] <= _FEW else None
+            label = _ports(one)
+            axis.plot(
+                one["centres_um"], one["mean"], color=colour, lw=1.6, marker=dot, ms=3, label=label
+            )
+        axis.set_xlabel("wavelength (µm)")
+        axis.set_ylabel(f"mean ({', '.join(units)})" if any(units) else "mean")
+        lowest = min(min(one["mean"]) for one in spectra)
+        axis.set_ylim(bottom=min(0.0, lowest))
+        if responses:
+            beside = axis.twinx()
+            beside.spines["right"].set_visible(True)
+            beside.grid(visible=False)
+            beside.set_ylim(0.0, 1.05)
+            beside.set_ylabel("response")
+            for one, colour in zip(responses, colours, strict=False):
+                beside.plot(
+                    one["wavelength_um"],
+                    one["values"],
+                    color=colour,
+                    ls="--",
+                    lw=1.6,
+                    label=f"{one['name']} of {one['node']}",
+                )
+        drawn.legend(loc="outside lower center", ncols=2, fontsize=8.5)
+    return out.getvalue()
+
+
+def _ports(one: Fact) -> str:
+    """The first of the ports with that mean, and the last."""
+    ports = one["ports"]
+    return ports[0] if len(ports) == 1 else f"{ports[0]} to {ports[-1]}"
+
+
+def _table(spectra: list[Fact]) -> Block:
+    rows = []
+    for one in spectra:
+        low, high = one["band_um"]
+        highest = max(range(one["bands"]), key=one["mean"].__getitem__)
+        rows.append(
+            (
+                ", ".join(one["ports"]),
+                number(one["bands"]),
+                f"{short(low)} to {short(high)}",
+                short(sum(one["widths_um"]) / one["bands"]),
+                short(one["centres_um"][highest]),
+                short(one["mean"][highest]),
+                one["unit"],
+            )
+        )
+    heads = (
+        *("picture", "bands", "from, to (µm)", "mean width (µm)"),
+        *("highest at (µm)", "mean there", "unit"),
+    )
+    return Grid(heads, rows, numbers=(1, 3, 4, 5))
+
+
+def _transformed_table(facts: Fact) -> list[Block]:
+    rows = [
+        (
+            ", ".join(one["ports"]),
+            f"{one['wavelengths']} of {one['bands']}",
+            short(one["bound"]),
+        )
+        for one in facts["spectra"]["transformed"]
+    ]
+    if not rows:
+        return []
+    heads = ("filtered picture", "wavelengths transformed", "changes at most, of the contrast")
+    words = (
+        "Wavelengths that are not transformed are made of the others, where the optics allow it."
+    )
+    return [Text(words), Grid(heads, rows, numbers=(1, 2))]
+
+
+# The response of a planned node over wavelength, as it is drawn.
+
+Band = tuple[float, float]
+_POINTS = 241
+_BESIDE = 1e-9  # of a wavelength, on both sides of where a response may jump
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnResponse:
+    name: str  # what it is of every wavelength
+    # wavelengths shown: the picture's band, and what lies within the response beside it
+    band_um: Band
+    # the curve
+    wavelength_um: Vector
+    values: Vector
+
+
+def response_over_band(planned: PlannedNode, folder: Path) -> DrawnResponse | None:
+    """Response of a Focal Plane or Spectral Response; None of any other node, or without a band.
+
+    Files are named from the network's `folder`.
+    """
+    image: Image | None = planned.inputs.get("image")
+    module = planned.module
+    if image is None or planned.node.disabled:
+        return None
+    if isinstance(module, FocalPlane):
+        efficiency = module.efficiency(planned.result)
+        filter_um = efficiency.cut_on_um, efficiency.cut_off_um
+        knots = [place for place, _ in efficiency.points]
+        return _drawn(
+            "quantum efficiency", image.band_um or filter_um, filter_um, knots, efficiency
+        )
+    if isinstance(module, SpectralResponse) and image.band_um is not None:
+        curve = module.response(image.band_um, NodeContext(planned.node.id, folder=folder))
+        knots = [place for place, _ in curve.points] or list(curve.ends_um)
+        return _drawn("response", image.band_um, image.band_um, knots, curve)
+    return None
+
+
+def _drawn(name: str, band: Band, own: Band, knots: list[float], response: Any) -> DrawnResponse:
+    low, high = min(band[0], own[0]), max(band[1], own[1])
+    ends = np.array([*own, *knots])
+    ends = ends[(ends >= low) & (ends <= high)]
+    beside = np.concatenate([ends * (1 - _BESIDE), ends, ends * (1 + _BESIDE)])
+    places = np.unique(np.concatenate([np.linspace(low, high, _POINTS), beside]))
+    return DrawnResponse(name, (low, high), places, np.asarray(response.at(places)))
