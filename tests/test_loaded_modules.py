@@ -7,12 +7,14 @@ import os
 import sys
 from pathlib import Path
 
+import pytest
+
 from child_process import ROOT, finished
 from qt_packages import QT
 
 
-def loaded_by(words: list[str], folder: Path) -> set[str]:
-    """Names of the modules that a command loads, in a process of its own."""
+def loaded_by(words: list[str], folder: Path, ends: int = 0) -> set[str]:
+    """Names of the modules that a command loads, in a process of its own that ends so."""
     program = (
         "import json, sys; from app.command.cli import main; code = main(sys.argv[1:]); "
         "print('\\n' + json.dumps([code, sorted(sys.modules)]))"
@@ -20,8 +22,17 @@ def loaded_by(words: list[str], folder: Path) -> set[str]:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     done = finished([sys.executable, "-c", program, *words], folder=folder, env=environment)
     code, names = json.loads(done.stdout.splitlines()[-1])
-    assert code == 0, done.stderr
+    assert code == ends, done.stderr
     return set(names)
+
+
+@pytest.mark.parametrize(
+    ("words", "ends"),
+    [("--help", 0), ("networks", 0), ("solve --help", 0), ("run --saev=a", 2), ("run nosuch", 2)],
+)
+def test_help_lists_and_slips_load_no_numbers(words, ends, tmp_path):
+    packages = {name.split(".")[0] for name in loaded_by(words.split(), tmp_path, ends)}
+    assert not packages & (QT | {"numpy", "scipy"})
 
 
 def test_run_loads_neither_qt_nor_what_only_reports_need(tmp_path):

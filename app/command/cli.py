@@ -89,11 +89,14 @@ def _failed(error: Exception, *, written: bool) -> int:
 
 def _carry_out(words: list[str], stop: Stop) -> None:
     from app.options.command_options import parse
+    from app.run.shipped import find_network
 
     try:
         options = parse(words or ["edit"])
     except SystemExit:  # help and version have been printed
         return
+    if options.network:
+        find_network(options.network)  # a misspelt name is told before what takes long to load
     # Only now, as it may take long: a command is a module of its name.
     command = import_module(f"app.command.{options.command.replace('-', '_')}")
     if stop.is_set():  # an import may have swallowed the exception

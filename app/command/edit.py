@@ -11,7 +11,6 @@ from pathlib import Path
 from app.editor.lean_imports import leave_sources_unread, nothing_collected
 from app.editor.qt_libraries import check_libraries
 from app.options.command_options import Options
-from app.run.shipped import find_network
 from core.errors import UsageError
 
 OFFSCREEN = "offscreen"
@@ -20,8 +19,6 @@ _X_SOCKETS = Path("/tmp/.X11-unix")
 
 def carry_out(options: Options, stop: threading.Event) -> None:
     """Open the editor and stay until its window is closed."""
-    if options.network:
-        find_network(options.network)  # a misspelt name is reported before what the machine lacks
     if options.screenshot is not None:
         os.environ.setdefault("QT_QPA_PLATFORM", OFFSCREEN)
     elif sys.platform.startswith("linux"):

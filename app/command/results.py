@@ -11,7 +11,6 @@ from typing import Any, TypeVar
 from app.options.command_options import Options
 from app.options.stopping import too_late
 from app.run.readout_tables import json_text
-from app.run.staging import Staging
 from core.atomic import write_bytes, write_text
 from core.errors import Cancelled
 
@@ -26,6 +25,8 @@ def written(
     content: Callable[[Made, Path], str | bytes],
 ) -> Made:
     """Make a result, and write what each file is to hold; files are reserved before any work."""
+    from app.run.staging import Staging  # which takes numpy to load
+
     with Staging(None, inputs) as staging:
         for path in outputs:
             staging.claim(path)

@@ -6,13 +6,16 @@ import argparse
 import textwrap
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal, NoReturn
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
-from app.options.command_words import COMMANDS, Word
+from app.options.command_words import COMMANDS, SAVED, Word
 from app.options.option_values import Assignment, Save
 from core.errors import UsageError
-from core.evaluation.policy import Precision
 from core.names import close, shown
+from nodes.files.common.file_format import suffixes
+
+if TYPE_CHECKING:
+    from core.evaluation.policy import Precision
 
 _EPILOG = """\
 shipped networks:
@@ -117,6 +120,15 @@ class _Parser(argparse.ArgumentParser):
         if not name.startswith("-"):
             self.error(f"{shown(name)} is one word too many")
         self.error(f"there is no option {shown(name)}{close(name, self.option_names())}")
+
+    def format_help(self) -> str:
+        for action in self._actions:
+            if SAVED in (action.help or ""):
+                from nodes.files import formats  # which takes numpy to load
+
+                saved = " ".join(suffixes(*formats.SAVED))
+                action.help = str(action.help).replace(SAVED, saved)
+        return super().format_help()
 
     def print_help(self, file: Any = None) -> None:
         # argparse's own reports no error where the disk is full.

@@ -9,6 +9,7 @@ from typing import Any
 
 from app.options.option_values import (
     OUTPUTS,
+    PNG,
     REPORTS,
     STUDIES,
     SUMMARIES,
@@ -29,8 +30,8 @@ from app.options.option_values import (
 )
 from core.modules.parameters import LARGEST_INTEGER
 from nodes.files.common.file_format import CSV, HTML, JSON, suffixes
-from nodes.files.formats import PNG, SAVED
 
+SAVED = "SAVED"  # in a help, for the suffixes of what a port can be saved as
 BENCH_PARTS = ("speed", "precision", "peers", "studies", "measure")
 SCREENSHOT_PARTS = ("window", "canvas", "panel", "curves", "picture")
 Parser = argparse.ArgumentParser
@@ -153,7 +154,7 @@ def _run_words(parser: Parser) -> None:
     _network_words(parser)
     add = partial(_add, parser)
     add("--save", "NODE.PORT=FILE",
-        f"write what a port gives, as {' '.join(suffixes(*SAVED))}; NODE.PORT[TOP:BOTTOM,"
+        f"write what a port gives, as {SAVED}; NODE.PORT[TOP:BOTTOM,"
         "LEFT:RIGHT]=FILE writes those rows and columns of an image, counted from 0, the ends "
         "exclusive, a bound left out being the image's; all bands of an image that has some go "
         "into a .bsq or .img (ENVI); a picture of any size as a .zarr store, too; may be repeated",
@@ -230,7 +231,7 @@ def _study_words(parser: Parser) -> None:
     add("--save", "NODE.PORT=PATTERN",
         "save each point's picture or curve, its name with fields in braces: {point}, "
         "{NODE.PARAM} of what varies, {scene} for the name of the picture; as "
-        f"{' '.join(suffixes(*SAVED))}; may be repeated", _save, many=True, dest="saves",
+        f"{SAVED}; may be repeated", _save, many=True, dest="saves",
     )  # fmt: skip
     add("--jobs", "N",
         "processes on this machine (default: one, or all cores where the rest of the study "

@@ -21,13 +21,12 @@ from nodes.files.common.file_format import (
     Format,
     suffixes,
 )
-from nodes.files.formats import PNG, SAVED
 
 if TYPE_CHECKING:
     from core.evaluation.region import Region
 
 REPORTS = (JSON, HTML)
-_SAVED = (*SAVED[:-1], ENVI_FRAMES, ZARR, SAVED[-1])
+PNG = Format("png", (".png",), "PNG")  # what reads and writes it takes numpy to load
 TRANSFERS = (CSV, JSON)
 OUTPUTS = (CSV, JSON, PNG, HTML)
 STUDIES = (CSV, PARQUET, NETCDF)
@@ -86,7 +85,7 @@ class Save(Assignment):
             raise UsageError(f"{self.shown}: the picture has {rows} rows and {columns} columns")
         if bottom <= top or right <= left:
             raise UsageError(f"{self.shown}: rows {top}:{bottom}, columns {left}:{right} are empty")
-        from core.evaluation.region import Region  # not for every command: it takes numpy to load
+        from core.evaluation.region import Region
 
         return Region(top, left, bottom - top, right - left)
 
@@ -103,7 +102,9 @@ def save_target(text: str) -> Save:
             raise UsageError(f"--save {text!r:.120}: write {form}")
         text = f"{port}={file}"
     save = assignment("--save", text, "NODE.PORT=FILE")
-    ending_in(*_SAVED)("--save", save.text)
+    from nodes.files.formats import SAVED
+
+    ending_in(*SAVED[:-1], ENVI_FRAMES, ZARR, SAVED[-1])("--save", save.text)
     return Save(save.node, save.name, save.text, bounds)
 
 

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from app.run.evaluation import Evaluation
-from app.run.output import Output, ancestors, find_output
+from app.run.output import Output, ancestors, find_output, sound_part
 from app.run.readout_tables import four_digits, number_text, sized
 from app.run.responses import Axis, response
-from app.run.shipped import sound_part
 from core.chain.engine import Plan
 from core.chain.realize import realize
 from core.chain.wires import Image

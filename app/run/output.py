@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from core.chain.engine import Plan, PlannedNode
@@ -70,6 +70,25 @@ def how_to_choose(output: Output) -> str:
 def ending_images(plan: Plan) -> list[str]:
     """Pictures looked at or left open, less those that another one of them stems from."""
     return _leaves(plan, _seen_or_open(plan) or list(_image_ports(plan)))
+
+
+def sound_part(plan: Plan) -> Plan:
+    """The plan without its failed nodes and what would name them; itself where none has failed."""
+    failed = {name for name, node in plan.nodes.items() if node.error is not None}
+    if not failed:
+        return plan
+    network = plan.network
+    final = network.extra.get("final")
+    lost = isinstance(final, str) and final.rpartition(".")[0] in failed
+    sound = replace(
+        network,
+        nodes={name: node for name, node in network.nodes.items() if name not in failed},
+        links=tuple(link for link in network.links if not {link.source, link.target} & failed),
+        layout={},
+        extra={} if lost else network.extra,
+    )
+    nodes = {name: node for name, node in plan.nodes.items() if name not in failed}
+    return Plan(sound, nodes, plan.folder)
 
 
 def ancestors(network: Network, *nodes: str) -> set[str]:

@@ -7,14 +7,15 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from numbers import Integral, Real
 from pathlib import PurePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from app.run.evaluation import Evaluation
-from core.modules.panel_sections import Caution
 from core.names import printable
+
+if TYPE_CHECKING:
+    from app.run.evaluation import Evaluation
+    from core.modules.panel_sections import Caution
 
 MOST_WARNINGS = 5
 """How many kinds of warnings are shown of many points."""
@@ -37,7 +38,7 @@ def number_text(value: Any) -> str:
         return "-"
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if isinstance(value, float | np.floating):
+    if _is_real(value):
         return f"{float(value):.6g}"
     return str(value)
 
@@ -62,7 +63,12 @@ def sized(value: Any, unit: str) -> tuple[Any, str]:
 
 def four_digits(value: Any) -> Any:
     """The value in four digits: a data sheet gives no more."""
-    return float(f"{value:.4g}") if isinstance(value, float | np.floating) else value
+    return float(f"{value:.4g}") if _is_real(value) else value
+
+
+def _is_real(value: Any) -> bool:
+    """Whether it is a floating-point number, of numpy's types too, which need not be loaded."""
+    return isinstance(value, Real) and not isinstance(value, Integral)
 
 
 def without_rounding(value: Any, unit: str) -> Any:
@@ -70,20 +76,20 @@ def without_rounding(value: Any, unit: str) -> Any:
 
     That is so of ratios and of phases in radians, not of quantities with other units.
     """
-    if unit in ("", "rad") and isinstance(value, float | np.floating):
+    if unit in ("", "rad") and _is_real(value):
         return 0.0 if abs(float(value)) < _ROUNDING else value
     return value
 
 
 def jsonable(value: Any) -> Any:
     """The value as JSON can hold it; what is infinite becomes a text."""
-    if isinstance(value, np.generic):
-        value = value.item()
+    if hasattr(value, "tolist"):  # of numpy
+        value = value.tolist()
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     if isinstance(value, Mapping):
         return {str(name): jsonable(item) for name, item in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
+    if isinstance(value, list | tuple):
         return [jsonable(item) for item in value]
     return value.as_posix() if isinstance(value, PurePath) else value
 

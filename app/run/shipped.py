@@ -6,14 +6,12 @@ import os
 import shlex
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import networks
-from core.chain.engine import Plan
 from core.errors import FileError
 from core.names import alike, shown, shown_path
-from nodes.files.formats import PICTURES
 
 
 @dataclass(frozen=True)
@@ -40,8 +38,7 @@ def find_network(text: str) -> Place:
         raise FileError("'' is no network: give a file, or the name of a shipped one")
     path = Path(text)
     is_there = _is_there(path)
-    named = any(picture_format.matches(path) for picture_format in PICTURES)
-    if named and not (path.is_file() and _holds_json(path)):
+    if _is_picture(path) and not (path.is_file() and _holds_json(path)):
         what = "is a picture, not a network" if is_there else "there is no such file"
         scene = shlex.quote(text)
         raise FileError(
@@ -57,6 +54,14 @@ def find_network(text: str) -> Place:
         raise FileError(f"{shown_path(text)}: is a folder, not a network file")
     hint = alike(text, shipped) or f"; shipped are {', '.join(shipped) or 'none'}"
     raise FileError(f"{shown_path(text)} is neither a file nor the name of a shipped network{hint}")
+
+
+def _is_picture(path: Path) -> bool:
+    if path.suffix in ("", ".json"):
+        return False
+    from nodes.files.formats import PICTURES  # which takes numpy to load
+
+    return any(picture_format.matches(path) for picture_format in PICTURES)
 
 
 def _holds_json(path: Path) -> bool:
@@ -97,25 +102,3 @@ def environment(variables: Mapping[str, str] | None = None) -> dict[str, str]:
     known = dict(os.environ if variables is None else variables)
     path = [root, *filter(None, [known.get("PYTHONPATH")])]
     return {**known, "PYTHONPATH": os.pathsep.join(path)}
-
-
-# The part of a plan without errors, for what concerns the network as a whole.
-
-
-def sound_part(plan: Plan) -> Plan:
-    """The plan without its failed nodes and what would name them; itself where none has failed."""
-    failed = {name for name, node in plan.nodes.items() if node.error is not None}
-    if not failed:
-        return plan
-    network = plan.network
-    final = network.extra.get("final")
-    lost = isinstance(final, str) and final.rpartition(".")[0] in failed
-    sound = replace(
-        network,
-        nodes={name: node for name, node in network.nodes.items() if name not in failed},
-        links=tuple(link for link in network.links if not {link.source, link.target} & failed),
-        layout={},
-        extra={} if lost else network.extra,
-    )
-    nodes = {name: node for name, node in plan.nodes.items() if name not in failed}
-    return Plan(sound, nodes, plan.folder)

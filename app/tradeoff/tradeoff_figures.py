@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from app.options.overrides import listed
+from app.run.output import sound_part
 from app.run.responses import SYSTEM, TOTAL, Axis, response
-from app.run.shipped import sound_part
 from app.run.transfer_chain import Chain, find_chain
 from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, DataError, ImagechainError, NetworkError, UsageError

@@ -19,8 +19,7 @@ from app.editor.viewers.network_ports import HOW_TO_MARK
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets import ElidedLabel
 from app.run.figures import ELECTRONICS_FIGURES, SENSOR_FIGURES, sensor_node
-from app.run.output import find_output
-from app.run.shipped import sound_part
+from app.run.output import find_output, sound_part
 from core.chain.engine import Plan
 from core.errors import ImagechainError
 

@@ -15,8 +15,8 @@ from app.editor.viewers.plot.curves_query import (
 )
 from app.editor.viewers.plot.plot_export import csv_text
 from app.editor.viewers.plot.plotted_lines import transfer_drawing
+from app.run.output import sound_part
 from app.run.responses import responses, responses_along
-from app.run.shipped import sound_part
 from app.run.transfer_chain import find_chain
 from core.chain.results import CurveData, Series
 from core.errors import ImagechainError
