@@ -12,12 +12,11 @@ from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Any
 
+from app.study.batches import WorkerEnded, dealt_rows
 from app.study.point_rows import Row, Setting, Task
-from core.errors import Cancelled, FileError, ImagechainError, UsageError
+from core.errors import FileError, ImagechainError, UsageError
 from core.names import shown
 
-MOST_DEATHS = 2
-"""How often Dask may give a point up, each time after several workers, before it is its fault."""
 _AHEAD = 2  # batches for each thread: it never waits for the way there and back
 _LOOK_S = 0.5  # how often the workers are counted
 _CONNECT_S = 10
@@ -33,97 +32,64 @@ def cluster_rows(
     tls: Sequence[str] = (),
     cancel: threading.Event | None = None,
 ) -> Generator[list[Row]]:
-    """The rows of points, batch by batch; the first, empty one when the scheduler answers."""
+    """The rows of points, batch by batch; the first, empty one when a worker is ready."""
     with _silent(), _connected(scheduler, tls) as client:
-        yield []
-        rows = _Rows(client, setting, key, tasks)
+        cluster = _Cluster(client, setting, key)
         try:
-            yield from rows.made(cancel)
+            yield from dealt_rows(cluster, tasks, len(setting.figures), cancel)
         finally:
-            rows.forget()
+            with contextlib.suppress(Exception):
+                client.cancel(list(cluster.out), force=True)
 
 
-class _Rows:
-    """Batches sent to a cluster, whose scheduler gives those of a lost worker to another one.
+class _Cluster:
+    """The workers of a scheduler, which gives the batches of a lost one to another."""
 
-    What it gives up (`KilledWorker`) is sent once more at the end, point by point and one at a
-    time: so it shows which point it was.
-    """
+    lanes = 1
+    most_ends = 2  # of what the scheduler gives up, each time after several workers
+    why = "the workers that computed it ended, again and again"
 
-    def __init__(self, client: Any, setting: Setting, key: str, tasks: Sequence[Task]) -> None:
+    def __init__(self, client: Any, setting: Setting, key: str) -> None:
+        self.out: set[Any] = set()
         self._client, self._key = client, key
         self._function = by_value(rows_there)
         self._setting = pickle.dumps(setting)
-        self._nothing = (None,) * len(setting.figures)
-        self._lanes = Lanes(tasks, 1)
-        self._again: list[Task] = []
-        self._given_up: Counter[int] = Counter()
-        self._flying: dict[Any, list[Task]] = {}
-        self._landed = threading.Event()
+        self._looked, self._seen = 0.0, time.monotonic()
         self._threads, self._share = 0, 1
 
-    def made(self, cancel: threading.Event | None) -> Iterator[list[Row]]:
-        looked, seen = 0.0, time.monotonic()
-        while self._lanes.left or self._again or self._flying:
-            now = time.monotonic()
-            if now > looked + _LOOK_S:
-                self._look()
-                looked = now
-            seen = now if self._threads else seen
-            if now > seen + _WITHOUT_S:
-                raise FileError(f"the scheduler {self._address()} has no workers")
-            while self._lanes.left and len(self._flying) < _AHEAD * self._threads:
-                self._send(self._lanes.batch(0))
-            if self._again and not self._flying and not self._lanes.left:
-                self._send([self._again.pop()])
-            if cancel is not None and cancel.is_set():
-                raise Cancelled("stopped on request")
-            self._landed.wait(0.1)
-            self._landed.clear()
-            # Looked at, not waited for: Dask calls nobody for what is lost with its worker.
-            for future in [future for future in self._flying if future.status != "pending"]:
-                rows = self._taken(future)
-                if rows:
-                    yield rows
+    def free(self, busy: Sequence[int]) -> list[int]:
+        now = time.monotonic()
+        if now > self._looked + _LOOK_S:
+            self._look()
+            self._looked = now
+        self._seen = now if self._threads else self._seen
+        if now > self._seen + _WITHOUT_S:
+            raise FileError(f"the scheduler {self._address()} has no workers")
+        return [0] * (_AHEAD * self._threads - len(busy))
 
-    def forget(self) -> None:
-        with contextlib.suppress(Exception):
-            self._client.cancel(list(self._flying), force=True)
-
-    def _look(self) -> None:
-        """Count the workers."""
-        self._check()
-        try:
-            workers = self._client.scheduler_info(n_workers=-1)["workers"].values()
-        except Exception as error:
-            raise self._gone() from error
-        hosts: Counter[str] = Counter()
-        for info in workers:
-            hosts[info.get("host", "")] += info["nthreads"]
-        self._threads = hosts.total()
-        self._share = max(hosts.values(), default=1)
-
-    def _send(self, batch: list[Task]) -> None:
+    def submit(self, _lane: int, batch: list[Task]) -> Any:
         try:
             future = self._client.submit(
                 self._function, self._setting, self._key, batch, self._share, pure=False
             )
         except Exception as error:
             raise self._gone() from error
-        self._flying[future] = batch
-        future.add_done_callback(lambda _: self._landed.set())
+        self.out.add(future)
+        return future
 
-    def _taken(self, future: Any) -> list[Row]:
-        """The rows of a batch that has come back, if it has any."""
+    def has_ended(self, future: Any) -> bool:
+        return bool(future.status != "pending")
+
+    def rows(self, future: Any) -> list[Row]:
         from distributed import KilledWorker
 
-        batch = self._flying.pop(future)
+        self.out.discard(future)
         if future.status != "finished":
             self._check()
         try:
-            rows = [Row(*row) for row in future.result(timeout=_GATHER_S)]
-        except KilledWorker:
-            return self._killed(batch)
+            return [Row(*row) for row in future.result(timeout=_GATHER_S)]
+        except KilledWorker as error:
+            raise WorkerEnded from error
         except ImagechainError:
             raise
         except ImportError as error:
@@ -138,18 +104,20 @@ class _Rows:
             # Made, and lost with the worker before it came here, or the scheduler began anew.
             with contextlib.suppress(Exception):
                 self._client.cancel([future], force=True)
-            self._again += batch
-            return []
-        self._lanes.took(sum(row.seconds for row in rows), len(rows))
-        return rows
+            raise WorkerEnded(blamed=False) from error
 
-    def _killed(self, batch: list[Task]) -> list[Row]:
-        """Rows of the points that have ended too many workers; the others are tried again."""
-        self._given_up.update(task[0] for task in batch)
-        guilty = [t for t in batch if len(batch) == 1 and self._given_up[t[0]] >= MOST_DEATHS]
-        self._again += [task for task in batch if task not in guilty]
-        why = "the workers that computed it ended, again and again"
-        return [Row(task[0], self._nothing, "", 0.0, why) for task in guilty]
+    def _look(self) -> None:
+        """Count the workers."""
+        self._check()
+        try:
+            workers = self._client.scheduler_info(n_workers=-1)["workers"].values()
+        except Exception as error:
+            raise self._gone() from error
+        hosts: Counter[str] = Counter()
+        for info in workers:
+            hosts[info.get("host", "")] += info["nthreads"]
+        self._threads = hosts.total()
+        self._share = max(hosts.values(), default=1)
 
     def _check(self) -> None:
         if self._client.status != "running":
@@ -278,51 +246,3 @@ def _silent() -> Iterator[None]:
     finally:
         for logger, level in zip(loggers, levels, strict=True):
             logger.setLevel(level)
-
-
-# Which worker computes which points: neighbours together, so that they share what is known.
-
-BATCH_S = 0.5
-"""How long a batch should take: longer than its way there and back, short enough to lose."""
-_FIRST, _MOST = 2, 500
-_WEIGHT = 0.3  # of the newest batch in the mean
-
-
-class Lanes:
-    """A stretch of the points for each worker; who has come to its end takes half of another's."""
-
-    def __init__(self, tasks: Sequence[Task], workers: int) -> None:
-        each = -(-len(tasks) // workers) or 1
-        self._stretches = [list(tasks[n * each : (n + 1) * each]) for n in range(workers)]
-        self._mean_s: float | None = None
-
-    @property
-    def left(self) -> int:
-        """How many points have not been handed out."""
-        return sum(map(len, self._stretches))
-
-    def batch(self, worker: int) -> list[Task]:
-        """The next points for a worker; none when all are handed out."""
-        if not self._stretches[worker]:
-            longest = max(self._stretches, key=len)
-            half = len(longest) // 2
-            self._stretches[worker] = longest[half:]
-            del longest[half:]
-        stretch = self._stretches[worker]
-        size = self._size(len(stretch))
-        batch = stretch[:size]
-        del stretch[:size]
-        return batch
-
-    def took(self, seconds: float, points: int) -> None:
-        """What a batch took, for the size of the next ones."""
-        each = seconds / max(1, points)
-        before = self._mean_s
-        self._mean_s = each if before is None else before + _WEIGHT * (each - before)
-
-    def _size(self, left: int) -> int:
-        if self._mean_s is None:
-            return min(_FIRST, left)
-        wanted = int(BATCH_S / max(self._mean_s, 1e-9))
-        # Towards the end in smaller ones, so that all workers end together.
-        return max(1, min(wanted, _MOST, -(-left // 2)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -74,9 +74,6 @@ class RowMaker:
         self._evaluator = PointEvaluator(self._engine, plan, setting.targets, setting.figures)
         self._keys = NetworkKeys(setting, library)
         self._checked: dict[str, ImagechainError | None] = {}
-
-    def rows(self, tasks: Iterable[Task], cancel: threading.Event | None = None) -> Iterator[Row]:
-        return (self.row(task, cancel) for task in tasks)
 
     def row(self, task: Task, cancel: threading.Event | None = None) -> Row:
         """The row of a point; whatever goes wrong with it is the row's error."""

@@ -9,15 +9,16 @@ import queue
 import threading
 import time
 import warnings
+from collections.abc import Iterable
 from typing import Any, BinaryIO
 
-from app.study.point_rows import RowMaker, Setting, Task
+from app.study.point_rows import Row, RowMaker, Setting, Task
 from core.errors import Cancelled, UsageError
 from core.modules.declaration import Library
 
 _NAME = "imagechain_studies"
 _MOST = 2  # studies that a worker of a cluster remembers
-_TELL_S = 0.1  # a message costs as much as a tenth of a quick point
+_BATCH_S = 0.5  # longer than the way there and back, short enough to lose
 _GRACE_S = 3.0  # for a point that is stopped to remove what it has half written
 
 
@@ -45,14 +46,7 @@ def main() -> None:
         maker = RowMaker(setting, _all_modules() if library is None else library, share)
         answers.write(pickle.dumps(None))
         while (batch := received.get()) is not None:
-            rows, sent = [], time.monotonic()
-            for task in batch:
-                rows.append(maker.row(task, cancel))
-                if time.monotonic() > sent + _TELL_S:
-                    answers.write(pickle.dumps(rows))
-                    rows, sent = [], time.monotonic()
-            if rows:
-                answers.write(pickle.dumps(rows))
+            answers.write(pickle.dumps(_first_rows(maker, batch, cancel)))
     except (Cancelled, BrokenPipeError):
         return
     except Exception as error:
@@ -72,6 +66,18 @@ def _listen(requests: BinaryIO, received: queue.SimpleQueue[Any], cancel: thread
         received.put(error)
 
 
+def _first_rows(
+    maker: RowMaker, tasks: Iterable[Task], cancel: threading.Event | None = None
+) -> list[Row]:
+    """The rows of as many points, from the first on, as there is time for."""
+    rows, end = [], time.monotonic() + _BATCH_S
+    for task in tasks:
+        rows.append(maker.row(task, cancel))
+        if time.monotonic() > end:
+            break
+    return rows
+
+
 def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> list[tuple[Any, ...]]:
     """Make rows on a worker of a Dask cluster, by its own engine and store for this study."""
     from distributed import get_worker
@@ -89,7 +95,7 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
                 "one version"
             )
         makers[thread] = RowMaker(wanted, _all_modules(), share)
-    return [tuple(makers[thread].row(task)) for task in tasks]
+    return [tuple(row) for row in _first_rows(makers[thread], tasks)]
 
 
 def _all_modules() -> Library:

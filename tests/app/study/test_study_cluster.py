@@ -105,10 +105,9 @@ def test_a_scheduler_that_is_gone_ends_it_with_one_line(study, rows_of, cluster,
         from app.study.worker_rows import rows_of_batch
 
         time.sleep(0.1)
-        return rows_of_batch(setting, key, tasks, share)
+        return rows_of_batch(setting, key, tasks[:1], share)
 
     monkeypatch.setattr("app.study.dask_study.rows_there", slow)
-    monkeypatch.setattr("app.study.dask_study._MOST", 1)
     done = threading.Event()
     closing = threading.Thread(target=close)
     closing.start()

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from app.options.option_values import save_target
-from app.study.dask_study import Lanes
+from app.study.batches import Lanes
 from app.study.study_journal import Column, write_columns
 from app.study.study_points import (
     files_axis,
@@ -162,11 +162,12 @@ def test_files_are_named_by_fields(network, tmp_path, monkeypatch):
 def test_neighbours_go_to_one_worker_and_all_points_go_out_once():
     tasks = [(place, (), ()) for place in range(100)]
     lanes = Lanes(tasks, 2)
-    lanes.took(10 * 0.05, 10)  # so that ten make half a second
-    first, other = lanes.batch(0), lanes.batch(1)
-    assert [task[0] for task in first] == list(range(10))
-    assert [task[0] for task in other] == list(range(50, 60))
-    taken = [*first, *other]
+    (first,) = lanes.batch(0)
+    lanes.done(0, [first], 1)  # all of it, so that the next one is twice as long
+    pair, other = lanes.batch(0), lanes.batch(1)
+    assert [task[0] for task in (first, *pair, *other)] == [0, 1, 2, 50, 51]
+    lanes.done(0, pair, 1)  # of which one takes as long as a batch may: the other goes back
+    taken = [first, pair[0], *other]
     while lanes.left:
         taken += lanes.batch(0)  # which takes the other's stretch when its own is done
     assert sorted(task[0] for task in taken) == list(range(100))
