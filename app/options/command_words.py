@@ -9,7 +9,6 @@ from typing import Any
 
 from app.options.option_values import (
     OUTPUTS,
-    PNG,
     REPORTS,
     STUDIES,
     SUMMARIES,
@@ -29,7 +28,7 @@ from app.options.option_values import (
     window_size,
 )
 from core.modules.parameters import LARGEST_INTEGER
-from nodes.files.common.file_format import CSV, HTML, JSON, suffixes
+from nodes.files.common.file_format import CSV, HTML, JSON, PNG, suffixes
 
 SAVED = "SAVED"  # in a help, for the suffixes of what a port can be saved as
 BENCH_PARTS = ("speed", "precision", "peers", "studies", "measure")

@@ -17,6 +17,7 @@ from nodes.files.common.file_format import (
     JSON,
     NETCDF,
     PARQUET,
+    PNG,
     ZARR,
     Format,
     suffixes,
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from core.evaluation.region import Region
 
 REPORTS = (JSON, HTML)
-PNG = Format("png", (".png",), "PNG")  # what reads and writes it takes numpy to load
 TRANSFERS = (CSV, JSON)
 OUTPUTS = (CSV, JSON, PNG, HTML)
 STUDIES = (CSV, PARQUET, NETCDF)

@@ -12,6 +12,7 @@ from pathlib import Path
 import networks
 from core.errors import FileError
 from core.names import alike, shown, shown_path
+from nodes.files.common.file_format import JSON
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ def find_network(text: str) -> Place:
 
 
 def _is_picture(path: Path) -> bool:
-    if path.suffix in ("", ".json"):
+    if path.suffix in ("", *JSON.suffixes):
         return False
     from nodes.files.formats import PICTURES  # which takes numpy to load
 

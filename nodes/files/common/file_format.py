@@ -26,6 +26,7 @@ CSV = Format("csv", (".csv",), "numbers separated by commas")
 ENVI_FRAMES = Format("bsq", (".bsq", ".img"), "ENVI BSQ")
 ZARR = Format("zarr", (".zarr",), "Zarr")
 BLANKS = Format("txt", (".txt", ".prn"), "numbers separated by blanks")
+PNG = Format("png", (".png",), "PNG")  # for who writes none: its writer takes numpy to load
 JSON = Format("json", (".json",), "JSON")
 HTML = Format("html", (".html",), "page")
 SVG = Format("svg", (".svg",), "drawing")
