@@ -219,7 +219,10 @@ PARTS = (
         "Tutorials",
         (
             "infrared_camera",
+            "edge_pictures",
             "real_camera",
+            "fitting",
+            "laboratory",
             "satellite",
             "dirsig_scene",
             "lens_and_mtf",

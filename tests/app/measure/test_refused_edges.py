@@ -72,7 +72,7 @@ def test_what_helps_is_told_where_no_edge_is_used():
 
 
 def test_the_handbook_names_every_kind():
-    page = (PAGES / "real_camera.md").read_text(encoding="utf-8")
+    page = (PAGES / "edge_pictures.md").read_text(encoding="utf-8")
     assert not [one.words for one in REFUSALS if one.words not in page]
 
 
