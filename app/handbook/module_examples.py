@@ -233,6 +233,7 @@ PARTS = (
         "Guides",
         (
             "editor",
+            "editor_views",
             "commands",
             "network_files",
             "python_package",
@@ -245,7 +246,14 @@ PARTS = (
     ),
     Part(
         "Reference",
-        ("reference", "shipped_networks", "speed_and_accuracy", "how_it_works", "extending"),
+        (
+            "reference",
+            "glossary",
+            "shipped_networks",
+            "speed_and_accuracy",
+            "how_it_works",
+            "extending",
+        ),
     ),
 )
 REFERENCE = "reference"
