@@ -81,6 +81,17 @@ def test_one_band_counts_by_the_black_body_of_its_mean(tmp_path, shape):
     assert there.value("filter.image").mean() == pytest.approx(want * radiance, rel=2e-6)
 
 
+def test_middle_and_width_left_empty_are_those_of_the_band(tmp_path, cube):
+    _, wavelengths, width = cube
+    low, high = wavelengths[0] - width / 2, wavelengths[-1] + width / 2
+    named = {"shape": "gaussian", "centre_um": (low + high) / 2, "width_um": high - low}
+    pictures = [
+        bench(tmp_path, params, read={"path": "cube.img", "bands": "all"}).value("filter.image")
+        for params in ({"shape": "gaussian"}, named)
+    ]
+    assert pictures[0] == pytest.approx(pictures[1], rel=1e-6)
+
+
 def test_left_empty_it_passes_the_picture_on(tmp_path, cube):
     there = bench(tmp_path, {}, read={"path": "cube.img", "bands": "all"})
     assert there.port("filter.image") is there.port("read.image")

@@ -167,6 +167,11 @@ def test_bars_are_seven_times_as_long_as_wide():
     assert runs == pytest.approx(np.full(7, 80), abs=1)
     column = np.flatnonzero(np.diff(lit[:, row[0] + 40].astype(int)))
     assert column[1] - column[0] == pytest.approx(560, abs=1)
+    left, side = row[0] + 1, 560
+    upright = lit[top : top + side, left : left + side]
+    level = lit[top : top + side, left + 720 : left + 720 + side]
+    assert np.mean(upright) == pytest.approx(4 / 7, abs=0.01)
+    assert np.mean(upright != level.T) < 0.02  # samples at the bars' edges
 
 
 @pytest.mark.parametrize(
