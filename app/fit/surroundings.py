@@ -10,7 +10,7 @@ that constraint, and what of it the chain spreads into the edge's samples is no 
 from __future__ import annotations
 
 import numpy as np
-import scipy.fft
+import scipy
 from numpy.typing import NDArray
 
 from app.fit.edge_fit import EdgesAt

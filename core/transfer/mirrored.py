@@ -19,7 +19,7 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-import scipy.fft
+import scipy
 from numpy.typing import NDArray
 
 from core.evaluation.float_guard import require_finite

@@ -6,7 +6,7 @@ import math
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-import scipy.fft
+import scipy
 from numpy.typing import NDArray
 
 from core.chain.results import CurveData, Series, TableData, TableRow

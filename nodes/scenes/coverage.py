@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import ndtr
+import scipy
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -267,7 +267,7 @@ def bell(centre: float, sigma: float, height: float = 1.0) -> Profile:
     scale = height * sigma * float(np.sqrt(2.0 * np.pi))
 
     def integral(e: FloatArray) -> FloatArray:
-        area: FloatArray = scale * ndtr((e - centre) / sigma)
+        area: FloatArray = scale * scipy.special.ndtr((e - centre) / sigma)
         return area
 
     return Profile(centre - 5.0 * sigma, centre + 5.0 * sigma, integral)
@@ -279,7 +279,7 @@ def bells(centres: FloatArray, sigma: float, heights: FloatArray) -> Profile:
     reach = 5.0 * sigma
 
     def integral(e: FloatArray) -> FloatArray:
-        area: FloatArray = scale @ ndtr((e - centres[:, None]) / sigma)
+        area: FloatArray = scale @ scipy.special.ndtr((e - centres[:, None]) / sigma)
         return area
 
     return Profile(float(centres[0]) - reach, float(centres[-1]) + reach, integral)

@@ -10,8 +10,8 @@ import math
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import sici
 
 from core.errors import ParameterError
 from core.physics.checks import (
@@ -62,7 +62,7 @@ def spatial_share(*, length_mrad: ArrayLike, noise_bandwidth_cyc_per_mrad: float
     long = turns > 1e-4
     safe = np.where(long, turns, 1.0)
     sine = np.sin(math.pi * np.fmod(safe, 1.0))
-    integral = sici(2.0 * math.pi * safe)[0] / math.pi - sine**2 / (math.pi**2 * safe)
+    integral = scipy.special.sici(2.0 * math.pi * safe)[0] / math.pi - sine**2 / (math.pi**2 * safe)
     series = 1.0 - (math.pi * np.where(long, 0.0, turns)) ** 2 / 9.0
     return np.asarray(np.where(long, integral / safe, series), np.float64)
 

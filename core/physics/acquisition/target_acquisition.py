@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.special import expit
 
 from core.errors import ParameterError
 from core.physics.checks import (
@@ -78,7 +78,7 @@ def _logistic(amount: Values, half: Values, constant: float, slope: float) -> An
     amount, half = broadcast(amount=amount, half=half)
     with np.errstate(over="ignore", divide="ignore", under="ignore"):
         ratio = amount / half
-        return expit((constant + slope * ratio) * np.log(ratio))[()]
+        return scipy.special.expit((constant + slope * ratio) * np.log(ratio))[()]
 
 
 def apparent_difference(

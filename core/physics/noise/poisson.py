@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any, TypeVar
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import special
 
 from core.errors import DataError, ParameterError
 
@@ -194,7 +194,7 @@ def _summed(mean: Array, z: Array) -> Array:
     """The smallest k with P(N ≤ k) ≥ Φ(z); by the upper tail where that is the smaller one."""
     counts = np.zeros(len(mean))
     waiting = np.arange(len(mean))
-    upper = special.ndtr(-z)  # of the probability beyond, which keeps its digits for large z
+    upper = scipy.special.ndtr(-z)  # of the probability beyond, which keeps its digits for large z
     chance = np.exp(-mean)
     beyond = -np.expm1(-mean)
     k = 0
@@ -202,7 +202,7 @@ def _summed(mean: Array, z: Array) -> Array:
         # A sum of differences loses the digits of a small tail: that is taken anew.
         lost = beyond < 1e-3
         if lost.any():
-            beyond = np.where(lost, special.pdtrc(k, mean), beyond)
+            beyond = np.where(lost, scipy.special.pdtrc(k, mean), beyond)
         going_on = beyond > upper
         waiting, mean, upper = waiting[going_on], mean[going_on], upper[going_on]
         k += 1

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import fft
 
 from core.errors import DataError, ParameterError
 
@@ -65,10 +65,10 @@ def autocorrelation(pupil: ArrayLike, *, workers: int | None = None) -> Complexe
     samples = _checked(pupil)
     rows, columns = samples.shape
     shape = (2 * rows - 1, 2 * columns - 1)
-    padded = tuple(fft.next_fast_len(size) for size in shape)
-    spectrum = fft.fft2(samples, padded, workers=workers)
+    padded = tuple(scipy.fft.next_fast_len(size) for size in shape)
+    spectrum = scipy.fft.fft2(samples, padded, workers=workers)
     power = spectrum.real**2 + spectrum.imag**2
-    raw = fft.ifft2(power, workers=workers, overwrite_x=True)
+    raw = scipy.fft.ifft2(power, workers=workers, overwrite_x=True)
     lags_y, lags_x = np.arange(1 - rows, rows), np.arange(1 - columns, columns)
     raw = raw[np.ix_(lags_y, lags_x)]
     raw = 0.5 * (raw + np.conj(raw[::-1, ::-1]))

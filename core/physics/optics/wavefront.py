@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import special
 
 from core.errors import DataError, ParameterError
 
@@ -47,7 +47,7 @@ def zernike(*, noll_index: int, x: ArrayLike, y: ArrayLike) -> NDArray[np.float6
     x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     order = abs(m)
     depth = (n - order) // 2
-    radial = (-1) ** depth * special.eval_jacobi(depth, order, 0, 1.0 - 2.0 * (x * x + y * y))
+    radial = (-1) ** depth * scipy.special.eval_jacobi(depth, order, 0, 1.0 - 2.0 * (x * x + y * y))
     azimuthal = (x + 1j * y) ** order
     part = azimuthal.imag if m < 0 else azimuthal.real
     scale = math.sqrt(n + 1) if m == 0 else math.sqrt(2 * (n + 1))

@@ -9,8 +9,8 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import j0
 
 from core.errors import ParameterError
 from core.physics.checks import finite, non_negative, positive
@@ -91,7 +91,7 @@ def vibration_otf(
     with np.errstate(over="ignore"):
         argument = 2.0 * math.pi * (amplitude * np.asarray(frequency, dtype=np.float64))
     argument = np.clip(argument, -_LARGEST_ARGUMENT, _LARGEST_ARGUMENT)
-    whole = np.asarray(j0(argument), dtype=np.complex128)
+    whole = np.asarray(scipy.special.j0(argument), dtype=np.complex128)
     if periods is None:
         return whole
     count = math.floor(periods)
