@@ -15,8 +15,8 @@ import numpy as np
 from app.bench.chains import sensor_network
 from app.bench.tables import Table, verdict
 from app.bench.timing import Settings
-from app.study.carrying_out import StudyRows
-from app.study.run_study import run_study
+from app.study.carrying_out import run_study
+from app.study.study_request import StudyRows
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.network import Network

@@ -15,9 +15,9 @@ from app.options.option_values import assignment
 from app.options.progress import Progress
 from app.run.readout_tables import warned_points
 from app.run.shipped import find_network
-from app.study.carrying_out import TLS, StudyRows, Workers
-from app.study.run_study import carried_out, checked_study
-from app.study.study_request import Study
+from app.study.carrying_out import TLS, Workers
+from app.study.carrying_out import carry_out as carry_out_study
+from app.study.study_request import Study, StudyRows, make_study
 from app.tradeoff.values import FORM, OPTION
 from core.errors import DataError, UsageError
 from core.names import in_line, shown
@@ -41,7 +41,7 @@ def carry_out(options: Options, stop: threading.Event) -> None:
         raise UsageError(f"{OPTION} {twice} is given twice: vary another parameter")
     output = options.output
     assert output is not None  # argparse requires it
-    wanted = checked_study(
+    wanted = make_study(
         network, name=network.name or place.name, folder=place.folder, library=library,
         vary={setting.port: setting.text for setting in settings}, over=options.over,
         sample=options.sample, points=options.points, figures=options.figures,
@@ -51,7 +51,7 @@ def carry_out(options: Options, stop: threading.Event) -> None:
     if workers.warning:
         say(options, f"warning: {workers.warning}")
     with Progress(len(wanted.points), time_left=True) as progress:
-        result = carried_out(
+        result = carry_out_study(
             wanted, workers, output=output, summaries=options.summaries, fresh=options.fresh,
             reached=lambda done: progress.reach(done, _where(wanted, done)), cancel=stop,
         )  # fmt: skip

@@ -6,19 +6,28 @@ import contextlib
 import importlib.util
 import threading
 import time
-from collections.abc import Callable, Generator, Sequence
+import warnings
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from app.options.option_values import save_target, study_path, summary_path
 from app.options.stopping import Stopped, too_late
+from app.run.shipped import find_network
 from app.study.point_rows import Row, RowMaker, Setting, Task, tasks_of
-from app.study.study_journal import Column, Journal, write_columns
-from app.study.study_request import Study
+from app.study.study_journal import Journal, write_columns
+from app.study.study_points import GRID, Values
+from app.study.study_request import Study, StudyRows, make_study
 from app.study.worker_processes import process_rows
 from core.errors import Cancelled, ImagechainError, Suspended, UsageError, how_to_install
 from core.evaluation.policy import Policy
+from core.modules.declaration import Library
 from core.names import shown
+from core.network.file import load_network
+from core.network.network import Network
+from core.network.validation import check_network, plain_network
+from nodes.library import standard_library
 
 ALONE_S = 0.5
 """How long one process computes before it is known what the rest of the study takes."""
@@ -68,36 +77,6 @@ class Workers:
         )
 
 
-@dataclass(frozen=True)
-class StudyRows:
-    """A study that has been carried out."""
-
-    study: Study  # what was wanted
-    rows: tuple[Row, ...]  # by point
-    start_s: float = 0.0  # what the start of workers took, which is no row's
-
-    @property
-    def failed(self) -> list[Row]:
-        return [row for row in self.rows if row.error]
-
-    def columns(self) -> list[Column]:
-        """The rows as a table, without the default figures that have no value at any point."""
-        study = self.study
-        columns = [Column("point", "", [row.place + 1 for row in self.rows])]
-        for number, axis in enumerate(study.axes):
-            values = [axis.shown(study.points[row.place][number]) for row in self.rows]
-            columns.append(Column(axis.label, axis.unit, values))
-        for number, figure in enumerate(study.figures):
-            values = [row.figures[number] for row in self.rows]
-            if not figure.by_default or any(value is not None for value in values):
-                columns.append(Column(figure.text, figure.unit, values))
-        columns.append(Column("key", "", [row.key for row in self.rows]))
-        columns.append(Column("seconds", "s", [row.seconds for row in self.rows]))
-        columns.append(Column("error", "", [row.error for row in self.rows]))
-        columns.append(Column("warnings", "", ["; ".join(row.warnings) for row in self.rows]))
-        return columns
-
-
 def has_dask() -> bool:
     """Whether Dask and its scheduler are installed."""
     return all(importlib.util.find_spec(name) is not None for name in ("dask", "distributed"))
@@ -111,20 +90,19 @@ def carry_out(
     fresh: bool = False,
     reached: Reached | None = None,
     cancel: threading.Event | None = None,
-    also: Callable[[StudyRows], object] | None = None,
+    summaries: Sequence[Path] = (),
 ) -> StudyRows:
-    """Compute the points that are not done yet, and write the output when all are.
+    """Compute the points that are not done yet, and write output and summaries when all are.
 
-    Beside `output` a journal keeps the rows that are done until it is written; `fresh` throws away
-    those of an earlier study. `reached` gets the number of points done, `also` the rows before the
-    journal goes.
+    Beside `output` a journal keeps the rows that are done until these are written; `fresh` throws
+    away those of an earlier study. `reached` gets the number of points done.
     """
     workers.check()
     if output is None:
         made: dict[int, Row] = {}
         run = _Run(study, workers, made.update, reached, cancel)
         run.rest(made)
-        return run.result(made)
+        return _summarised(run.result(made), summaries)
     with Journal(output, study.key, len(study.points), fresh=fresh) as journal:
         journal.forget(place for place, row in list(journal.rows.items()) if _lost(study, row))
         run = _Run(study, workers, lambda rows: journal.add(rows.values()), reached, cancel)
@@ -138,10 +116,63 @@ def carry_out(
         too_late(cancel)
         result = run.result(journal.rows)
         write_columns(result.columns(), output, study.name)
-        if also is not None:
-            also(result)
+        _summarised(result, summaries)
         journal.remove()
     return result
+
+
+def _summarised(result: StudyRows, pages: Sequence[Path]) -> StudyRows:
+    if pages:
+        from app.study.study_drawing import write_summary
+
+        for page in pages:
+            write_summary(result, page)
+    return result
+
+
+def run_study(
+    network: Network | str | Path,
+    *,
+    vary: Mapping[str, Values] | None = None,
+    over: Mapping[str, str] | None = None,
+    sample: str | Path = GRID,
+    points: int | None = None,
+    figures: Sequence[str] = (),
+    saves: Mapping[str, str] | None = None,
+    output: str | Path | None = None,
+    summaries: Sequence[str | Path] = (),
+    jobs: int = 1,
+    scheduler: Any = "",
+    memory_bytes: int | None = None,
+    fresh: bool = False,
+    policy: Policy | None = None,
+    folder: str | Path | None = None,
+    library: Library | None = None,
+) -> StudyRows:
+    """A study from Python, with the words of `imagechain.study`, as the command carries it out.
+
+    `folder` is what file names in a `Network` are relative to; the current one, if not given.
+    """
+    known = library if library is not None else standard_library()
+    name, place, read = "", Path(folder or "."), []
+    if not isinstance(network, Network):
+        found = find_network(str(network))
+        name, place, read = found.name, found.folder, [found.path]
+        network = load_network(found.path, library=known)
+    plain = plain_network(network, library=known)
+    check_network(plain, library=known)
+    path = None if output is None else study_path("--output", str(output))
+    pages = [summary_path("--summary", str(page)) for page in summaries]
+    study = make_study(
+        plain, name=plain.name or name, folder=place, library=known, vary=vary or {},
+        over=[f"{k}={v}" for k, v in (over or {}).items()], sample=str(sample), points=points,
+        figures=figures, policy=policy or Policy(), read=read, output=path, summaries=pages,
+        saves=[save_target(f"{port}={pattern}") for port, pattern in (saves or {}).items()],
+    )  # fmt: skip
+    workers = Workers(jobs, scheduler, memory_bytes=memory_bytes)
+    if workers.warning:
+        warnings.warn(workers.warning, UserWarning, stacklevel=2)
+    return carry_out(study, workers, output=path, summaries=pages, fresh=fresh)
 
 
 class _Run:

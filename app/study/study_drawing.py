@@ -15,8 +15,8 @@ from app.report.drawing.picture_drawing import COLOURS, figure
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
 from app.run.readout_tables import number_text, warned_points
-from app.study.carrying_out import StudyRows
 from app.study.study_points import Axis
+from app.study.study_request import StudyRows
 from app.tradeoff.tradeoff_figures import Figure
 from app.tradeoff.tradeoff_results import ROUNDING, shown_value
 from core.atomic import write_bytes, write_text

@@ -17,8 +17,8 @@ from app.options.option_values import Save
 from app.options.overrides import listed
 from app.run.saving import check_suffix, is_cube
 from app.run.staging import Staging, check_folder
-from app.study.point_rows import NetworkKeys, Setting, file_stamp, input_paths
-from app.study.study_journal import SUFFIX
+from app.study.point_rows import NetworkKeys, Row, Setting, file_stamp, input_paths
+from app.study.study_journal import SUFFIX, Column, check_installed
 from app.study.study_points import (
     MOST_POINTS,
     OVER,
@@ -41,6 +41,7 @@ from core.evaluation.recipes import content_key
 from core.modules.declaration import Library, declaration
 from core.names import close, shown
 from core.network.network import Network
+from nodes.files.common.file_format import CSV
 
 # The files of ``--save NODE.PORT=PATTERN``: a name for each point of a study.
 
@@ -236,6 +237,36 @@ class Study:
                                          "this study")  # fmt: skip
 
 
+@dataclass(frozen=True)
+class StudyRows:
+    """A study that has been carried out."""
+
+    study: Study  # what was wanted
+    rows: tuple[Row, ...]  # by point
+    start_s: float = 0.0  # what the start of workers took, which is no row's
+
+    @property
+    def failed(self) -> list[Row]:
+        return [row for row in self.rows if row.error]
+
+    def columns(self) -> list[Column]:
+        """The rows as a table, without the default figures that have no value at any point."""
+        study = self.study
+        columns = [Column("point", "", [row.place + 1 for row in self.rows])]
+        for number, axis in enumerate(study.axes):
+            values = [axis.shown(study.points[row.place][number]) for row in self.rows]
+            columns.append(Column(axis.label, axis.unit, values))
+        for number, figure in enumerate(study.figures):
+            values = [row.figures[number] for row in self.rows]
+            if not figure.by_default or any(value is not None for value in values):
+                columns.append(Column(figure.text, figure.unit, values))
+        columns.append(Column("key", "", [row.key for row in self.rows]))
+        columns.append(Column("seconds", "s", [row.seconds for row in self.rows]))
+        columns.append(Column("error", "", [row.error for row in self.rows]))
+        columns.append(Column("warnings", "", ["; ".join(row.warnings) for row in self.rows]))
+        return columns
+
+
 def make_study(
     network: Network,
     *,
@@ -249,8 +280,16 @@ def make_study(
     figures: Sequence[str],
     saves: Sequence[Save],
     policy: Policy,
+    read: Sequence[Path] = (),
+    output: Path | None = None,
+    summaries: Sequence[Path] = (),
 ) -> Study:
-    """A study of every file with every sampled point."""
+    """A study of every file with every sampled point.
+
+    Its files must be such as can be written, and none of those that are `read`.
+    """
+    if output is not None:
+        check_installed(output)
     overs = [files_axis(text, network, library=library) for text in over]
     drawn, inner_points = sampled(network, vary, sample, points, library=library)
     axes = (*overs, *drawn)
@@ -273,7 +312,7 @@ def make_study(
     first = _first_plan(network, folder, library, places, every[0])
     _check_saves(saves, first, network, library)
     patterns = tuple(save_pattern(save, axes) for save in saves)
-    return Study(
+    study = Study(
         name,
         network,
         folder,
@@ -285,6 +324,9 @@ def make_study(
         file_names(patterns, axes, every) if patterns else [],
         policy,
     )
+    listed_in = [Path(sample)] if CSV.matches(Path(sample)) else []
+    study.check_places([*filter(None, [output]), *summaries], [*read, *listed_in])
+    return study
 
 
 def _first_plan(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.study.run_study import run_study
+from app.study.carrying_out import run_study
 from core.errors import UsageError
 from core.evaluation.policy import Policy, Precision
 from imagechain.building.chain import Chain

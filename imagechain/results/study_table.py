@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from app.run.readout_tables import columns, number_text, warned_points
-from app.study.carrying_out import StudyRows
+from app.study.study_request import StudyRows
 from core.errors import ParameterError
 from core.names import close, shown
 from imagechain.parts.plain_errors import block, needed, plain_errors, png, table

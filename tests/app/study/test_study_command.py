@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.run.shipped import find_network, shipped_networks
-from app.study.run_study import run_study
+from app.study.carrying_out import run_study
 from core.errors import UsageError
 from core.network.file import load_network
 from nodes.library import standard_library
