@@ -13,9 +13,9 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.editor.declared_text import error_text, label_of
 from app.editor.docks.tradeoff_view import SideWork
+from app.editor.evaluation.changes import content
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Passing, Query
-from app.editor.evaluation.runner import content
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.picture.kept_side import KeptSide, Way

@@ -29,8 +29,7 @@ from app.editor.docks.snapshots import (
     Snapshots,
     changed_figures,
 )
-from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.freshness import Freshness
+from app.editor.evaluation.evaluator import Evaluator, Freshness
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.gestures import without_argument
 from app.editor.session import Session

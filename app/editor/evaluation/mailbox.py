@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from app.editor.evaluation.queries import Answer, Badge, PassDone, Query
 from core.chain.engine import Plan
-from core.errors import ImagechainError
-from core.evaluation.store import EvaluationLog
 from core.network.network import Network
 
 
@@ -121,27 +120,26 @@ class Inbox:
             return not self._changed.wait_for(disturbed, timeout=max(0.0, left))
 
 
-@dataclass(frozen=True)
+@dataclass
 class News:
     """What the worker delivers on a document, all at once.
 
-    `finished`: nothing is left to do up to that generation; `unanswered`: the rest is given up.
+    Of several answers to one question only the newest is kept: a window that is slow to draw skips
+    pictures instead of lagging behind. `finished`: nothing is left to do up to that generation;
+    `unanswered`: the rest is given up.
     """
 
     document: int
     plan: Plan | None = None
     badges: Mapping[str, Badge] | None = None
-    answers: tuple[Answer, ...] = ()
-    done: tuple[PassDone, ...] = ()
+    answers: dict[tuple[str, Query], Answer] = field(default_factory=dict)
+    done: list[PassDone] = field(default_factory=list)
     finished: int = 0
     unanswered: bool = False
 
 
 class Outbox:
     """Gathers what the worker delivers until the window takes it.
-
-    Of several answers to one question only the newest is kept: a window that is slow to draw skips
-    pictures instead of lagging behind.
 
     Parameters
     ----------
@@ -154,113 +152,41 @@ class Outbox:
         self._wake = wake
         self._woken = False
         self._news = News(0)
-        self._answers: dict[tuple[str, Query], Answer] = {}
         self.closed = False
 
     def begin(self, document: int) -> None:
         """From now on it is about that document; what is left of another is dropped."""
         with self._lock:
             if document != self._news.document:
-                self._answers.clear()
                 self._news = News(document)
 
-    def deliver(self, **news: Any) -> None:
+    def deliver(self, **latest: Any) -> None:
         """Deliver the latest of these fields of `News`."""
-        with self._lock:
-            self._news = replace(self._news, **news)
-        self._notify()
+        with self._delivering() as news:
+            for name, value in latest.items():
+                setattr(news, name, value)
 
     def answer(self, answer: Answer) -> None:
-        with self._lock:
-            self._answers.pop((answer.owner, answer.query), None)
-            self._answers[answer.owner, answer.query] = answer
-        self._notify()
+        with self._delivering() as news:
+            news.answers.pop((answer.owner, answer.query), None)
+            news.answers[answer.owner, answer.query] = answer
 
     def done(self, done: PassDone) -> None:
         """Deliver the end of a pass."""
-        with self._lock:
-            self._news = replace(self._news, done=(*self._news.done, done))
-        self._notify()
+        with self._delivering() as news:
+            news.done.append(done)
 
     def take(self) -> News:
         with self._lock:
             self._woken = False
-            news, answers = self._news, tuple(self._answers.values())
-            self._news = News(news.document)
-            self._answers.clear()
-        return replace(news, answers=answers)
+            news, self._news = self._news, News(self._news.document)
+        return news
 
-    def _notify(self) -> None:
+    @contextmanager
+    def _delivering(self) -> Iterator[News]:
         with self._lock:
-            if self._woken or self.closed:
-                return
-            self._woken = True
-        self._wake()
-
-
-# What has been answered already, and need not be answered again.
-
-
-@dataclass(frozen=True)
-class Sent:
-    """An answer that was sent: what it depends on, and what was looked at for it."""
-
-    key: Hashable
-    log: EvaluationLog | None = None
-    reduced: int = 1
-    error: ImagechainError | None = None
-
-
-class SentAnswers:
-    """The answer sent last to each query that stands."""
-
-    def __init__(self) -> None:
-        self._sent: dict[Request, Sent] = {}
-        self._given_up: set[Request] = set()
-
-    def __iter__(self) -> Iterator[Sent]:
-        return iter(tuple(self._sent.values()))
-
-    def log(self) -> EvaluationLog:
-        """All that was looked at for answers from full pictures."""
-        combined = EvaluationLog()
-        for sent in self:
-            if sent.log is not None and sent.reduced == 1:
-                combined.add(sent.log)
-        return combined
-
-    def clear(self) -> None:
-        self._sent.clear()
-        self._given_up.clear()
-
-    def keep(self, requests: Collection[Request]) -> None:
-        wanted = set(requests)
-        self._sent = {request: sent for request, sent in self._sent.items() if request in wanted}
-        self._given_up &= wanted
-
-    def is_due(self, request: Request, key: Hashable, reduced: int = 1) -> bool:
-        """Whether the query is to be answered: its answer depends on something else by now."""
-        if request in self._given_up:
-            return False
-        sent = self._sent.get(request)
-        return key is None or sent is None or (sent.key, sent.reduced) != (key, reduced)
-
-    def put(self, request: Request, sent: Sent) -> None:
-        self._sent[request] = sent
-
-    @property
-    def has_given_up(self) -> bool:
-        """Whether something that is wanted is left unanswered."""
-        return bool(self._given_up)
-
-    def give_up(self, requests: Collection[Request]) -> None:
-        """Leave these unanswered until there is an edit."""
-        self._given_up.update(requests)
-
-    def take_up(self, *, errors: bool = False) -> None:
-        """Answer again what was given up, and with `errors` what was answered by an error."""
-        self._given_up.clear()
-        if errors:
-            self._sent = {
-                request: sent for request, sent in self._sent.items() if sent.error is None
-            }
+            yield self._news
+            wake = not (self._woken or self.closed)
+            self._woken |= wake
+        if wake:
+            self._wake()

@@ -4,40 +4,96 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from app.editor.declared_text import error_text
 from app.editor.evaluation.badges import as_error, badges, skip_texts
-from app.editor.evaluation.mailbox import Inbox, Outbox, Sent, SentAnswers, Snapshot
+from app.editor.evaluation.changes import Change, Planned, edited, plan_held
+from app.editor.evaluation.mailbox import Inbox, Outbox, Request, Snapshot
+from app.editor.evaluation.pace import PAUSE_S, REDUCTIONS, SLOW_S, Pace
 from app.editor.evaluation.preview import reduced_network, with_same_nodes
 from app.editor.evaluation.queries import Answer, Badge, PassDone, Passing
-from app.editor.evaluation.tasks import (
-    PAUSE_S,
-    REDUCTIONS,
-    Change,
-    Due,
-    Pace,
-    Task,
-    due_queries,
-    edited,
-    overtaken,
-)
-from core.chain.engine import Engine, Plan, PlannedNode
+from core.chain.engine import Engine, Plan
 from core.chain.skipped import skips
 from core.errors import Cancelled, ImagechainError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
-from core.evaluation.store import Store
+from core.evaluation.store import EvaluationLog, Store
 from core.evaluation.work import Work
 from core.machine import Workers
 from core.modules.declaration import Library
 from core.modules.panel_sections import Caution, PendingCheck
 from core.network.network import Network
+
+
+@dataclass(frozen=True)
+class Due:
+    """A query to be answered, and what its answer depends on, or why that is unknown."""
+
+    request: Request
+    key: Hashable
+    error: ImagechainError | None = None
+
+    @classmethod
+    def of(cls, request: Request, plan: Plan) -> Due:
+        try:
+            return cls(request, request.query.key(plan))
+        except Exception as raised:
+            error = as_error(raised)
+            return cls(request, ("error", error_text(error)), error)
+
+    @property
+    def is_picture(self) -> bool:
+        return self.request.query.urgency <= 0
+
+
+@dataclass(frozen=True)
+class Task:
+    """One pass.
+
+    Parameters
+    ----------
+    snapshot : Snapshot
+        What it works on.
+    plan : Plan
+        The network, planned, in a preview that of reduced pictures.
+    due : sequence of Due
+        What to answer, pictures first.
+    change : Change
+        What was edited since the last pass that was finished.
+    reduced : int
+        Above 1 in a preview.
+    expected : float
+        Seconds its pictures took the last time; 0 if unknown.
+    has_preview : bool
+        Whether an edit meanwhile would be followed by a preview.
+    preview : Task or None
+        The pass to make first.
+    """
+
+    snapshot: Snapshot
+    plan: Plan
+    due: Sequence[Due]
+    change: Change
+    reduced: int = 1
+    expected: float = 0.0
+    has_preview: bool = False
+    preview: Task | None = None
+
+
+@dataclass(frozen=True)
+class Sent:
+    """An answer that was sent: what it depends on, and what was looked at for it."""
+
+    key: Hashable
+    log: EvaluationLog | None = None
+    reduced: int = 1
+    error: ImagechainError | None = None
 
 
 class Runner:
@@ -52,7 +108,8 @@ class Runner:
         self._workers = Workers()
         self._inbox, self._outbox = inbox, outbox
         self._pace = Pace()
-        self._sent = SentAnswers()
+        self._sent: dict[Request, Sent] = {}  # to each query that stands, the answer sent last
+        self._given_up: set[Request] = set()  # left unanswered until there is an edit
         self._last: Snapshot | None = None
         self._done: Snapshot | None = None
         self._planned: Planned | None = None
@@ -103,20 +160,20 @@ class Runner:
         task = Task(
             snapshot,
             plan,
-            due_queries(snapshot.requests, plan, self._sent),
+            self._due(snapshot.requests, plan),
             change,
             expected=self._pace.expected(change),
         )
         wanted = [due.request for due in task.due if due.request.query.from_preview]
         if not wanted or not self._is_edited(snapshot):
             return task
-        if not self._pace.is_slow(task.expected):
+        if task.expected < SLOW_S:
             return replace(task, has_preview=self._has_preview)
         reduced = self._pace.reduction(change)
         small = self._small_plan(snapshot, reduced, change) if reduced > 1 else None
         if small is None:
             return task
-        due = due_queries(wanted, small, self._sent, reduced)
+        due = self._due(wanted, small, reduced)
         preview = Task(snapshot, small, due, change, reduced=reduced)
         return replace(task, has_preview=True, preview=preview)
 
@@ -127,27 +184,55 @@ class Runner:
         if last is None or last.document != snapshot.document:
             self._engine.store.clear()
             self._sent.clear()
+            self._given_up.clear()
             self._planned = self._small = self._done = self._badges = None
             self._skipped = {}
             self._stale = frozenset()
             return True
         generate = last.generates != snapshot.generates
         if last.edits != snapshot.edits:
-            self._sent.take_up(errors=generate)
-        self._sent.keep(snapshot.requests)
+            self._given_up.clear()
+        wanted = set(snapshot.requests)
+        self._given_up &= wanted
+        self._sent = {
+            request: sent
+            for request, sent in self._sent.items()
+            if request in wanted and not (generate and sent.error)
+        }
         return generate
+
+    def _due(
+        self, requests: Collection[Request], plan: Plan, reduced: int = 1, *, waiting: bool = False
+    ) -> tuple[Due, ...]:
+        """What is to be answered from this plan, the most urgent first.
+
+        With `waiting` only what can wait until edits pause, else only what cannot.
+        """
+        standing = (
+            Due.of(request, plan)
+            for request in requests
+            if request.query.waits is waiting and request not in self._given_up
+        )
+        due = (each for each in standing if not self._is_answered(each, reduced))
+        return tuple(sorted(due, key=lambda due: due.request.query.urgency))
+
+    def _is_answered(self, due: Due, reduced: int = 1) -> bool:
+        """Whether the last answer depends on the same: there is nothing to answer anew."""
+        sent = self._sent.get(due.request)
+        known = sent is not None and (sent.key, sent.reduced) == (due.key, reduced)
+        return known and due.key is not None
 
     def _answer_all(self, snapshot: Snapshot, error: ImagechainError) -> None:
         start = time.perf_counter()
         for request in snapshot.requests:
-            if self._sent.is_due(request, key := ("no answer", str(error))):
-                self._send(Due(request, key), snapshot, error=error)
+            due = Due(request, ("no answer", str(error)))
+            if request not in self._given_up and not self._is_answered(due):
+                self._send(due, snapshot, error=error)
         self._outbox.done(PassDone(snapshot.generation, time.perf_counter() - start))
         self._finish(snapshot)
 
     def _finish(self, snapshot: Snapshot) -> None:
-        given_up = self._sent.has_given_up
-        self._outbox.deliver(finished=snapshot.generation, unanswered=given_up)
+        self._outbox.deliver(finished=snapshot.generation, unanswered=bool(self._given_up))
 
     def _preview(self, task: Task) -> bool:
         """Answer from pictures of reduced size first if the full ones take long.
@@ -200,7 +285,7 @@ class Runner:
             if reduced > 1 or not self._is_cancelled(snapshot):
                 self._pace.gave_way(position.seconds)
                 return False
-            self._sent.give_up([due.request for due in task.due[position.done :]])
+            self._given_up.update(due.request for due in task.due[position.done :])
         finally:
             self.position = None
         follows = self._is_edited(snapshot)
@@ -248,7 +333,7 @@ class Runner:
         reduced: int = 1,
     ) -> None:
         request = due.request
-        self._sent.put(request, Sent(due.key, work.log if work else None, reduced, error))
+        self._sent[request] = Sent(due.key, work.log if work else None, reduced, error)
         answer = Answer(snapshot.generation, request.owner, request.query, value, error, reduced)
         self._outbox.answer(answer)
         if due.is_picture:
@@ -275,7 +360,9 @@ class Runner:
         self._has_preview = self._small_network(REDUCTIONS[0]) is not None
         position = Position(0, lambda _: self._inbox.waiting)
         work = PassWork(self._policy, self._engine.store, self._workers, position)
-        work.log.add(self._sent.log())
+        for sent in self._sent.values():
+            if sent.log is not None and sent.reduced == 1:
+                work.log.add(sent.log)
         try:
             self._look_at_samples(plan, work)
             self._skipped = skip_texts(skips(plan, work))
@@ -296,14 +383,14 @@ class Runner:
         """Answer what could wait until edits paused; new snapshots go first."""
         assert self._planned is not None
         plan, inbox = self._planned.shown, self._inbox
-        due = due_queries(snapshot.requests, plan, self._sent, waiting=True)
+        due = self._due(snapshot.requests, plan, waiting=True)
         position = Position(len(due), lambda _: inbox.waiting or self._is_cancelled(snapshot))
         self.position = position
         try:
             self._answer(list(due), Task(snapshot, plan, due, None), position)
         except Cancelled:
             if self._is_cancelled(snapshot):
-                self._sent.give_up([item.request for item in due[position.done :]])
+                self._given_up.update(item.request for item in due[position.done :])
         finally:
             self.position = None
 
@@ -319,13 +406,28 @@ class Runner:
             plan,
             self._engine.library,
             stale=self._stale,
-            met=[sent.error for sent in self._sent if sent.error is not None],
+            met=[sent.error for sent in self._sent.values() if sent.error is not None],
             skipped=self._skipped,
             warned=[warning for warning in known if warning is not None],
         )
         if shown != self._badges:
             self._badges = shown
             self._outbox.deliver(badges=shown)
+
+
+def overtaken(task: Task, newest: Snapshot | None, pace: Pace, elapsed: float) -> bool:
+    """Whether a pass gives way to what has come since it began, `elapsed` seconds ago."""
+    snapshot = task.snapshot
+    if newest is None or newest.edits == snapshot.edits:
+        return False
+    if newest.document != snapshot.document:
+        return True
+    return task.reduced == 1 and pace.gives_way(
+        elapsed,
+        task.expected,
+        has_preview=task.has_preview,
+        new_gesture=newest.gestures != snapshot.gestures,
+    )
 
 
 # An evaluation that can be stopped, with the node it is at.
@@ -389,77 +491,3 @@ class PassWork(Work):
             return super()._compute(recipe, region)
         finally:
             position.leave()
-
-
-# Planning with nodes held back: those without Auto-Generate stay as they were generated last.
-
-
-@dataclass(frozen=True)
-class Planned:
-    """A network as it is shown, and as it would be if all were generated.
-
-    `stale` names the nodes held back that would give something else by now.
-    """
-
-    shown: Plan
-    fresh: Plan
-    stale: frozenset[str] = frozenset()
-
-
-def plan_held(
-    engine: Engine,
-    network: Network,
-    folder: Path,
-    last: Planned | None,
-    *,
-    generate: bool,
-) -> Planned:
-    """Plan a network; unless all is generated, nodes held back stay as they were.
-
-    Parameters
-    ----------
-    engine : Engine
-        Plans.
-    network : Network
-        The document as it stands.
-    folder : Path
-        What its file names are relative to.
-    last : Planned or None
-        The same document before, None if it was opened just now: all is generated then.
-    generate : bool
-        Whether to generate what is held back too.
-
-    Raises
-    ------
-    ImagechainError
-        If the network as a whole cannot be planned, as with a cycle.
-    """
-    before = last.fresh if last is not None else None
-    fresh = engine.plan(network, folder=folder, previous=before)
-    if generate or last is None:
-        return Planned(fresh, fresh)
-    held = {
-        name: planned
-        for name, planned in last.shown.nodes.items()
-        if planned.error is None and name in network.nodes and network.nodes[name].auto is False
-    }
-    if not held:
-        return Planned(fresh, fresh)
-    shown = engine.plan(network, folder=folder, previous=last.shown, held=held)
-    stale = frozenset(name for name in held if content(held[name]) != content(fresh.nodes[name]))
-    return Planned(shown, fresh, stale)
-
-
-def content(planned: PlannedNode) -> tuple[Hashable, ...]:
-    """What a node makes its outputs and read-outs of, and what it gives."""
-    return (
-        _keys(planned.outputs),
-        _keys(planned.inputs),
-        repr(planned.module),
-        planned.node.disabled,
-        planned.error is None,
-    )
-
-
-def _keys(values: Any) -> tuple[tuple[str, str | None], ...]:
-    return tuple((name, getattr(value, "key", None)) for name, value in sorted(values.items()))

@@ -11,8 +11,7 @@ from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit, QSizePolicy, QWidget
 
 from app.editor.declared_text import label_of, tip
-from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.freshness import Freshness
+from app.editor.evaluation.evaluator import Evaluator, Freshness
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure
 from app.editor.session import Session

@@ -10,8 +10,7 @@ from typing import Any, ClassVar
 from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
 
 from app.editor.declared_text import error_text
-from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.freshness import Freshness
+from app.editor.evaluation.evaluator import Evaluator, Freshness
 from app.editor.evaluation.queries import Answer, PassDone, Passing, Query
 from app.editor.session import Session
 from app.editor.theme import FAINT, TEXT

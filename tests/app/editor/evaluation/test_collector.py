@@ -7,8 +7,7 @@ import weakref
 import pytest
 
 from app.editor.evaluation import evaluator as evaluator_module
-from app.editor.evaluation.collector import Collector
-from app.editor.evaluation.evaluator import Evaluator
+from app.editor.evaluation.evaluator import Collector, Evaluator
 from child_process import PATIENCE_S
 from editor_queries import Asking
 

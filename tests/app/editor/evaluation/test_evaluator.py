@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from app.editor.evaluation import evaluator as evaluator_module
+from app.editor.evaluation import pace as pace_module
 from app.editor.evaluation import runner as runner_module
-from app.editor.evaluation import tasks as pace_module
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer
 from child_process import PATIENCE_S

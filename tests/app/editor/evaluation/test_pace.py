@@ -9,9 +9,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.editor.evaluation import tasks as pace_module
+from app.editor.evaluation import pace as pace_module
 from app.editor.evaluation.mailbox import Snapshot
-from app.editor.evaluation.tasks import Pace, Task, overtaken
+from app.editor.evaluation.pace import Pace
+from app.editor.evaluation.runner import Task, overtaken
 from core.network.network import Network
 
 SLOW, FAST = 0.4, 0.05

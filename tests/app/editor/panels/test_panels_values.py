@@ -10,8 +10,7 @@ from PySide6.QtGui import QFontMetricsF, QKeySequence, QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
-from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.freshness import OLD_AFTER_MS
+from app.editor.evaluation.evaluator import OLD_AFTER_MS, Evaluator
 from app.editor.panels.readouts import ReadoutsQuery
 from app.editor.theme import DARK
 from app.run.write_rules import read_record
