@@ -50,10 +50,10 @@ def stored(bench, node="measured"):
 
 def framed(viewer):
     """Edges of the frame that is seen, counted from the picture's first edge; None unseen."""
-    frame = viewer.canvas.region.frame
-    if not frame.isVisible():
+    region = viewer.canvas.region
+    if not region.isVisible():
         return None
-    rect = frame.shape().boundingRect().translated(0.5, 0.5)
+    rect = region.rect.translated(0.5, 0.5)
     return rect.left(), rect.top(), rect.width(), rect.height()
 
 

@@ -6,16 +6,15 @@ from typing import Any, Literal
 
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QKeyEvent
+from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QPainter
 from PySide6.QtWidgets import QGraphicsView, QLabel, QWidget
 
 from app.editor.theme import RAISED, Theme, theme_of
 from app.editor.viewers.picture.levels_bar import LevelsBar
-from app.editor.viewers.picture.picture_item import PictureItem, extent
 from app.editor.viewers.picture.profile_line import ProfileLine
 from app.editor.viewers.picture.region_overlay import RegionOverlay
 from app.editor.viewers.picture.spectrum_plot import SpectrumPlot
-from app.editor.viewers.pixels.grey_levels import colour_table
+from app.editor.viewers.pixels.grey_levels import Table, colour_table
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import bare, paint_axes
 
@@ -109,7 +108,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def show_picture(self, picture: Picture) -> None:
         """Show a picture; the part that is seen stays, unless its axes are others."""
-        place = extent(picture.facts)
+        place = picture.facts.extent
         shape = self._picture.facts.pixel_shape if self._picture is not None else None
         moved = place != self._place or picture.facts.pixel_shape != shape
         if moved:
@@ -349,6 +348,48 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         place = self.view.mapSceneToView(point)
         inside = self._place.contains(place)
         self.pointed.emit((place.x(), place.y()) if inside else None)
+
+
+# A picture as an item of a plot: 8-bit levels with a table of colours, or colours of its own.
+
+
+class PictureItem(pg.ImageItem):  # type: ignore[misc]
+    """Shows a picture between two shares of its width: 0 and 1, all of it."""
+
+    def __init__(self) -> None:
+        super().__init__(axisOrder="row-major")
+        self._part = (0.0, 1.0)
+
+    def show_picture(self, picture: Picture, table: Table, place: QRectF) -> None:
+        self.setImage(picture.grey, autoLevels=False, levels=None, lut=_lookup(table, picture.grey))
+        self.setRect(place)
+
+    def set_table(self, table: Table) -> None:
+        self.setLookupTable(_lookup(table, self.image))
+
+    def show_part(self, start: float, end: float) -> None:
+        if (start, end) != self._part:
+            self._part = start, end
+            self.update()
+
+    def paint(self, painter: QPainter, *args: Any) -> None:
+        if self._part == (0.0, 1.0):
+            super().paint(painter, *args)
+            return
+        bounds, (start, end) = self.boundingRect(), self._part
+        left, width = bounds.left(), bounds.width()
+        bounds.setLeft(left + start * width)
+        bounds.setRight(left + end * width)
+        painter.save()
+        painter.setClipRect(bounds)
+        super().paint(painter, *args)
+        painter.restore()
+
+
+def _lookup(table: Table, levels: Any) -> Table | None:
+    """Levels that are greys already, or colours, need no table, and are shown faster without."""
+    is_colour = levels is not None and levels.ndim == 3
+    return None if is_colour or table is colour_table("grey") else table
 
 
 # The names of two pictures that are compared, written on them.

@@ -13,7 +13,6 @@ from PySide6.QtCore import QObject, QPointF
 from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme, theme_of
-from app.editor.viewers.picture.picture_item import extent
 from app.editor.viewers.pixels.band_choice import CHANNELS
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.pixels.probing import Place, along_line
@@ -67,7 +66,7 @@ class ProfileLine(QObject):
 
     def show_picture(self, picture: Picture) -> None:
         """Show the profile along the line in another picture."""
-        moved = self._picture is None or extent(self._picture.facts) != extent(picture.facts)
+        moved = self._picture is None or self._picture.facts.extent != picture.facts.extent
         self._picture = picture
         if moved:
             self._put_line()
@@ -113,7 +112,7 @@ class ProfileLine(QObject):
     def _put_line(self) -> None:
         if self._picture is None or self._plot is None:
             return
-        place = extent(self._picture.facts)
+        place = self._picture.facts.extent
         self._writing = True
         for handle, (x, y) in zip(
             self._line.getHandles(), (self.ends[:2], self.ends[2:]), strict=True
@@ -125,7 +124,7 @@ class ProfileLine(QObject):
     def _moved(self) -> None:
         if self._writing or self._picture is None:
             return
-        place = extent(self._picture.facts)
+        place = self._picture.facts.extent
         shares = []
         for handle in self._line.getHandles():
             point = self._line.mapToParent(handle.pos())

@@ -2,35 +2,103 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QKeyEvent, QPainter, QPainterPath
+from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPainterPath
 from PySide6.QtWidgets import (
-    QGraphicsItem,
     QGraphicsObject,
-    QGraphicsRectItem,
     QGraphicsSceneContextMenuEvent,
+    QGraphicsSceneHoverEvent,
     QGraphicsSceneMouseEvent,
 )
 
 from app.editor.theme import Theme, theme_of
-from app.editor.viewers.pixels.probing import ALL, Grip, Region, Size, dragged, drawn
 from app.editor.viewers.plot.plot_looks import see_through, thick
 
+Size = tuple[int, int]
+"""Columns and rows of a picture."""
+Grip = tuple[int, int]
+"""What of a rectangle is dragged: −1 its first edge, 1 its last, across and along; 0, 0 all."""
+ALL: Grip = (0, 0)
+_LAST: Grip = (1, 1)
 _ARROWS = {
     Qt.Key.Key_Left: (-1, 0),
     Qt.Key.Key_Right: (1, 0),
     Qt.Key.Key_Up: (0, -1),
     Qt.Key.Key_Down: (0, 1),
 }
-_LAST: Grip = (1, 1)
 _TITLE_ROOM = 30  # dots above the frame that its title takes
+_SHARP = 4.0  # dots of the screen from the middle of a handle to its side
+_REACH = 8.0  # and to where it can still be grasped
+_NEAR = 6 * _SHARP  # a side shorter than that has no handle in its middle
+_SHADE = QColor(0, 0, 0, 200)
+_CURSORS = {
+    ALL: Qt.CursorShape.SizeAllCursor,
+    (-1, -1): Qt.CursorShape.SizeFDiagCursor,
+    (1, 1): Qt.CursorShape.SizeFDiagCursor,
+    (1, -1): Qt.CursorShape.SizeBDiagCursor,
+    (-1, 1): Qt.CursorShape.SizeBDiagCursor,
+    (-1, 0): Qt.CursorShape.SizeHorCursor,
+    (1, 0): Qt.CursorShape.SizeHorCursor,
+    (0, -1): Qt.CursorShape.SizeVerCursor,
+    (0, 1): Qt.CursorShape.SizeVerCursor,
+}
 
 
-class RegionOverlay(QObject):
-    """Shows the region it is given, and signals what the person makes of it."""
+@dataclass(frozen=True)
+class Region:
+    """A rectangle of whole samples."""
+
+    left: int
+    top: int
+    width: int
+    height: int
+
+    def description(self) -> str:
+        return f"{self.width} × {self.height} at column {self.left}, row {self.top}"
+
+
+def dragged(region: Region, grip: Grip, columns: int, rows: int, size: Size) -> Region:
+    """The region with what the grip holds moved by so many samples, as far as the picture goes."""
+    left, width = _moved(region.left, region.width, grip[0], grip == ALL, columns, size[0])
+    top, height = _moved(region.top, region.height, grip[1], grip == ALL, rows, size[1])
+    return Region(left, top, width, height)
+
+
+def _moved(
+    first: int, length: int, edge: int, everything: bool, by: int, whole: int
+) -> tuple[int, int]:
+    last = first + length
+    if everything:
+        return min(max(first + by, 0), whole - length), length
+    if edge < 0:
+        first = min(max(first + by, 0), last - 1)
+    elif edge > 0:
+        last = min(max(last + by, first + 1), whole)
+    return first, last - first
+
+
+def drawn(start: tuple[float, float], end: tuple[float, float], size: Size) -> Region:
+    """The region between two corners, counted in samples from the picture's own first corner."""
+    left, width = _between(start[0], end[0], size[0])
+    top, height = _between(start[1], end[1], size[1])
+    return Region(left, top, width, height)
+
+
+def _between(one: float, other: float, whole: int) -> tuple[int, int]:
+    low, high = sorted((one, other))
+    first = min(max(round(low), 0), whole - 1)
+    return first, max(min(round(high), whole) - first, 1)
+
+
+class RegionOverlay(QGraphicsObject):
+    """Shows the region it is given, and signals what the person makes of it.
+
+    Outline and handles have a dark edge, so that they are seen on bright and on dark pictures.
+    """
 
     began = Signal()  # a drag, or a key that is held, begins
     changed = Signal(object)  # region: its region now
@@ -40,31 +108,29 @@ class RegionOverlay(QObject):
     menu_wanted = Signal(QPoint)  # point: of the screen
 
     def __init__(self, view: pg.ViewBox, canvas: pg.GraphicsLayoutWidget) -> None:
-        super().__init__(canvas)
+        super().__init__()
         self._view = view
         self._canvas = canvas
         self.region: Region | None = None
+        self.rect = QRectF()
+        """Where the region lies on the axes."""
         self.armed = self.held = False
         self._size: Size = (1, 1)
         self._on = QRectF()
         self._fits = True
+        self._dot = 1.0, 1.0  # a dot of the screen in units of the axes
         self._start: tuple[Region, Grip | None, QPointF] | None = None
         self._key: int | None = None
-        self.frame = RegionFrame()
-        self.sheet = DrawingSheet(self.frame)
         self.title = pg.TextItem(anchor=(0, 1))
-        self.title.setZValue(21)
         self._named = ""
         small = canvas.font()
         small.setPointSizeF(0.85 * small.pointSizeF())
         self.title.setFont(small)
-        for item in (self.frame, self.sheet, self.title):
+        for item, height in ((self, 20), (self.title, 21)):
+            item.setZValue(height)
             view.addItem(item, ignoreBounds=True)
             item.hide()
-        self.frame.pressed.connect(self._press)
-        self.frame.moved.connect(self._move)
-        self.frame.released.connect(self._release)
-        self.frame.menu_wanted.connect(self.menu_wanted)
+        self.setAcceptHoverEvents(True)
         view.sigTransformChanged.connect(self._fit_to_screen)
         canvas.scene().sigMouseClicked.connect(self._clicked_beside)
         canvas.installEventFilter(self)
@@ -72,50 +138,48 @@ class RegionOverlay(QObject):
     def set_theme(self, theme: Theme) -> None:
         self.title.setColor(theme.text)
         self.title.fill = pg.mkBrush(see_through(theme.base, 215))
-        self._paint()
+        self._show_anew()
 
-    def show(self, region: Region, fits: bool, size: Size, place: QRectF, title: str) -> None:
+    def frame(self, region: Region, fits: bool, size: Size, place: QRectF, title: str) -> None:
         """Show a region of a picture of that size that is drawn at that place."""
+        self.prepareGeometryChange()
         self.region, self._fits, self._size, self._on = region, fits, size, place
         step_x, step_y = self._step
-        rect = QRectF(
+        self.rect = QRectF(
             place.left() + region.left * step_x,
             place.top() + region.top * step_y,
             region.width * step_x,
             region.height * step_y,
         )
-        self.frame.place(rect, (region.width, region.height) != size)
-        self.sheet.setRect(place)
         self._named = title
-        self.title.setPos(rect.topLeft())
-        self.frame.show()
+        self.title.setPos(self.rect.topLeft())
+        self.show()
         self.title.show()
-        self.sheet.setVisible(self.armed)
         if self.armed:
             self.hold(True)
         self._fit_to_screen()
-        self._paint()
+        self._show_anew()
 
-    def hide(self) -> None:
+    def clear(self) -> None:
         """Show none; what is being dragged is given up."""
         self._end(accepted=False)
         self.hold(False)
         self.region = None
-        for item in (self.frame, self.sheet, self.title):
-            item.hide()
+        self.hide()
+        self.title.hide()
 
     def arm(self, on: bool) -> None:
         """Switch on or off that the next drag draws a region."""
         if on != self.armed:
+            self.prepareGeometryChange()
             self.armed = on
-            self.sheet.setVisible(on and self.region is not None)
             self.armed_changed.emit(on)
 
     def hold(self, on: bool) -> None:
         """Switch on or off that the arrow keys move the region."""
         if on != self.held:
             self.held = on
-            self._paint()
+            self._show_anew()
 
     def give_up(self) -> bool:
         """End what is going on, the last thing begun first; whether there was something."""
@@ -171,19 +235,92 @@ class RegionOverlay(QObject):
         """A sample of the full-size picture in units of the axes: in a preview these may differ."""
         return self._on.width() / self._size[0], self._on.height() / self._size[1]
 
-    def _press(self, grip: Any, place: Any) -> None:
-        if self.region is None:
+    @property
+    def _movable(self) -> bool:
+        """Whether there is somewhere to move it to."""
+        return self.region is not None and (self.region.width, self.region.height) != self._size
+
+    def _handles(self) -> dict[Grip, QPointF]:
+        """Places of the handles, without those that would meet."""
+        rect, middle = self.rect, self.rect.center()
+        across = rect.left(), middle.x(), rect.right()
+        along = rect.top(), middle.y(), rect.bottom()
+        wide = rect.width() >= _NEAR * self._dot[0]
+        high = rect.height() >= _NEAR * self._dot[1]
+        return {
+            (x, y): QPointF(across[x + 1], along[y + 1])
+            for x, y in _CURSORS
+            if (x, y) != ALL and (x or wide) and (y or high)
+        }
+
+    def _around(self, place: QPointF, dots: float) -> QRectF:
+        """A square of the same size at any zoom."""
+        x, y = dots * self._dot[0], dots * self._dot[1]
+        return QRectF(place.x() - x, place.y() - y, 2 * x, 2 * y)
+
+    def _grip_at(self, point: QPointF) -> Grip | None:
+        """What is held there; None: nothing, or that a region is drawn."""
+        if self.armed:
+            return None
+        for grip, place in reversed(self._handles().items()):
+            if self._around(place, _REACH).contains(point):
+                return grip
+        return ALL if self._movable and self.rect.contains(point) else None
+
+    def boundingRect(self) -> QRectF:
+        x, y = _REACH * self._dot[0], _REACH * self._dot[1]
+        return (self.rect | self._on if self.armed else self.rect).adjusted(-x, -y, x, y)
+
+    def shape(self) -> QPainterPath:
+        path = QPainterPath()
+        path.setFillRule(Qt.FillRule.WindingFill)
+        if self.armed:
+            path.addRect(self._on)
+            return path
+        path.addRect(self.rect)
+        for place in self._handles().values():
+            path.addRect(self._around(place, _REACH))
+        return path
+
+    def paint(self, painter: QPainter, *_: Any) -> None:
+        theme = theme_of(self._canvas)
+        colour = QColor(theme.accent if self._fits else theme.error)
+        for pen in (thick(_SHADE, 4), thick(colour, 2)):
+            painter.setPen(pen)
+            painter.drawRect(self.rect)
+        for place in self._handles().values():
+            painter.fillRect(self._around(place, _SHARP + 2), _SHADE)
+            painter.fillRect(self._around(place, _SHARP), colour)
+            if not self.held:
+                painter.fillRect(self._around(place, _SHARP - 2), Qt.GlobalColor.white)
+
+    def hoverMoveEvent(self, event: QGraphicsSceneHoverEvent) -> None:
+        """Show by the cursor what would be held."""
+        grip = self._grip_at(event.pos())
+        if self.armed:
+            self.setCursor(Qt.CursorShape.CrossCursor)
+        elif grip is None:
+            self.unsetCursor()
+        else:
+            self.setCursor(_CURSORS[grip])
+
+    def mousePressEvent(self, event: QGraphicsSceneMouseEvent) -> None:
+        """Take hold by the left button; other ones do what they do on the picture."""
+        grip = self._grip_at(event.pos())
+        left = event.button() == Qt.MouseButton.LeftButton
+        if self.region is None or not left or (grip is None and not self.armed):
+            event.ignore()
             return
         self._end(accepted=True)
         self._canvas.setFocus(Qt.FocusReason.MouseFocusReason)
-        self._start = self.region, grip, place
+        self._start = self.region, grip, event.pos()
         self.hold(True)
         self.began.emit()
 
-    def _move(self, place: Any) -> None:
+    def mouseMoveEvent(self, event: QGraphicsSceneMouseEvent) -> None:
         if self._start is None:
             return
-        region, grip, start = self._start
+        (region, grip, start), place = self._start, event.pos()
         step_x, step_y = self._step
         if grip is None:
             first, now = (
@@ -195,11 +332,15 @@ class RegionOverlay(QObject):
         by = (place.x() - start.x()) / step_x, (place.y() - start.y()) / step_y
         self._emit_changed(dragged(region, grip, round(by[0]), round(by[1]), self._size))
 
-    def _release(self) -> None:
+    def mouseReleaseEvent(self, _event: QGraphicsSceneMouseEvent) -> None:
         drew = self._start is not None and self._start[1] is None
         self._end(accepted=True)
         if drew:
             self.arm(False)
+
+    def contextMenuEvent(self, event: QGraphicsSceneContextMenuEvent) -> None:
+        self.menu_wanted.emit(event.screenPos())
+        event.accept()
 
     def _end(self, *, accepted: bool) -> None:
         if self._start is None and self._key is None:
@@ -219,184 +360,14 @@ class RegionOverlay(QObject):
         if self.region is None:
             return
         wide, high = self._view.viewPixelSize()
-        if wide > 0 and high > 0:
-            self.frame.spread_handles(1 / wide, 1 / high)
+        if wide > 0 and high > 0 and (wide, high) != self._dot:
+            self.prepareGeometryChange()
+            self._dot = wide, high
         above = (self.title.pos().y() - self._view.viewRect().top()) / (high or 1.0)
         self.title.setAnchor((0, 1.3 if above > _TITLE_ROOM else -0.3))
 
-    def _paint(self) -> None:
-        theme = theme_of(self._canvas)
-        self.frame.paint_as(theme.accent if self._fits else theme.error, self.held)
+    def _show_anew(self) -> None:
+        self.update()
         if self.region is not None:
             size = f"  {self.region.width} × {self.region.height}" if self.held else ""
             self.title.setText(self._named + (size if self._fits else "  beyond the picture"))
-
-
-# The frame around a region on a picture: outline, handles, and its name.
-
-_SHARP = 4.0  # dots of the screen from the middle of a handle to its side
-_REACH = 8.0  # and to where it can still be grasped
-_NEAR = 6 * _SHARP  # a side shorter than that has no handle in its middle
-_SHADE, _SHADE_ALPHA = "#000000", 200
-_CURSORS = {
-    (-1, -1): Qt.CursorShape.SizeFDiagCursor,
-    (1, 1): Qt.CursorShape.SizeFDiagCursor,
-    (1, -1): Qt.CursorShape.SizeBDiagCursor,
-    (-1, 1): Qt.CursorShape.SizeBDiagCursor,
-    (-1, 0): Qt.CursorShape.SizeHorCursor,
-    (1, 0): Qt.CursorShape.SizeHorCursor,
-    (0, -1): Qt.CursorShape.SizeVerCursor,
-    (0, 1): Qt.CursorShape.SizeVerCursor,
-}
-
-
-class RegionFrame(QGraphicsObject):
-    """A rectangle in the coordinates of its parent, to be dragged.
-
-    Outline and handles have a dark edge, so that they are seen on bright and on dark pictures.
-    """
-
-    # pressed(grip, place), moved(place), released: What is held, and where the pointer is
-    pressed = Signal(object, object)
-    moved = Signal(object)
-    released = Signal()
-    menu_wanted = Signal(QPoint)  # point: the menu is wanted there on the screen
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setZValue(20)
-        self._rect = QRectF()
-        self._room = 0.0
-        self._colour = ""
-        self._movable = True
-        self.handles = {grip: _Handle(self, grip) for grip in _CURSORS}
-
-    def place(self, rect: QRectF, movable: bool) -> None:
-        """Frame that; `movable`: whether there is somewhere to move it to."""
-        if rect == self._rect and movable == self._movable:
-            return
-        self.prepareGeometryChange()
-        self._rect, self._movable = rect, movable
-        shape = Qt.CursorShape.SizeAllCursor
-        (self.setCursor(shape) if movable else self.unsetCursor())
-        middle = rect.center()
-        for (x, y), handle in self.handles.items():
-            handle.setPos(
-                (rect.left(), middle.x(), rect.right())[x + 1],
-                (rect.top(), middle.y(), rect.bottom())[y + 1],
-            )
-        self.update()
-
-    def spread_handles(self, dots_x: float, dots_y: float) -> None:
-        """Leave handles away that would meet, at so many dots of the screen per unit."""
-        room = _SHARP / min(dots_x, dots_y)
-        if room != self._room:
-            self.prepareGeometryChange()
-            self._room = room
-        across, along = self._rect.width() * dots_x, self._rect.height() * dots_y
-        for (x, y), handle in self.handles.items():
-            handle.setVisible((x != 0 or across >= _NEAR) and (y != 0 or along >= _NEAR))
-
-    def paint_as(self, colour: str, held: bool) -> None:
-        """Draw in another colour; a frame that takes the arrow keys has full handles."""
-        self._colour = colour
-        for handle in self.handles.values():
-            handle.paint_as(colour, held)
-        self.update()
-
-    def boundingRect(self) -> QRectF:
-        room = self._room
-        return self._rect.adjusted(-room, -room, room, room)
-
-    def shape(self) -> QPainterPath:
-        path = QPainterPath()
-        path.addRect(self._rect)
-        return path
-
-    def paint(self, painter: QPainter, *_: Any) -> None:
-        for pen in (thick(see_through(_SHADE, _SHADE_ALPHA), 4), thick(self._colour, 2)):
-            painter.setPen(pen)
-            painter.drawRect(self._rect)
-
-    def mousePressEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        if not self._movable:
-            event.ignore()
-            return
-        self.press(event, ALL)
-
-    def mouseMoveEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        self.moved.emit(self.mapFromScene(event.scenePos()))
-
-    def mouseReleaseEvent(self, _event: QGraphicsSceneMouseEvent) -> None:
-        self.released.emit()
-
-    def contextMenuEvent(self, event: QGraphicsSceneContextMenuEvent) -> None:
-        self.menu_wanted.emit(event.screenPos())
-        event.accept()
-
-    def press(self, event: QGraphicsSceneMouseEvent, grip: Grip | None) -> None:
-        """Take hold by the left button; without a grip, to draw anew.
-
-        Other buttons do what they do on the picture.
-        """
-        if event.button() == Qt.MouseButton.LeftButton:
-            self.pressed.emit(grip, self.mapFromScene(event.scenePos()))
-            event.accept()
-        else:
-            event.ignore()
-
-
-class _Handle(QGraphicsRectItem):
-    """A square of the same size at any zoom."""
-
-    def __init__(self, frame: RegionFrame, grip: Grip) -> None:
-        super().__init__(-_REACH, -_REACH, 2 * _REACH, 2 * _REACH, frame)
-        self._frame = frame
-        self._grip = grip
-        self._full = False
-        self._colour = ""
-        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
-        self.setCursor(_CURSORS[grip])
-
-    def paint_as(self, colour: str, full: bool) -> None:
-        self._colour, self._full = colour, full
-        self.update()
-
-    def paint(self, painter: QPainter, *_: Any) -> None:
-        square = QRectF(-_SHARP, -_SHARP, 2 * _SHARP, 2 * _SHARP)
-        painter.fillRect(square.adjusted(-2, -2, 2, 2), see_through(_SHADE, _SHADE_ALPHA))
-        painter.fillRect(square, see_through(self._colour, 255))
-        if not self._full:
-            painter.fillRect(square.adjusted(2, 2, -2, -2), see_through("#ffffff", 255))
-
-    def mousePressEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        self._frame.press(event, self._grip)
-
-    def mouseMoveEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        self._frame.mouseMoveEvent(event)
-
-    def mouseReleaseEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        self._frame.mouseReleaseEvent(event)
-
-    def contextMenuEvent(self, event: QGraphicsSceneContextMenuEvent) -> None:
-        self._frame.contextMenuEvent(event)
-
-
-class DrawingSheet(QGraphicsRectItem):
-    """Lies over the picture while a region is to be drawn, and passes the frame its places."""
-
-    def __init__(self, frame: RegionFrame) -> None:
-        super().__init__()
-        self._frame = frame
-        self.setZValue(30)
-        self.setPen(Qt.PenStyle.NoPen)
-        self.setCursor(Qt.CursorShape.CrossCursor)
-
-    def mousePressEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        self._frame.press(event, None)
-
-    def mouseMoveEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        self._frame.mouseMoveEvent(event)
-
-    def mouseReleaseEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        self._frame.mouseReleaseEvent(event)

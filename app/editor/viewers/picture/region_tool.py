@@ -10,20 +10,16 @@ from PySide6.QtWidgets import QMenu, QToolButton
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
-from app.editor.viewers.picture.picture_item import extent
+from app.editor.viewers.picture.region_overlay import Region, Size
 from app.editor.viewers.pixels.picture_query import Picture
-from app.editor.viewers.pixels.probing import (
-    PARAMETERS,
-    as_it_was,
-    has_region,
-    region_of,
-    setting,
-    whole,
-)
 from core.chain.wires import Image
-from core.editing.operations import Operation
-from core.errors import ImagechainError
-from core.network.network import Network
+from core.editing.operations import ABSENT, Operation, Together, set_parameter
+from core.errors import ImagechainError, ParameterError
+from core.modules.declaration import Declaration
+from core.names import thaw
+from core.network.network import Network, Node
+
+PARAMETERS = ("region_x", "region_y", "region_width", "region_height")
 
 
 class RegionTool(QObject):
@@ -78,7 +74,7 @@ class RegionTool(QObject):
         self._node = next((name for name in self._chosen() if self._lies_on(name)), None)
         size = self._size(self._node)
         if self._node is None or size is None or self._picture is None:
-            self._overlay.hide()
+            self._overlay.clear()
             self._describe("")
             if not self._chosen():
                 self._overlay.arm(False)
@@ -86,7 +82,7 @@ class RegionTool(QObject):
         declared = self._session.declared(self._node)
         assert declared is not None
         region, fits = region_of(declared, self._session.valued(self._node), size)
-        self._overlay.show(region, fits, size, extent(self._picture.facts), self._node)
+        self._overlay.frame(region, fits, size, self._picture.facts.extent, self._node)
         self._describe(f"region of {self._node}: {region.description()}")
 
     def draw(self) -> None:
@@ -239,3 +235,61 @@ class RegionTool(QObject):
     def _take_whole(self) -> None:
         if self._node is not None and not self._is_linked(self._node):
             self._session.do(whole(self._node))
+
+
+# A region in the document: read, and set.
+
+
+def has_region(declared: Declaration | None) -> bool:
+    """Whether a module has the parameters of a region."""
+    return declared is not None and all(declared.parameter(name) for name in PARAMETERS)
+
+
+def region_of(declared: Declaration, node: Node, size: Size) -> tuple[Region, bool]:
+    """The document's region of a picture of that size, and whether it lies in the picture.
+
+    The rectangle does in any case, and has a sample at least, so that it can be dragged.
+    """
+    x, y, width, height = (_value(declared, node, name) for name in PARAMETERS)
+    left, across, fits_x = _within(x, width, size[0])
+    top, along, fits_y = _within(y, height, size[1])
+    return Region(left, top, across, along), fits_x and fits_y
+
+
+def _within(first: int, length: int, whole: int) -> tuple[int, int, bool]:
+    start = min(first, whole - 1)
+    end = min(first + length, whole) if length else whole
+    return start, max(end - start, 1), first < whole and first + length <= whole
+
+
+def _value(declared: Declaration, node: Node, name: str) -> int:
+    """A parameter's value, the default where it is none that is allowed; empty is 0."""
+    parameter = declared.parameter(name)
+    assert parameter is not None
+    value: Any = parameter.default
+    if name in node.params:
+        try:
+            value = parameter.coerce(thaw(node.params[name]))
+        except ParameterError:
+            value = parameter.default
+    return value or 0
+
+
+def setting(node: str, region: Region) -> Operation:
+    values = (region.left, region.top, region.width, region.height)
+    return _set(node, dict(zip(PARAMETERS, values, strict=True)))
+
+
+def as_it_was(node: Node) -> Operation:
+    """Give the node the region it has, also where it is left at the default."""
+    return _set(node.id, {name: thaw(node.params.get(name, ABSENT)) for name in PARAMETERS})
+
+
+def whole(node: str) -> Operation:
+    """Make the region all of the node's picture."""
+    return _set(node, dict.fromkeys(PARAMETERS, ABSENT))
+
+
+def _set(node: str, values: dict[str, Any]) -> Operation:
+    operations = [set_parameter(node, name, value) for name, value in values.items()]
+    return Together(operations, f"Set {node}'s region")

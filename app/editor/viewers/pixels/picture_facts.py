@@ -6,6 +6,8 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from PySide6.QtCore import QRectF
+
 from app.editor.viewers.network_ports import PICTURE_TYPES
 from core.chain.band_stack import BandStack
 from core.chain.wires import Image, Magnitude, Phase, Pupil, SpectrumWire, Transfer
@@ -60,6 +62,14 @@ class Facts:
     def title(self) -> str:
         """What the samples are, with their unit."""
         return f"{self.quantity} ({self.unit})" if self.unit else self.quantity
+
+    @property
+    def extent(self) -> QRectF:
+        """What the samples cover on the axes, each of them around its place."""
+        x, y = self.across, self.along
+        return QRectF(
+            x.first - x.step / 2, y.first - y.step / 2, x.step * self.columns, y.step * self.rows
+        )
 
 
 def identity(value: Any) -> Hashable:
