@@ -17,10 +17,8 @@ from app.editor.evaluation.changes import content
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.session import Session
-from app.editor.viewers.picture.image_viewer import ImageViewer
-from app.editor.viewers.picture.kept_side import KeptSide, Way
-from app.editor.viewers.pixels.picture_layers import KeptPicture
-from app.editor.viewers.pixels.picture_query import PictureQuery
+from app.editor.viewers.picture.image_viewer import ImageViewer, KeptSide, Way
+from app.editor.viewers.pixels.picture_query import KeptPicture, PictureQuery
 from app.editor.viewers.plot.figures_strip import NONE, figure_text
 from app.editor.viewers.plot.plot_export import Data
 from app.editor.viewers.plot.plot_viewer import PlotViewer

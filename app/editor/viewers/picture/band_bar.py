@@ -11,7 +11,7 @@ from PySide6.QtGui import QValidator
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSlider, QSpinBox, QWidget
 
 from app.editor.theme import FAINT, set_ink, theme_of
-from app.editor.viewers.pixels.band_choice import ALL, CHANNELS, BandChoice
+from app.editor.viewers.pixels.picture_choices import ALL, CHANNELS, BandChoice
 from app.editor.widgets import ElidedLabel, tool_button
 from core.chain.band_stack import BandStack
 

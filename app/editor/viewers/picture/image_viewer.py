@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction, QImage
@@ -17,28 +17,34 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.viewers.network_ports import PICTURE_TYPES, ports_by_node
 from app.editor.viewers.picture.band_bar import BandBar
-from app.editor.viewers.picture.kept_side import (
-    KeptSide,
-    Prepared,
-    as_drawn,
-    query_beside,
-    sides_of,
-)
 from app.editor.viewers.picture.picture_bands import PictureBands
 from app.editor.viewers.picture.picture_bar import PictureBar
-from app.editor.viewers.picture.picture_canvas import PictureCanvas
+from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
 from app.editor.viewers.picture.picture_probe import PictureProbe, save_picture, shown_png
 from app.editor.viewers.picture.region_tool import RegionTool
 from app.editor.viewers.pixels.grey_levels import NAMES, colour_table
-from app.editor.viewers.pixels.picture_choices import Choices, numbers_of
+from app.editor.viewers.pixels.picture_choices import AUTOMATIC_LEVELS, Choices, numbers_of
 from app.editor.viewers.pixels.picture_facts import Facts, laid_over
-from app.editor.viewers.pixels.picture_query import Picture, PictureQuery
+from app.editor.viewers.pixels.picture_query import KeptPicture, Picture, PictureQuery
 from app.editor.viewers.pixels.probing import facts_text
 from app.editor.viewers.viewer import StatusLine, Viewer
 from app.editor.widgets import centred_hint
 from core.errors import UsageError
 from core.network.network import Network
 from nodes.files.formats import PNG
+
+Way = Literal["flip", "wipe"]
+
+
+@dataclass(frozen=True)
+class KeptSide:
+    """What a viewer's picture, B, is compared with, and how."""
+
+    # the kept picture, A; None where there is none of this wire, `missing` says why
+    kept: KeptPicture | None
+    name: str  # what the kept state is called
+    way: Way  # A in the place of B, or A left of the wipe and B right of it
+    missing: str = ""  # why there is nothing to compare with, in one line
 
 
 class ImageViewer(Viewer):
@@ -67,7 +73,7 @@ class ImageViewer(Viewer):
         self._lost: Choices | None = None
         self.kept_side: KeptSide | None = None
         """What was kept of the wire, as it is compared now; None where it is not."""
-        self._prepared: Prepared | None = None
+        self._compared: tuple[KeptPicture, Picture] | None = None  # as answered last
         self._failed = False
         self._colours = "grey"
         self._full: tuple[Any, Facts] | None = None
@@ -99,17 +105,27 @@ class ImageViewer(Viewer):
         if side == self.kept_side:
             return
         self.kept_side = side
-        picture = self.picture
-        if picture is not None and not self._failed:
-            picture = replace(picture, other=None, refused="")
-            if side is not None and side.kept is not None and self._prepared is not None:
-                picture = self._prepared.beside(picture, side.kept)
-            self._show(picture)
+        if self.picture is not None and not self._failed:
+            other = self._prepared(self.picture, side)
+            self._show(replace(self.picture, other=other, refused=""))
         self.ask()
+
+    def _prepared(self, picture: Picture, side: KeptSide | None) -> Picture | None:
+        """The kept picture as it was answered last: shown again at once where nothing changed."""
+        if side is None or self._compared is None:
+            return None
+        kept, last = self._compared
+        alike = (
+            kept is side.kept
+            and last.samples is picture.samples
+            and (last.levels, last.mapping, last.facts)
+            == (picture.levels, picture.mapping, picture.facts)
+        )
+        return last.other if alike else None
 
     def forget_kept(self) -> None:
         """Hold nothing of an earlier state any more."""
-        self._prepared = None
+        self._compared = None
 
     def link_to(self, other: ImageViewer, on: bool = True) -> None:
         """Show the same part of the picture as another viewer does, and the other way round."""
@@ -200,7 +216,7 @@ class ImageViewer(Viewer):
         if isinstance(answer.value, Picture):
             picture = self._placed(answer.value)
             if picture.other is not None and self.kept_side and self.kept_side.kept is not None:
-                self._prepared = Prepared(self.kept_side.kept, picture)
+                self._compared = self.kept_side.kept, picture
             self._pages.setCurrentWidget(self.canvas)
             self._show(picture)
             self.region.show_picture(picture, self.choices.port)
@@ -220,12 +236,24 @@ class ImageViewer(Viewer):
 
     def follow_opening(self) -> None:
         """Show nothing of another document."""
-        self.kept_side = self._prepared = None
+        self.kept_side = self._compared = None
         self.look_at(None)
 
     @property
     def _query(self) -> PictureQuery | None:
-        return query_beside(self.choices, self.kept_side)
+        """What is chosen, with a kept picture of the wire in the place of another wire."""
+        choices, side = self.choices, self.kept_side
+        if choices.port is None:
+            return None
+        query = PictureQuery(
+            choices.port, mapping=choices.mapping, levels=choices.levels, bands=choices.bands.in_use
+        )
+        if side is not None and side.kept is not None and side.kept.port == choices.port:
+            # Levels that were set for a difference are not those of the picture.
+            of_difference = choices.compares and not isinstance(query.levels, str)
+            levels = AUTOMATIC_LEVELS if of_difference else query.levels
+            return replace(query, levels=levels, kept=side.kept)
+        return replace(query, other=choices.other, mode=choices.mode) if choices.compares else query
 
     def _show(self, picture: Picture) -> None:
         self.picture, side = picture, self.kept_side
@@ -434,3 +462,23 @@ class ZoomLinks:
         """Zoom the others to the part that is seen now."""
         for other in list(self._linked):
             other._canvas.set_zoom(self._canvas.zoom)
+
+
+# A kept picture, A, beside the present one, B.
+
+
+def sides_of(choices: Choices, side: KeptSide | None) -> tuple[Sides, str, str]:
+    """Which picture lies where, and the names of the left and the right one."""
+    if side is None:
+        return "first left", choices.port or "", choices.other or ""
+    if side.way == "flip":
+        return "second alone", f"A  {side.name}", ""
+    return "second left", f"A  {side.name}", "B  now"
+
+
+def as_drawn(picture: Picture, side: KeptSide | None) -> Picture:
+    """The picture that is on the left, or alone, with the other one on its right."""
+    if side is None or picture.other is None:
+        return picture
+    alone = replace(picture, other=None)
+    return picture.other if side.way == "flip" else replace(picture.other, other=alone)

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QWidget
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.viewers.picture.band_bar import BandBar
 from app.editor.viewers.picture.spectrum_plot import NO_SAMPLE, SpectrumPlot
-from app.editor.viewers.pixels.band_choice import BandChoice, bands_of
+from app.editor.viewers.pixels.picture_choices import BandChoice, bands_of
 from app.editor.viewers.pixels.picture_query import Picture
 from core.chain.band_stack import BandStack
 from core.chain.engine import Plan

@@ -19,7 +19,7 @@ from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import bare, paint_axes
 
 Zoom = tuple[float, ...]
-Sides = Literal["first left", "second left", "second alone", "first alone"]
+Sides = Literal["first left", "second left", "second alone"]
 """Which of two pictures lies on which side of the wipe, or covers all."""
 _STEPS = {
     Qt.Key.Key_Left: (-1, 0),
@@ -296,7 +296,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             "first left": (split, 1.0),
             "second left": (0.0, split),
             "second alone": (0.0, 1.0),
-            "first alone": (1.0, 1.0),
         }
         start, end = parts[self._sides]
         divided = both and self._sides in ("first left", "second left")

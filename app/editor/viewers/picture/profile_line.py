@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, QPointF
 from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme, theme_of
-from app.editor.viewers.pixels.band_choice import CHANNELS
+from app.editor.viewers.pixels.picture_choices import CHANNELS
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.pixels.probing import Place, along_line
 from app.editor.viewers.plot.plot_looks import bare, paint_axes

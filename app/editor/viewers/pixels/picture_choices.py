@@ -1,22 +1,105 @@
-"""How an image viewer shows its wire: one immutable value, kept with the window's layout."""
+"""How an image viewer shows its wire: immutable values, kept with the window's layout."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, get_args
+from typing import Any, Literal, get_args
+
+import numpy as np
 
 from app.editor.viewers.network_ports import followed
-from app.editor.viewers.pixels.band_choice import ALL, BandChoice
-from app.editor.viewers.pixels.picture_layers import Automatic
-from app.editor.viewers.pixels.picture_query import Levels, Mode, PictureQuery, Scale
+from app.editor.viewers.pixels.grey_levels import Range
+from core.chain.band_stack import BandStack
+from core.chain.wires import Image
 from core.network.network import Network
 
+Mode = Literal["alone", "wipe", "difference"]
+Scale = Literal["linear", "log", "spectrum"]
+Automatic = Literal["extremes", "percentiles"]
+Levels = Automatic | Range
 SCALES: tuple[Scale, ...] = get_args(Scale)
 MODES: tuple[Mode, ...] = get_args(Mode)
 AUTOMATIC: tuple[Automatic, ...] = get_args(Automatic)
 AUTOMATIC_LEVELS: Automatic = "percentiles"  # a few hot samples leave the rest its contrast
+
+# Which bands of a picture are shown: their sum, one alone, or three as red, green and blue.
+
+BandsShown = Literal["all", "one", "colours"]
+BANDS_SHOWN: tuple[BandsShown, ...] = get_args(BandsShown)
+CHANNELS = ("red", "green", "blue")
+Channels = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class BandChoice:
+    """What is shown of a picture with bands; of any other it means nothing.
+
+    Wavelengths, not numbers of bands: another file, or a narrower filter, has others.
+    """
+
+    shown: BandsShown = "all"  # all bands together, one alone, or three as red, green and blue
+    one_um: float | None = None  # wavelength of the one, in µm; None for the middle one
+    # wavelengths of the three, in µm; None for three evenly spaced, the longest as red
+    colours_um: Channels | None = None
+
+    @property
+    def in_use(self) -> BandChoice:
+        """Without the wavelengths of what is not shown."""
+        if self.shown == "one":
+            return BandChoice("one", self.one_um)
+        return BandChoice("colours", colours_um=self.colours_um) if self.shown != "all" else ALL
+
+    def places(self, bands: BandStack) -> tuple[int, ...]:
+        """Indices of the bands shown alone: none, one, or three; those nearest in wavelength."""
+        if self.shown == "all":
+            return ()
+        if self.shown == "one":
+            wavelengths: tuple[float, ...] = (self.one_um,) if self.one_um is not None else ()
+            return tuple(_nearest(bands, one) for one in wavelengths) or (bands.count // 2,)
+        if self.colours_um is None:
+            return evenly_spaced(bands.count)
+        return tuple(_nearest(bands, one) for one in self.colours_um)
+
+    def plain(self) -> dict[str, Any]:
+        colours = None if self.colours_um is None else list(self.colours_um)
+        return {"shown": self.shown, "one_um": self.one_um, "colours_um": colours}
+
+    @classmethod
+    def of(cls, plain: Any) -> BandChoice:
+        """From JSON; what cannot be used is left out."""
+        if not isinstance(plain, Mapping):
+            return ALL
+        shown, one, colours = (plain.get(name) for name in ("shown", "one_um", "colours_um"))
+        known = numbers_of([one], 1) or (0.0,)
+        red, green, blue = numbers_of(colours, 3) or (0.0, 0.0, 0.0)
+        return cls(
+            shown if shown in BANDS_SHOWN else "all",
+            known[0] if known[0] > 0 else None,
+            (red, green, blue) if min(red, green, blue) > 0 else None,
+        )
+
+
+ALL = BandChoice()
+
+
+def bands_of(value: Any) -> BandStack | None:
+    """The bands of what is on a wire; None where it has none."""
+    return value.bands if isinstance(value, Image) else None
+
+
+def evenly_spaced(count: int) -> tuple[int, int, int]:
+    """Three of so many bands, the last as red: the middles of three equal parts."""
+    red, green, blue = ((2 * third + 1) * count // 6 for third in (2, 1, 0))
+    return red, green, blue
+
+
+def _nearest(bands: BandStack, wavelength_um: float) -> int:
+    return int(np.argmin(np.abs(np.array(bands.centres_um) - wavelength_um)))
+
+
+# All that an image viewer is to show.
 
 
 @dataclass(frozen=True)
@@ -29,16 +112,6 @@ class Choices:
     mapping: Scale = "linear"
     levels: Levels = AUTOMATIC_LEVELS
     bands: BandChoice = ALL
-
-    @property
-    def query(self) -> PictureQuery | None:
-        """The query; None where nothing is to be shown."""
-        if self.port is None:
-            return None
-        alone = PictureQuery(
-            self.port, mapping=self.mapping, levels=self.levels, bands=self.bands.in_use
-        )
-        return replace(alone, other=self.other, mode=self.mode) if self.compares else alone
 
     def with_(self, **changes: Any) -> Choices:
         """With some of it changed; manual levels hold only for what they were set for."""

@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
+import scipy.fft
 from numpy.typing import NDArray
 
 from app.editor.evaluation.queries import Passing, Query
-from app.editor.viewers.pixels import picture_steps as steps
-from app.editor.viewers.pixels.band_choice import ALL, BandChoice
-from app.editor.viewers.pixels.grey_levels import Range, Spread, grey_levels, spread_of
+from app.editor.viewers.pixels.grey_levels import (
+    BINS,
+    Range,
+    Spread,
+    between_ends,
+    grey_levels,
+    quantiles,
+    spread_of,
+)
+from app.editor.viewers.pixels.picture_choices import (
+    ALL,
+    Automatic,
+    BandChoice,
+    Levels,
+    Mode,
+    Scale,
+)
 from app.editor.viewers.pixels.picture_facts import (
     Facts,
     check_is_picture,
@@ -23,26 +38,30 @@ from app.editor.viewers.pixels.picture_facts import (
     pupil_facts,
     spectrum_facts,
 )
-from app.editor.viewers.pixels.picture_layers import (
-    Automatic,
-    Channel,
-    KeptPicture,
-    Layer,
-    composed,
-    together,
-    why_not_compared,
-)
 from core.chain.band_stack import BandStack
 from core.chain.engine import Plan
-from core.chain.wires import Image, Pupil, Transfer
+from core.chain.realize import realize, spectrum
+from core.chain.wires import Image, Pupil, SpectrumWire, Transfer
 from core.errors import DataError, ImagechainError
 from core.evaluation.float_guard import watched
-from core.evaluation.recipes import Recipe, Step, number_bits
+from core.evaluation.recipes import Recipe, Step, ends_lineage, number_bits
 from core.evaluation.work import Work
+from nodes.files.read import check_finite
 
-Mode = Literal["alone", "wipe", "difference"]
-Scale = Literal["linear", "log", "spectrum"]
-Levels = Automatic | Range
+Array = NDArray[Any]
+INNER = (0.005, 0.995)
+WHOLE: Range = (0.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One colour of a picture composed of three bands."""
+
+    samples: NDArray[Any]  # shape (rows, columns): its samples, not mapped
+    # extremes and histogram of the mapped samples, as shares of what lies between its automatic
+    # levels: 0 at the lower one, 1 at the upper
+    spread: Spread
+    ends: Range  # these levels
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +94,17 @@ class Picture:
         """Whether levels and spread are of logarithms."""
         is_spectrum = isinstance(self.value, Image) and self.mapping == "spectrum"
         return self.mapping == "log" or is_spectrum
+
+
+@dataclass(frozen=True, eq=False)
+class KeptPicture:
+    """What was on a wire in an earlier state. Its arrays are read-only, and shared, not copied."""
+
+    port: str  # ``NODE.PORT``
+    value: Any  # what was on the wire
+    samples: NDArray[Any]  # shape (rows, columns): the samples, not mapped
+    facts: Facts  # what they are
+    spread: Spread  # their extremes and histogram
 
 
 @dataclass(frozen=True)
@@ -134,7 +164,7 @@ class PictureQuery(Query):
             with watched(node):
                 (recipe,) = source.recipes
                 samples = passing.work.value(recipe)
-                spread = passing.work.value(Step.of(steps.spread, recipe, name=self.port))
+                spread = passing.work.value(Step.of(finite_spread, recipe, name=self.port))
         except ImagechainError as error:
             raise error.at(node) from error
         return KeptPicture(self.port, source.value, samples, source.facts, spread)
@@ -146,7 +176,7 @@ class PictureQuery(Query):
         if source is not None:
             facts = self._drawn_facts(source)
         elif self.mapping == "spectrum" and isinstance(kept.value, Image):
-            samples, facts = steps.centred_modulus(work, samples), spectrum_facts(kept.value)
+            samples, facts = centred_modulus(work, samples), spectrum_facts(kept.value)
         shown = now.facts
         if passing.reduced > 1:  # a preview has fewer samples: their number is known later
             shown = replace(shown, rows=facts.rows, columns=facts.columns)
@@ -156,7 +186,7 @@ class PictureQuery(Query):
         if source is not None:
             return replace(now, other=self._shown(passing, source, now.levels, now.channels))
         log = self.mapping == "log" or samples is not kept.samples
-        mapped = steps.logarithm(work, samples) if log else samples
+        mapped = logarithm(work, samples) if log else samples
         work.check()
         grey = grey_levels(mapped, *now.levels, for_each=work.for_each)
         grey.flags.writeable = False
@@ -184,10 +214,10 @@ class PictureQuery(Query):
         if isinstance(value, Image):
             return self._of_image(port, value, passing.reduced)
         if isinstance(value, Pupil):
-            recipe = Step.of(steps.real, value.samples, node=node)
+            recipe = Step.of(real, value.samples, node=node)
             return _Source(port, value, (recipe,), pupil_facts(value))
         work.log.looked_at.add(value.key)
-        recipe = Step.of(steps.centred_plane, node=node, value=value)
+        recipe = Step.of(centred_plane, node=node, value=value)
         own = work.value(value.own) if isinstance(value, Transfer) and value.own else None
         rows, columns = value.grid.shape if own is None else own.values.shape
         return _Source(port, value, (recipe,), plane_facts(value, rows, columns, own))
@@ -251,11 +281,11 @@ class PictureQuery(Query):
         """Samples of a picture, or of one colour of it, as they are mapped."""
         plain = recipe
         if self.mapping == "spectrum" and isinstance(source.value, Image):
-            recipe = Step.of(steps.centred_modulus, recipe)
+            recipe = Step.of(centred_modulus, recipe)
         log = self.mapping == "log" or recipe is not plain
-        mapped = Step.of(steps.logarithm, recipe) if log else recipe
+        mapped = Step.of(logarithm, recipe) if log else recipe
         samples = work.value(mapped)
-        step = Step.of(steps.spread, mapped, name=source.port)
+        step = Step.of(finite_spread, mapped, name=source.port)
         signed = source.signed and not log
         bits = number_bits(mapped)
         return Layer(work.value(recipe), samples, work.value(step), mapped, step, signed, bits)
@@ -278,7 +308,7 @@ def _recipes(bands: BandStack, places: tuple[int, ...]) -> tuple[Recipe, ...]:
         return (bands.band(places[0]),)
     every = range(bands.count)
     sums = bands.sums(tuple(tuple(float(one == place) for one in every) for place in places))
-    return tuple(Step.of(steps.one_of, sums, index=index) for index in range(len(places)))
+    return tuple(Step.of(one_of, sums, index=index) for index in range(len(places)))
 
 
 def _less(first: _Source, second: _Source) -> _Source:
@@ -301,5 +331,170 @@ def _less(first: _Source, second: _Source) -> _Source:
             f"{second.port} in {b.unit or 'no unit'}"
         )
     both = zip(first.recipes, second.recipes, strict=True)
-    recipes = tuple(Step.of(steps.difference, one, other) for one, other in both)
+    recipes = tuple(Step.of(difference, one, other) for one, other in both)
     return replace(first, recipes=recipes, signed=True)
+
+
+def why_not_compared(kept: Facts, now: Facts) -> str:
+    """In what the pictures of A, kept, and B, now, differ so that no sample has its equal.
+
+    Empty where they can be laid over one another.
+    """
+    reasons = []
+    if kept.kind != now.kind:
+        reasons.append(f"A is a {kept.kind}, B a {now.kind}")
+    if (kept.rows, kept.columns) != (now.rows, now.columns):
+        reasons.append(f"A has {kept.columns} × {kept.rows} samples, B {now.columns} × {now.rows}")
+    if kept.unit != now.unit:
+        reasons.append(f"A is in {kept.unit or 'no unit'}, B in {now.unit or 'no unit'}")
+    elif kept.quantity != now.quantity:
+        reasons.append(f"A is {kept.quantity}, B {now.quantity}")
+    elif kept.wavelengths_um != now.wavelengths_um:
+        both = (_wavelengths(facts.wavelengths_um) for facts in (kept, now))
+        reasons.append("A is {}, B {}".format(*both))
+    return f"not compared: {'; '.join(reasons)}" if reasons else ""
+
+
+def _wavelengths(wavelengths_um: tuple[float, ...]) -> str:
+    shown = ", ".join(f"{wavelength:.5g}" for wavelength in wavelengths_um)
+    return f"at {shown} µm" if shown else "all bands"
+
+
+# Steps from what is on a wire to the samples that are shown, kept in the store like any other.
+
+
+@ends_lineage
+def centred_plane(work: Work, *, value: SpectrumWire | Transfer) -> Array:
+    """Samples of a magnitude, phase or transfer function with zero frequency in the middle."""
+    samples: Array = realize(value, work)
+    return np.asarray(scipy.fft.fftshift(real(work, samples)))
+
+
+@ends_lineage
+def centred_modulus(work: Work, image: Array) -> Array:
+    """Modulus of the unnormalised spectrum of an image, zero frequency in the middle."""
+    return np.asarray(scipy.fft.fftshift(np.abs(spectrum(work, image))))
+
+
+@ends_lineage
+def real(_work: Work, samples: Array) -> Array:
+    """The samples, or of complex ones the modulus."""
+    return np.abs(samples) if np.iscomplexobj(samples) else samples
+
+
+@ends_lineage
+def logarithm(_work: Work, samples: Array) -> Array:
+    """Decimal logarithm of the modulus; 0 becomes the least other modulus."""
+    modulus = np.abs(samples)
+    lit = modulus > 0
+    least = modulus.min(where=lit, initial=np.inf) if lit.any() else 1.0
+    np.maximum(modulus, modulus.dtype.type(least), out=modulus)
+    return np.asarray(np.log10(modulus, out=modulus))
+
+
+@ends_lineage
+def difference(_work: Work, samples: Array, other: Array) -> Array:
+    """Samples less those of another picture."""
+    return np.asarray(samples - other)
+
+
+@ends_lineage
+def one_of(_work: Work, pictures: Array, *, index: int) -> Array:
+    """One of several pictures that are made together."""
+    return np.asarray(pictures[index])
+
+
+@ends_lineage
+def finite_spread(work: Work, samples: Array, *, name: str) -> Spread:
+    """Extremes and histogram.
+
+    Raises
+    ------
+    DataError
+        If samples are not finite.
+    """
+    with np.errstate(invalid="ignore"):
+        low, high = float(samples.min()), float(samples.max())
+    if not (np.isfinite(low) and np.isfinite(high)):
+        check_finite(samples, name)
+    return spread_of(samples, for_each=work.for_each)
+
+
+@ends_lineage
+def inner_range(work: Work, samples: Array, whole: Spread) -> Range:
+    """From the 0.5 % to the 99.5 % quantile; the extremes where these are equal."""
+    low, high = quantiles(samples, whole, INNER, for_each=work.for_each)
+    return (low, high) if high > low else (whole.low, whole.high)
+
+
+# The layers of a picture: one, or red, green and blue, each between levels of its own.
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Samples that become one colour, or all the greys."""
+
+    shown: NDArray[Any]  # shape (rows, columns): the samples as the probe shows them
+    mapped: NDArray[Any]  # the same, or their logarithms
+    spread: Spread  # extremes and histogram of the mapped ones
+    recipe: Recipe  # recipe, spread_recipe: of the mapped samples and of their spread
+    spread_recipe: Recipe
+    signed: bool = False  # whether automatic levels put 0 in the middle
+    # of a converter whose numbers the mapped samples are; None where they are something else
+    bits: int | None = None
+
+    def range_of(self, work: Work, levels: Levels) -> Range:
+        """What becomes black and white."""
+        if not isinstance(levels, str):
+            return levels
+        low, high = self.spread.low, self.spread.high
+        if levels == "percentiles":
+            low, high = work.value(Step.of(inner_range, self.recipe, self.spread_recipe))
+        if self.signed:
+            high = max(abs(low), abs(high))
+            low = -high
+        return between_ends(low, high, self.bits)
+
+    def grey(self, work: Work, levels: Range) -> NDArray[np.uint8]:
+        """The mapped samples from black to white."""
+        work.check()
+        return grey_levels(self.mapped, *levels, for_each=work.for_each)
+
+
+def composed(
+    work: Work, layers: Sequence[Layer], levels: Levels, like: Sequence[Channel] = ()
+) -> tuple[NDArray[np.uint8], Range, tuple[Channel, ...]]:
+    """Layers as colours, (rows, columns, layers), each between automatic levels of its own.
+
+    Where the levels are two numbers, they are shares of what lies between these. With `like`, each
+    is between the levels of that channel, so that two pictures can be compared.
+    """
+    automatic: Automatic = levels if isinstance(levels, str) else "percentiles"
+    shares = WHOLE if isinstance(levels, str) else levels
+    colours, channels = [], []
+    for number, layer in enumerate(layers):
+        low, high = like[number].ends if like else layer.range_of(work, automatic)
+        between = high - low
+        black, white = (low + share * between for share in shares)
+        colours.append(layer.grey(work, (black, white)))
+        channels.append(Channel(layer.shown, _as_shares(layer.spread, low, between), (low, high)))
+    return np.stack(colours, axis=-1), shares, tuple(channels)
+
+
+def together(spreads: Sequence[Spread]) -> Spread:
+    """Several spreads as one, in bins from the least of all to the greatest."""
+    low, high = min(one.low for one in spreads), max(one.high for one in spreads)
+    counts = np.zeros(BINS, np.int64)
+    for one in spreads:
+        place = np.zeros(BINS, np.intp)
+        if high > low:
+            place = np.minimum((one.centres - low) / (high - low) * BINS, BINS - 1).astype(np.intp)
+        np.add.at(counts, place, one.counts)
+    return Spread(low, high, counts)
+
+
+def _as_shares(spread: Spread, low: float, between: float) -> Spread:
+    if not between > 0.0:  # one value: in the middle
+        return Spread(0.5, 0.5, spread.counts)
+    low_share, high_share = ((end - low) / between for end in (spread.low, spread.high))
+    return Spread(low_share, high_share, spread.counts)

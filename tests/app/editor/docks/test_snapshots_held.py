@@ -17,7 +17,7 @@ from app.editor.docks.snapshots import (
 )
 from app.editor.viewers.pixels.grey_levels import spread_of
 from app.editor.viewers.pixels.picture_facts import Axis, Facts
-from app.editor.viewers.pixels.picture_layers import KeptPicture
+from app.editor.viewers.pixels.picture_query import KeptPicture
 from app.editor.viewers.plot.curves_query import CurvesQuery
 from core.network.network import Network
 

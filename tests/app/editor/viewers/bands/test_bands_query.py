@@ -5,8 +5,7 @@ import pytest
 
 from app.editor.evaluation.queries import Passing
 from app.editor.viewers.picture.picture_bands import MeanSpectrumQuery, SampleSpectrumQuery
-from app.editor.viewers.pixels.band_choice import ALL, BandChoice, evenly_spaced
-from app.editor.viewers.pixels.picture_choices import Choices
+from app.editor.viewers.pixels.picture_choices import ALL, BandChoice, Choices, evenly_spaced
 from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.pixels.probing import facts_text, sample_text
 from core.chain.engine import Engine
