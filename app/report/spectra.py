@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import cycle
-from pathlib import Path
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from app.report.blocks import Block, Drawn, Grid, Heading, Text, of_many
 from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure
@@ -16,14 +11,10 @@ from app.report.drawing.printed_numbers import number, short
 from app.run.evaluation import Evaluation
 from core.chain.back_transformed import Delivered
 from core.chain.band_stack import BandStack
-from core.chain.engine import PlannedNode
 from core.chain.wires import Image
 from core.modules.declaration import NodeContext
-from nodes.detector.focal_plane import FocalPlane
-from nodes.detector.spectral_response import SpectralResponse
 
 Fact = dict[str, Any]
-Vector = NDArray[np.float64]
 _FEW = 40  # bands up to which every one has a dot
 
 
@@ -85,7 +76,10 @@ def _responses(evaluation: Evaluation) -> list[Fact]:
         image = planned.inputs.get("image")
         if not isinstance(image, Image) or image.bands is None:
             continue
-        drawn = response_over_band(planned, evaluation.plan.folder)
+        drawn_of = getattr(planned.module, "response_over_band", None)
+        if drawn_of is None or planned.node.disabled:
+            continue
+        drawn = drawn_of(planned, NodeContext(name, folder=evaluation.plan.folder))
         if drawn is not None:
             responses.append(
                 {
@@ -195,52 +189,3 @@ def _transformed_table(facts: Fact) -> list[Block]:
         "Wavelengths that are not transformed are made of the others, where the optics allow it."
     )
     return [Text(words), Grid(heads, rows, numbers=(1, 2))]
-
-
-# The response of a planned node over wavelength, as it is drawn.
-
-Band = tuple[float, float]
-_POINTS = 241
-_BESIDE = 1e-9  # of a wavelength, on both sides of where a response may jump
-
-
-@dataclass(frozen=True, eq=False)
-class DrawnResponse:
-    name: str  # what it is of every wavelength
-    # wavelengths shown: the picture's band, and what lies within the response beside it
-    band_um: Band
-    # the curve
-    wavelength_um: Vector
-    values: Vector
-
-
-def response_over_band(planned: PlannedNode, folder: Path) -> DrawnResponse | None:
-    """Response of a Focal Plane or Spectral Response; None of any other node, or without a band.
-
-    Files are named from the network's `folder`.
-    """
-    image: Image | None = planned.inputs.get("image")
-    module = planned.module
-    if image is None or planned.node.disabled:
-        return None
-    if isinstance(module, FocalPlane):
-        efficiency = module.efficiency(planned.result)
-        filter_um = efficiency.cut_on_um, efficiency.cut_off_um
-        knots = [place for place, _ in efficiency.points]
-        return _drawn(
-            "quantum efficiency", image.band_um or filter_um, filter_um, knots, efficiency
-        )
-    if isinstance(module, SpectralResponse) and image.band_um is not None:
-        curve = module.response(image.band_um, NodeContext(planned.node.id, folder=folder))
-        knots = [place for place, _ in curve.points] or list(curve.ends_um)
-        return _drawn("response", image.band_um, image.band_um, knots, curve)
-    return None
-
-
-def _drawn(name: str, band: Band, own: Band, knots: list[float], response: Any) -> DrawnResponse:
-    low, high = min(band[0], own[0]), max(band[1], own[1])
-    ends = np.array([*own, *knots])
-    ends = ends[(ends >= low) & (ends <= high)]
-    beside = np.concatenate([ends * (1 - _BESIDE), ends, ends * (1 + _BESIDE)])
-    places = np.unique(np.concatenate([np.linspace(low, high, _POINTS), beside]))
-    return DrawnResponse(name, (low, high), places, np.asarray(response.at(places)))

@@ -47,6 +47,12 @@ class PlannedNode:
     result: Any = None
     error: ImagechainError | None = None
 
+    def sound(self) -> PlannedNode:
+        """Itself; what is wrong with it is raised."""
+        if self.error is not None:
+            raise self.error
+        return self
+
     @property
     def declaration(self) -> Declaration:
         """Declaration of the node's module."""

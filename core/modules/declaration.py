@@ -9,9 +9,9 @@
 
 Parameters are the annotated fields, input ports the arguments of `run`, output ports the fields of
 the named tuple it returns, read-outs the methods marked with `readout`, warnings those marked with
-`warning`. The class attribute `panel` groups the parameters where they are many, `illustration`
-names the picture on top of the panel where it is not the curve of an `mtf` or `ptf` output,
-`formulas` are those of the module's page in the handbook.
+`warning`. The class attribute `panel` groups the parameters where they are many, `preview` makes
+what is drawn on top of the panel where it is not the curve of an `mtf` or `ptf` output, `formulas`
+are those of the module's page in the handbook.
 """
 
 from __future__ import annotations
@@ -113,7 +113,6 @@ class Declaration:
     replaces: tuple[str, ...]
     sink: bool
     panel: tuple[Section, ...]
-    illustration: str
     formulas: tuple[Formula, ...] = ()
     without_formula: str = ""
 
@@ -171,8 +170,9 @@ class Module:
     had in old files, `renamed` the old names of parameters and ports. A module that `draws_noise`
     does so from its node's name. One that `counts_bands` sums a picture's bands up as a detector
     does; others get their sum with a warning, or pass them on. Parameters that no section of
-    `panel` names stand below them without a title. A module without `formulas` states in
-    `without_formula` why there is none.
+    `panel` names stand below them without a title. `preview`, a method given the planned node, the
+    work and the `NodeContext`, makes a `Preview`, which is as high as `preview_lines` lines of
+    text. A module without `formulas` states in `without_formula` why there is none.
     """
 
     key: ClassVar[str] = ""
@@ -185,7 +185,8 @@ class Module:
     draws_noise: ClassVar[bool] = False
     counts_bands: ClassVar[bool] = False
     panel: ClassVar[tuple[Section, ...]] = ()
-    illustration: ClassVar[str] = ""
+    preview: ClassVar[Callable[..., Any] | None] = None
+    preview_lines: ClassVar[float] = 11.5
     formulas: ClassVar[tuple[Formula, ...]] = ()
     without_formula: ClassVar[str] = ""
     run: ClassVar[Callable[..., Any]]
@@ -259,7 +260,6 @@ def _derive(module: Any) -> Declaration:
         replaces=module.replaces,
         sink=module.sink,
         panel=panel,
-        illustration=module.illustration,
         formulas=module.formulas,
         without_formula=module.without_formula,
     )

@@ -153,7 +153,6 @@ def _declared_macro(node: Node, body: Network, library: Library) -> Declaration:
         replaces=(),
         sink=not outputs,
         panel=complete((), [parameter.name for parameter in parameters]),
-        illustration="",
     )
 
 

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.engine import PlannedNode
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Header, Image, Table
 from core.errors import DataError, ParameterError
@@ -17,6 +18,8 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
+from core.modules.preview import Axis, Plot, Preview, brief, pair
+from core.modules.preview import Curve as DrawnCurve
 from core.physics.sampling.footprint_means import (
     Footprints,
     footprint_coverage,
@@ -45,6 +48,7 @@ from nodes.shared.module_ports import table_figure
 Array = NDArray[Any]
 FINER = 4  # times as many strips, to estimate the error
 CURVE_POINTS = 129
+_PREVIEW_POINTS = 65
 
 
 @ends_lineage
@@ -385,7 +389,7 @@ class CameraGeometry(
     )
     fill_value: Annotated[float, Param("what is there, in the scene's unit")] = 0.0
 
-    illustration = "ground_sampling"
+    preview_lines = 10.5
     panel = (
         Section("Camera", ("kind", "altitude_m", "columns", "rows"), page="Camera"),
         Section(
@@ -440,6 +444,33 @@ class CameraGeometry(
             seen.with_recipe(coverage, unit="", band_um=None),
             Curve(here.step(ground_curve, camera=camera)),
             Table(table),
+        )
+
+    def preview(self, planned: PlannedNode, _work: Work, _here: NodeContext) -> Preview:
+        """Ground samples across and along, from one end of the middle line to the other."""
+        camera = self.camera(planned.sound().inputs["image"])
+        u = np.linspace(0.5, camera.columns - 0.5, _PREVIEW_POINTS)
+        samples = [
+            ground_sample(camera=camera, u=place, v=0.5 * camera.rows) for place in u.tolist()
+        ]
+        sizes = np.array(samples).T
+        angles = np.degrees(view_angles(camera=camera, u=u))
+        half = max(float(angles[-1] - angles[0]) / 2, 1e-6)
+        middle = float(angles[-1] + angles[0]) / 2
+        title = "from the optical axis (deg)" if camera.kind == "framing" else "from nadir (deg)"
+        drawn = Plot(
+            Axis(middle - half, middle + half, title),
+            Axis(0.0, 1.12 * float(sizes.max()), "m"),
+            curves=(
+                DrawnCurve(angles, sizes[0], name="across"),
+                DrawnCurve(angles, sizes[1], 1, "dashed", name="along"),
+            ),
+        )
+        return Preview(
+            f"field {brief(field_deg(camera=camera))}°, ground sample "
+            f"{pair(*samples[_PREVIEW_POINTS // 2])} m in the middle, "
+            f"{pair(*max(samples[0], samples[-1]))} m at the end",
+            (drawn,),
         )
 
     def _check_inside(self, camera: Camera, ground: Ground) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.band_stack import AttenuatedBands, BandStack
+from core.chain.engine import PlannedNode
 from core.chain.linear_change import LevelChange, Linear
 from core.chain.noise_power import NoisePower
 from core.chain.results import TableData, TableRow
@@ -22,6 +23,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
+from core.modules.preview import Axis, Curve, Plot, Preview, brief
 from core.physics.atmosphere.air_path import (
     AirPath,
     PathBand,
@@ -37,6 +39,10 @@ from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.module_ports import WeightingSource, table_figure
 from nodes.shared.shared_warnings import apart_caution, first, is_temperature
 from nodes.shared.steps import mean_of
+
+_PREVIEW_POINTS = 401
+_ROOM = 1.2  # above a transmission of 1, whose tick the title would hide
+_TITLE = "wavelength (µm)"
 
 
 class PathOutputs(NamedTuple):
@@ -114,7 +120,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     ] = None  # fmt: skip
     source_K: WeightingSource = None
 
-    illustration = "air"
+    preview_lines = 15.0
     panel = (
         Section("", ("model",)),
         Section("Air", ("transmission",), shown_when=("model", ("transmission",))),
@@ -152,6 +158,30 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             return PathOutputs(image, table)
         made = here.step(through_air, image.recipe, over, factor=factor)
         return PathOutputs(image.with_recipe(made, air=(*image.air, air)), table)
+
+    def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
+        """Transmission over the band, and below it the path radiance where there is any."""
+        table: Any = planned.sound().outputs["table"]
+        figures, how = work.value(table.recipe).as_dict(), dict(table.recipe.parameters)
+        air, band = how["air"], how["band_um"]
+        words = [f"mean transmission of the band {brief(figures['transmission'])}"]
+        if figures["path_radiance"] > 0.0:
+            words.append(f"the air adds {brief(figures['path_radiance'])} W/m²/sr")
+        if band is None:
+            return Preview("; ".join(words), ("; ".join(words),))
+        places = _places(air.points, *band)
+        transmission, added = np.exp(-air.depth(places)), air.added(places)
+        least, most = transmission.min(), transmission.max()
+        if brief(least) != brief(most):
+            words.insert(1, f"from {brief(least)} to {brief(most)} over wavelength")
+        passed = Curve(places, transmission)
+        across, along = Axis(band[0], band[1], _TITLE), Axis(0.0, _ROOM, "transmission", reach=1.0)
+        if not added.max() > 0.0:
+            return Preview("; ".join(words), (Plot(across, along, (passed,)),))
+        radiance = Axis(0.0, _ROOM * float(added.max()), "path radiance (W/m²/sr/µm)")
+        above = Plot(replace(across, title=""), along, (passed,))
+        below = Plot(across, radiance, (Curve(places, added, 1, fill="below"),))
+        return Preview("; ".join(words), (above, below))
 
     def _by_bands(
         self, image: Image, bands: BandStack, air: AirPath, here: NodeContext
@@ -406,3 +436,10 @@ def path_table(
         rows.append(TableRow(f"transmission_{place:.6g}_um", float(passed), "", at))
         rows.append(TableRow(f"path_radiance_{place:.6g}_um", float(added), "W/m²/sr/µm", at))
     return TableData(tuple(rows))
+
+
+def _places(points: tuple[tuple[float, float], ...], low: float, high: float) -> Array:
+    """Wavelengths of the preview: evenly over the band, and where a table has its points."""
+    known = np.array([place for place, _ in points])
+    inside = known[(known >= low) & (known <= high)]
+    return np.unique(np.concatenate([np.linspace(low, high, _PREVIEW_POINTS), inside]))

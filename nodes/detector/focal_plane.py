@@ -6,12 +6,14 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
+from core.chain.engine import PlannedNode
 from core.chain.wires import Context, Image, Table
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution
 from core.modules.parameters import Formula
+from core.modules.preview import Preview
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.detector.spectral_photons import QuantumEfficiency
 from core.transfer.factors import Factor
@@ -20,13 +22,20 @@ from nodes.detector.focal_plane_figures import (
     Collection,
     ElectronLevels,
     ReadOut,
+    budget_preview,
     clipping_level,
     electron_levels,
     figures,
     mean_clipped,
 )
 from nodes.detector.focal_plane_panel import FocalPlanePanel
-from nodes.detector.spectral_response import counted_photons, radiance_per_photon
+from nodes.detector.spectral_response import (
+    DrawnResponse,
+    counted_photons,
+    drawn_response,
+    radiance_per_photon,
+    response_preview,
+)
 from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import table_figure
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, Band, alike, unit_caution
@@ -46,6 +55,7 @@ def _without_saturated(outputs: FocalPlaneOutputs) -> Recipe:
     return outputs.table.recipe.inputs[0]
 
 
+_CHART_LINES = 9.0  # of text, in the preview
 _figure = partial(table_figure, table=_without_saturated)
 
 
@@ -104,6 +114,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     )
 
     counts_bands = True
+
+    preview_lines = 12.5
 
     def run(self, image: Image, context: Context, here: NodeContext) -> FocalPlaneOutputs:
         """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
@@ -284,6 +296,28 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         figures_of_mean: Any = outputs.table.recipe.inputs[0]
         collection: Collection = dict(figures_of_mean.parameters)["collection"]
         return collection.weights.efficiency
+
+    def response_over_band(self, planned: PlannedNode, _here: NodeContext) -> DrawnResponse:
+        """The quantum efficiency as it is drawn over the picture's band."""
+        efficiency = self.efficiency(planned.result)
+        filter_um = efficiency.cut_on_um, efficiency.cut_off_um
+        band = planned.inputs["image"].band_um or filter_um
+        knots = [place for place, _ in efficiency.points]
+        return drawn_response("quantum efficiency", band, filter_um, knots, efficiency)
+
+    def preview(self, planned: PlannedNode, work: Work, here: NodeContext) -> Preview:
+        """How full the well is and of what, the noise by source; of bands, the response too."""
+        image: Image = planned.sound().inputs["image"]
+        table: Table = planned.outputs["table"]
+        budget = budget_preview(work.value(table.recipe).as_dict(), self.full_well_e)
+        if image.bands is None:
+            return budget
+        over = response_preview(self.response_over_band(planned, here), image, work)
+        return Preview(
+            f"{budget.words}; {over.words}",
+            (*budget.parts, *over.parts),
+            more_lines=_CHART_LINES,
+        )
 
     @warning
     def overflow(self, outputs: FocalPlaneOutputs) -> Recipe:

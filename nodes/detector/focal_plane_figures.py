@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import hypot
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from core.errors import DataError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.modules.panel_sections import Caution
+from core.modules.preview import Bar, Bars, Preview, Stack, brief, electrons, kelvin
 from core.physics.detector.focal_plane_array import (
     bent_response,
     bent_slope,
@@ -290,7 +292,7 @@ def figures(
     if levels.dark_e >= saturation:
         too_dark = f"{levels.dark_e:.4g} dark electrons reach the saturation, {saturation:.4g} e-"
     elif 0.0 < saturation < np.inf:
-        dark_noise = hypot(read, rounding, shot_noise_e(electrons=levels.dark_e / frames))
+        dark_noise = math.hypot(read, rounding, shot_noise_e(electrons=levels.dark_e / frames))
         decibels = _finite(dynamic_range_dB(full_well_e=saturation, dark_noise_e=dark_noise))
     snr = levels.signal_e / temporal if temporal and clipped is None else None
     efficiency = _efficiency(levels, collection)
@@ -377,3 +379,50 @@ def _efficiency(levels: ElectronLevels, collection: Collection) -> float:
 
 def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None
+
+
+# The preview: the well as a bar, filled by what brings electrons, and a bar for every noise.
+
+_SOURCES = (
+    ("scene", "signal_e"),
+    ("optics", "optics_e"),
+    ("housing", "housing_e"),
+    ("dark", "dark_e"),
+)
+_NOISES = (
+    ("shot", "shot_noise_e"),
+    ("read", "read_noise_e"),
+    ("rounding", "quantization_noise_e"),
+    ("fixed pattern", "fixed_pattern_e"),
+)
+
+
+def budget_preview(figures: Mapping[str, Any], full_well_e: float | None) -> Preview:
+    """Where a pixel's electrons come from, and its noise by source, at the picture's mean."""
+    per_K, netd_K, snr = (figures[key] for key in ("responsivity_e_per_K", "netd_K", "snr"))
+    total = max(sum(figures[key] for _, key in _SOURCES), 0.0)
+    filled = f"{electrons(total)}, no full well given"
+    if full_well_e:
+        filled = f"{electrons(total)}: {brief(100 * (total / full_well_e))} % of the well"
+
+    def noise(size: float) -> str:
+        text = electrons(size)
+        return f"{text}, {kelvin(size / per_K)}" if per_K else text
+
+    sources = tuple(
+        Bar(name, figures[key], electrons(figures[key]), colour)
+        for colour, (name, key) in enumerate(_SOURCES)
+    )
+    bars = [
+        Bar(name, figures[key], noise(figures[key]), colour)
+        for colour, (name, key) in enumerate(_NOISES, len(_SOURCES))
+    ]
+    temporal = figures["temporal_noise_e"]
+    words = [filled, *(f"{bar.name} noise {bar.value}" for bar in bars)]
+    words.append(f"all that is temporal noise {noise(temporal)}")
+    merit = f"SNR {brief(snr)}" if snr is not None else ""
+    if netd_K is not None:
+        merit = f"NETD {kelvin(netd_K)}"
+    well = Stack(sources, full_well_e, filled, merit, excess=total > (full_well_e or math.inf))
+    all_bars = (*bars, Bar("temporal", temporal, noise(temporal), "faint_text"))
+    return Preview("; ".join([*words, merit] if merit else words), (well, Bars(all_bars, 6.9)))

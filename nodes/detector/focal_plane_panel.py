@@ -180,7 +180,6 @@ class FocalPlanePanel(SeededModule):
         Param("what the picture is given in; all are of the digitized picture"),
     ] = "dn"
 
-    illustration = "electrons"
     panel = (
         Section("Exposure", ("integration_time_s", "tdi_stages", "frames_averaged"), page="Light"),
         Section(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.band_stack import AttenuatedBands, BandStack, Row
+from core.chain.engine import PlannedNode
 from core.chain.linear_change import LevelChange, Linear
 from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import picture_step
@@ -20,6 +21,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
+from core.modules.preview import Axis, Curve, Mark, Plot, Preview, brief
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.detector.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
@@ -80,7 +82,6 @@ class SpectralResponse(
     peak: Annotated[float, Param("largest response", low=0, high=1)] = 1.0
     source_K: WeightingSource = None
 
-    illustration = "response"
     panel = (
         Section("", ("shape",)),
         Section("File", ("path",), shown_when=("shape", ("file",))),
@@ -140,6 +141,22 @@ class SpectralResponse(
         path = (here.folder / self.path).absolute()
         points = read_wavelengths(path, what="response", low=0.0, high=1.0)
         return ResponseCurve("file", points=points)
+
+    def response_over_band(self, planned: PlannedNode, here: NodeContext) -> DrawnResponse | None:
+        """The response as it is drawn over the picture's band."""
+        band = planned.inputs["image"].band_um
+        if band is None:
+            return None
+        curve = self.response(band, here)
+        knots = [place for place, _ in curve.points] or list(curve.ends_um)
+        return drawn_response("response", band, band, knots, curve)
+
+    def preview(self, planned: PlannedNode, work: Work, here: NodeContext) -> Preview | None:
+        """The response over the mean spectrum of the picture, where it has bands."""
+        response = self.response_over_band(planned.sound(), here)
+        if response is None:
+            return None
+        return response_preview(response, planned.inputs["image"], work)
 
     def _source(self, band: Band) -> float | None:
         if self.source_K is None and band[0] < SHORTEST_THERMAL_UM:
@@ -235,6 +252,67 @@ def _share(
     light = np.maximum(means * np.array(weights), 0.0)
     total = float(light.sum())
     return float(light @ np.array(gain)) / total if total > 0.0 else None
+
+
+# A response over wavelength as it is drawn, over the mean spectrum of the picture it is for.
+
+_POINTS = 241
+_BESIDE = 1e-9  # of a wavelength, on both sides of where a response may jump
+_ROOM = 1.12  # above a response of 1 stands what the spectrum's peak is
+_HIGHEST = 0.9  # share of the axis that the spectrum's peak takes
+_WIDER = 0.03  # of the band, on both sides
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnResponse:
+    name: str  # what it is of every wavelength
+    # wavelengths shown: the picture's band, and what lies within the response beside it
+    band_um: Band
+    # the curve
+    wavelength_um: Array
+    values: Array
+
+
+def drawn_response(
+    name: str, band: Band, own: Band, knots: list[float], response: Any
+) -> DrawnResponse:
+    """The curve of a response between `own` ends that jumps or bends at `knots`."""
+    low, high = min(band[0], own[0]), max(band[1], own[1])
+    ends = np.array([*own, *knots])
+    ends = ends[(ends >= low) & (ends <= high)]
+    beside = np.concatenate([ends * (1 - _BESIDE), ends, ends * (1 + _BESIDE)])
+    places = np.unique(np.concatenate([np.linspace(low, high, _POINTS), beside]))
+    return DrawnResponse(name, (low, high), places, np.asarray(response.at(places)))
+
+
+def response_preview(response: DrawnResponse, image: Image, work: Work) -> Preview:
+    """The response from 0 to 1, over the spectrum on a scale of its own."""
+    curves = [Curve(response.wavelength_um, response.values, name="response", width=2.0)]
+    marks: tuple[Mark, ...] = ()
+    lit = response.wavelength_um[response.values > 0.0]
+    words = f"{response.name} 0"
+    if len(lit):
+        most, ends = float(response.values.max()), f"from {brief(lit[0])} to {brief(lit[-1])} µm"
+        words = f"{response.name} up to {brief(most)} {ends}"
+    if image.bands is not None:
+        unit = f"{image.unit}/µm" if image.bands.density else image.unit
+        means = np.asarray(work.value(image.bands.means()), np.float64)
+        where = int(means.argmax())
+        centres, peak = np.array(image.bands.centres_um), means[where]
+        highest = f"{brief(peak)} {unit}".rstrip()
+        words += (
+            f"; mean spectrum of {len(means)} bands, highest at {brief(centres[where])} µm: "
+            f"{highest}"
+        )
+        if peak > 0.0:
+            heights = means * (_HIGHEST / peak)
+            curves.append(Curve(centres, heights, 1, name="scene", fill="below"))
+            marks = (Mark(centres[where], _HIGHEST, highest, 1),)
+    low, high = response.band_um
+    beside = _WIDER * (high - low)
+    across = Axis(low - beside, high + beside, "wavelength (µm)")
+    along = Axis(0.0, _ROOM, response.name, reach=1.0)
+    return Preview(words, (Plot(across, along, tuple(curves), marks),))
 
 
 # Focal Plane on a picture in bands: the photons of each that the detector counts.

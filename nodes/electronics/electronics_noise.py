@@ -2,16 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from core.chain.band_stack import BandStack, Row
+from core.chain.engine import PlannedNode
 from core.chain.wires import Context, Image, Table, Transfer
-from core.errors import ParameterError
+from core.errors import ImagechainError, ParameterError, UnconnectedError
 from core.evaluation.recipes import Recipe, Step
-from core.modules.declaration import NodeContext, warning
+from core.evaluation.work import Work
+from core.modules.declaration import NodeContext, declaration, warning
 from core.modules.panel_sections import Caution, Offer, Section
 from core.modules.parameters import Formula, Param
+from core.modules.preview import (
+    Axis,
+    Bar,
+    Bars,
+    Curve,
+    Mark,
+    Plot,
+    Preview,
+    brief,
+    kelvin,
+    not_connected,
+)
+from core.physics.detector.detectivity import (
+    STANDARD_HALF_ANGLE_DEG,
+    cold_shield_half_angle_deg,
+    d_star,
+)
 from core.physics.detector.filters import (
     corner_in_cyc_per_mrad,
     dwell_time_s,
@@ -23,7 +46,7 @@ from core.physics.detector.filters import (
     post_filter_ptf,
 )
 from core.physics.noise.noise_equivalent import detector_area_cm2
-from core.physics.radiometry.spectra import MANUAL, MATERIALS_BY_REGION
+from core.physics.radiometry.spectra import MANUAL, MATERIALS_BY_REGION, Material, find_material
 from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import Detector, detector_figures, figures
@@ -39,6 +62,9 @@ _MATERIALS = tuple(
     (region, (*(material.name for material in materials), MANUAL))
     for region, materials in MATERIALS_BY_REGION.items()
 )
+_DECADES = 2.3  # below the highest D* that the preview shows
+_PREVIEW_POINTS = 241
+_SHORTEST = 0.15  # wavelengths from that share of the cut-off on
 _CONVERTER_BITS = (*range(1, 25), 32, 64)
 
 
@@ -163,7 +189,7 @@ class ElectronicsNoise(
         Param("background; empty: brightness temperature of the mean", unit="K", low=0),
     ] = None
 
-    illustration = "detectivity"
+    preview_lines = 15.5
     panel = (
         Section("Band", ("cut_on_um", "cut_off_um"), page="Detector"),
         Section(
@@ -274,6 +300,91 @@ class ElectronicsNoise(
             ptf=ptf,
             table=Table(here.step(steps.with_quantization, table, final, shaped)),
         )
+
+    def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
+        """D* against wavelength with the band and the D* taken from it, and NETDs as bars.
+
+        Without a picture, the curve is that of the makers' conditions.
+        """
+        figures: dict[str, Any] = {}
+        problem = ""
+        try:
+            figures = work.value(planned.sound().outputs["table"].recipe).as_dict()
+        except ImagechainError as error:
+            problem = str(error) if error.node != planned.node.id else error.message
+            ports = declaration(type(self)).inputs
+            missing = [p.name for p in ports if p.required and p.name not in planned.inputs]
+            if isinstance(error, UnconnectedError) and missing:
+                problem = not_connected(missing)
+        context: Context | None = planned.inputs.get("context")
+        chart, words = self._detectivity(figures, context)
+        if not figures:
+            return Preview("; ".join([*words, problem]), (chart, problem))
+        bars = [
+            Bar(name, figures[key], kelvin(figures[key]), colour)
+            for name, key, colour in (
+                ("NETD detector", "netd_detector_K", 2),
+                ("amplifier", "netd_amplifier_K", 3),
+                ("system", "netd_system_K", 0),
+            )
+        ]
+        words.append(", ".join(f"{bar.name} {bar.value}" for bar in bars))
+        return Preview("; ".join(words), (chart, Bars(tuple(bars), 3.2)))
+
+    def _detectivity(
+        self, figures: Mapping[str, Any], context: Context | None
+    ) -> tuple[Plot, list[str]]:
+        """The chart of D*, and its essential numbers in words."""
+        band = self._known_band(context)
+        seen = {"background_K": 300.0, "half_angle_deg": STANDARD_HALF_ANGLE_DEG}
+        through = f"a cone of {2 * STANDARD_HALF_ANGLE_DEG:.0f}°"
+        if figures and context is not None and context.f_number is not None:
+            half_angle = cold_shield_half_angle_deg(f_number=context.f_number)
+            seen = {"background_K": figures["background_K"], "half_angle_deg": half_angle}
+            through = f"F/{context.f_number:.3g}"
+        conditions = f"{seen['background_K']:.0f} K in {through}"
+        typed, of_band = self.d_star is not None, figures.get("d_star", self.d_star)
+        ends, levels, words = list(band or ()), [of_band] if of_band else [], []
+        curves: list[Curve] = []
+        marks: list[Mark] = []
+        if self.material != MANUAL:
+            material = find_material(
+                region=self.region, material=self.material, cut_off_um=band and band[1]
+            )
+            curve, peak = _material_curve(material, band, seen)
+            at, highest = f"{brief(peak[0])} µm", brief(peak[1])
+            drawn = np.where(curve[1] > 0, curve[1], 1e-3)
+            curves.append(Curve(curve[0], drawn, 0, "dotted" if typed else "solid", self.material))
+            marks.append(Mark(*peak, f"{highest} at {at}", down=-0.8))
+            ends.append(float(curve[0][-1]))
+            levels.append(peak[1])
+            words.append(
+                f"D* of {self.material}: peak {highest} cm √Hz/W at {at}, seeing {conditions}"
+            )
+        end = 1.08 * max(ends, default=14.0)
+        if of_band is not None:
+            low, high = band or (0.02 * end, end)
+            name = "typed in" if typed else "band"
+            curves.append(Curve((low, high), (of_band,) * 2, 1, "dashed", name, 2.0))
+            marks.append(Mark(low, of_band, brief(of_band), down=0.8, dot=False))
+            where = "typed in" if typed else "of the band"
+            words.append(f"D* {where} {brief(of_band)} cm √Hz/W")
+        most, least = max(levels, default=1e12), min(levels, default=1e12)
+        along = Axis(
+            most / max(10**_DECADES, 10 * most / least), most * 6.0, "D* (cm √Hz/W)", log=True
+        )
+        across = Axis(0.0, end, f"wavelength (µm), {conditions}")
+        return Plot(across, along, tuple(curves), tuple(marks), band=band), words
+
+    def _known_band(self, context: Context | None) -> tuple[float, float] | None:
+        """Cut-on and cut-off, where they are known and make a band."""
+        try:
+            if context is not None:
+                return given_band(self.cut_on_um, self.cut_off_um, context.band_um)
+        except ParameterError:
+            return None
+        on, off = self.cut_on_um, self.cut_off_um
+        return (on, off) if on is not None and off is not None and on <= off else None
 
     def _pattern(self, name: str, image: Image, context: Context, here: NodeContext) -> Step:
         """Deviates of the detectors, constant along the direction of collection."""
@@ -465,3 +576,23 @@ def summed_within(image: Image, low_um: float | None, high_um: float | None) -> 
     band = max(first, low_um or first), min(last, high_um or last)
     weights = weights_within(bands, low_um, high_um)
     return image.with_recipe(bands.picture(weights), band_um=band)
+
+
+def _material_curve(
+    material: Material, band_um: tuple[float, float] | None, seen: dict[str, float]
+) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], tuple[float, float]]:
+    """Wavelengths up to the cut-off, which is the last but one, with D*, and where it peaks.
+
+    The peak is that in the band, or of the curve where it has none there.
+    """
+    cut_off = material.cut_off_um
+    inside = np.linspace(_SHORTEST * cut_off, cut_off, _PREVIEW_POINTS)
+    wavelength = np.append(inside, np.nextafter(cut_off, np.inf))
+    curve = wavelength, d_star(wavelength, material=material, **seen)
+    within, values = curve
+    if band_um is not None and 0 < band_um[0] < cut_off:
+        end = min(band_um[1], cut_off)
+        within = np.append(np.linspace(band_um[0], end, _PREVIEW_POINTS)[:-1], end)
+        values = d_star(within, material=material, **seen)
+    highest = int(np.argmax(values))
+    return curve, (float(within[highest]), float(values[highest]))

@@ -24,6 +24,7 @@ from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_
 from core.physics.noise.noise_components import COMPONENTS
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates
 from nodes.shared.module_ports import LongestPeriod, NoiseOutputs
+from nodes.shared.picture_preview import PicturePreview
 
 Array = NDArray[Any]
 _FIXED = ("vh", "v", "h")
@@ -31,7 +32,11 @@ _FLICKER = "1/f"
 
 
 class Noise3DSource(
-    SeededModule, key="noise_3d_source", title="3-D Noise Source", group="Electronics & Noise"
+    SeededModule,
+    PicturePreview,
+    key="noise_3d_source",
+    title="3-D Noise Source",
+    group="Electronics & Noise",
 ):
     """Add noise by its seven components: of time (t), rows (v), columns (h), or several together.
 
@@ -87,7 +92,6 @@ class Noise3DSource(
     ] = 30.0
     longest_period_s: LongestPeriod = 60.0
 
-    illustration = "picture"
     panel = (
         Section("Temporal", ("sigma_tvh", "sigma_tv", "sigma_th", "sigma_t")),
         Section("Fixed", ("sigma_vh", "sigma_v", "sigma_h")),

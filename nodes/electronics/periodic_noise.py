@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.engine import PlannedNode
 from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, ends_lineage, in_parts, pointwise
@@ -16,6 +17,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
+from core.modules.preview import Axis, Curve, Plot, Preview, brief
 from core.physics.noise.flicker_noise import periodic_pattern
 from core.transfer.factors import Grid
 from nodes.shared.module_ports import NoiseOutputs
@@ -23,6 +25,10 @@ from nodes.shared.steps import even
 
 Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 16
+_POINTS = 801  # of the preview
+_PERIODS, _ENVELOPES = 6.0, 1.5
+_MOST_PERIODS = 60.0  # more would be a grey area
+_NO_NOISE = "amplitude 0: no noise is added"
 
 
 class PeriodicNoise(
@@ -63,7 +69,7 @@ class PeriodicNoise(
         float, Param("phase of the modulation at the first sample", unit="deg", slider=(-180, 180))
     ] = 0.0
 
-    illustration = "sinusoid"
+    preview_lines = 9.5
     panel = (
         Section("Sinusoid", ("amplitude", "xi", "eta", "phase_deg")),
         Section(
@@ -72,16 +78,56 @@ class PeriodicNoise(
     )
 
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
-        values = self.values()
-        for name in ("phase", "modulation_phase"):
-            values[f"{name}_rad"] = math.radians(values.pop(f"{name}_deg"))
         if self.amplitude == 0.0:
             # No interval is needed where there is nothing to draw.
             flat = here.step(even, shape=image.shape, value=0.0)
             return NoiseOutputs(image, image.with_recipe(flat))
-        pattern = here.step(drawn, grid=image.grid(), **values)
+        pattern = here.step(drawn, grid=image.grid(), **self._pattern())
         total = here.step(with_pattern, image.recipe, pattern)
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(pattern))
+
+    def _pattern(self) -> dict[str, float]:
+        """The parameters, with phases in radians."""
+        values = self.values()
+        for name in ("phase", "modulation_phase"):
+            values[f"{name}_rad"] = math.radians(values.pop(f"{name}_deg"))
+        return values
+
+    def preview(self, _planned: PlannedNode, _work: Work, _here: NodeContext) -> Preview:
+        """The first periods across and along, from the first sample on."""
+        if self.amplitude == 0:
+            return Preview(_NO_NOISE, (_NO_NOISE,))
+        end = self._end_mrad()
+        places, start = np.linspace(0.0, end, _POINTS), np.zeros(1)
+        size = 1.1 * abs(self.amplitude) * (1 + self.modulation)
+        values = self._pattern()
+        curves = (
+            Curve(places, periodic_pattern(x_mrad=places, y_mrad=start, **values), name="x"),
+            Curve(
+                places,
+                periodic_pattern(x_mrad=start, y_mrad=places, **values),
+                1,
+                "dashed",
+                name="y",
+            ),
+        )
+        across = Axis(0.0, end, "from the first sample (mrad)")
+        words = (
+            f"sinusoid of amplitude {brief(self.amplitude)} at {brief(self.xi)} cyc/mrad across "
+            f"and {brief(self.eta)} along"
+        )
+        if self.modulation > 0:
+            words += f", modulated by {brief(100 * self.modulation)} %"
+        return Preview(words, (Plot(across, Axis(-size, size, "noise"), curves),))
+
+    def _end_mrad(self) -> float:
+        """How far it is drawn: some periods, or enough to see the modulation."""
+        highest = max(abs(self.xi), abs(self.eta))
+        end = _PERIODS / highest if highest > 0 else 100.0
+        slow = [f for f in (abs(self.modulation_xi), abs(self.modulation_eta)) if f > 0]
+        if self.modulation > 0 and slow:
+            end = max(end, _ENVELOPES / max(slow))
+        return min(end, _MOST_PERIODS / highest) if highest > 0 else end
 
 
 def _drawn_part(work: Work, region: Region, *, grid: Grid, **values: float) -> Array:

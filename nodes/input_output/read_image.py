@@ -11,7 +11,7 @@ import numpy as np
 from core.chain.wires import Header, Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.detector_sampling import interval_mrad
@@ -36,12 +36,13 @@ from nodes.input_output.source_file import (
     read_step,
 )
 from nodes.shared.module_ports import ImageOutput
+from nodes.shared.picture_preview import PicturePreview
 from nodes.shared.shared_warnings import is_radiance
 
 _WHOLE = 0.99  # of the wavelengths: less is warned of
 
 
-class ReadImage(Module, key="read_image", title="Read Image", group="Input and output"):
+class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Input and output"):
     """Read a picture from a file: ENVI as DIRSIG writes it, or of any format that `path` names.
 
     Samples are the numbers the file stores times `scale`, plus `offset`. Where an ENVI header gives
@@ -111,7 +112,6 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         Param("samples that are NaN, infinite or missing: an error, or the others' mean or 0"),
     ] = "refuse"
 
-    illustration = "picture"
     panel = (
         Section("File", ("path", "bands")),
         Section("", ("band",), shown_when=("bands", ("one",))),

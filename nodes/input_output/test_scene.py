@@ -14,7 +14,7 @@ from core.chain.wires import Header, Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
+from core.modules.declaration import NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.detector_sampling import interval_mrad
@@ -38,12 +38,13 @@ from nodes.scenes.draw import (
 from nodes.scenes.scene_canvas import Canvas
 from nodes.scenes.spectral_surfaces import Emissivity
 from nodes.shared.module_ports import ImageOutput
+from nodes.shared.picture_preview import PicturePreview
 
 DRAWING = ("kind", "width", "height", "angle_deg", "frequency")
 SOURCES = ("cut_on_um", "cut_off_um", "temperature_K", "delta_K")
 
 
-class TestScene(Module, key="test_scene", title="Test Scene", group="Input and output"):
+class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Input and output"):
     """Draw a radiometric test scene.
 
     Temperatures and emissivities become band radiance through Planck's law; edges are
@@ -111,7 +112,6 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
         float, Param("cycles across the frame, or spokes of the star", low=0, above=True)
     ] = 16.0
 
-    illustration = "picture"
     panel = (
         Section("Scene", ("kind", "width", "height")),
         Section("Temperatures", ("temperature_K", "delta_K")),

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.engine import PlannedNode
 from core.chain.wires import Pupil
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step, ends_lineage
@@ -16,6 +17,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
+from core.modules.preview import Preview
 from core.physics.optics.pupil_shapes import (
     BARRED_SHAPES,
     OBSCURED_SHAPES,
@@ -27,6 +29,7 @@ from core.physics.optics.pupil_shapes import (
 from core.physics.optics.wavefront import known_wavefront, map_scale, wrapped_waves
 from nodes.files.read import check_finite
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
+from nodes.optics.pupil_preview import pupil_preview
 
 Array = NDArray[Any]
 USUAL_RADIUS = 75.0  # of the thesis' example, 150 samples of 512
@@ -111,7 +114,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         ),
     ] = ()
 
-    illustration = "pupil"
+    preview_lines = 11.0
     panel = (
         Section("Aperture", ("shape", "radius")),
         Section("", ("obscuration_radius",), shown_when=("shape", OBSCURED_SHAPES)),
@@ -146,6 +149,10 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
                 )
         samples = here.step(_sampled, shape=shape, rows=self.size_y, columns=self.size_x)
         return PupilOutput(self._pupil(samples, self.size_y, self.size_x, shape, radius))
+
+    def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
+        """The pupil on its array of samples, what is open in the colour of its wavefront error."""
+        return pupil_preview(planned.sound().outputs["pupil"], work)
 
     def _from_file(self, here: NodeContext) -> Pupil:
         if self.path is None and self.wavefront_path is None:

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Annotated, NamedTuple
 
+import numpy as np
+
+from core.chain.engine import PlannedNode
 from core.chain.results import CameraSheet
 from core.chain.wires import Context, Image, Magnitude, Phase, Platform
 from core.errors import ParameterError
-from core.modules.declaration import Module, readout, warning
+from core.evaluation.work import Work
+from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
+from core.modules.preview import Axis, Colour, Curve, Plot, Preview, Style, brief, pair
 from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad, oversampling
 from core.transfer.factors import Edges, Grid
 from nodes.shared.shared_warnings import apart_caution, first
@@ -83,7 +90,7 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
         Edges, Param("frame mirrored without end, or repeated as the plain FFT sees it")
     ] = "reflect"
 
-    illustration = "sampling"
+    preview_lines = 12.0
     panel = (
         Section(
             "Detector and optics",
@@ -137,6 +144,12 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
         return InitOutputs(
             context, Magnitude(image, grid, self.edges), Phase(image, grid, self.edges)
         )
+
+    def preview(self, planned: PlannedNode, _work: Work, _here: NodeContext) -> Preview:
+        """The detectors on the samples of the scene, to scale, and where they move."""
+        context: Context = planned.sound().outputs["context"]
+        facts = _facts(context)
+        return Preview(", ".join(facts), (_sketch(context),), facts)
 
     def _interval(self, name: str, samples: int, of_image: float | None) -> float:
         fov_deg = getattr(self, name)
@@ -299,3 +312,98 @@ def _oversampling(
     if focal_length_mm is None or pitch_um is None:
         return None
     return oversampling(pitch_um=pitch_um, focal_length_mm=focal_length_mm, interval_mrad=interval)
+
+
+# The preview: sensitive areas at the detectors' pitch, and the scene's samples as dots.
+
+_NAMES: Mapping[Platform, str] = MappingProxyType(
+    {"line": "line scanner", "push": "pushbroom", "array": "staring array"}
+)
+_PLACES: Mapping[Platform, tuple[tuple[int, int], ...]] = MappingProxyType(
+    {
+        "line": ((0, 0),),
+        "push": ((-1, 0), (0, 0), (1, 0)),
+        "array": tuple((x, y) for y in (-1, 0, 1) for x in (-1, 0, 1)),
+    }
+)
+_PITCHES = 3.3  # across the sketch
+_INTERVALS = 4.0  # at least
+_MOST_DOTS = 40  # samples across that are still drawn
+
+
+def _pitch_mrad(context: Context) -> tuple[float, float] | None:
+    """The detector's pitch; None as long as it or the focal length is missing."""
+    pitches = context.detector_x_um, context.detector_y_um
+    x, y = (_ifov(context.focal_length_mm, pitch_um, 1.0) for pitch_um in pitches)
+    return None if x is None or y is None else (x, y)
+
+
+def _sketch(context: Context) -> Plot:
+    grid, pitch = context.grid, _pitch_mrad(context)
+    interval = grid.interval_x_mrad, grid.interval_y_mrad
+    side = max(_INTERVALS * max(interval), _PITCHES * max(pitch or (0.0,)))
+    curves = [_samples(interval, side)]
+    if pitch is not None:
+        if context.platform != "array":
+            curves.insert(0, _arrow(pitch, along=context.platform == "push"))
+        sensitive = pitch[0] * context.fill_x, pitch[1] * context.fill_y
+        for column, row in _PLACES[context.platform]:
+            middle = column * pitch[0], row * pitch[1]
+            curves.append(_rectangle(middle, pitch, "faint_text", "dotted"))
+            curves.append(_rectangle(middle, sensitive, 3, "solid"))
+    return Plot(
+        Axis(-side / 2, side / 2, "mrad"),
+        Axis(side / 2, -side / 2),
+        curves=tuple(curves),
+        square=True,
+    )
+
+
+def _samples(interval: tuple[float, float], side: float) -> Curve:
+    """The scene's samples; their lattice lies so that one is in the middle."""
+    counts = [int(side / 2 // step) for step in interval]
+    if 2 * max(counts) > _MOST_DOTS:
+        return Curve((), (), style="dots")
+    across, along = (
+        step * np.arange(-count, count + 1) for step, count in zip(interval, counts, strict=True)
+    )
+    x, y = np.meshgrid(across, along)
+    return Curve(x.ravel(), y.ravel(), style="dots", width=min(2.0, 16.0 / max(*counts, 1)))
+
+
+def _rectangle(
+    middle: tuple[float, float], size: tuple[float, float], colour: Colour, style: Style
+) -> Curve:
+    """A pitch dotted, a sensitive area in full and tinted."""
+    x = middle[0] + size[0] / 2 * np.array([-1, 1, 1, -1, -1])
+    y = middle[1] + size[1] / 2 * np.array([-1, -1, 1, 1, -1])
+    return Curve(x, y, colour, style, width=1.2, fill="inside" if style == "solid" else "")
+
+
+def _arrow(pitch: tuple[float, float], *, along: bool) -> Curve:
+    """Where the scan of a line scanner, or the flight of a pushbroom, leads."""
+    length, aside = np.array([0.6, 1.45, 1.25, 1.45, 1.25]), np.array([0, 0, 0.12, 0, -0.12])
+    x, y = (aside, length) if along else (length, aside)
+    return Curve(x * pitch[along], y * pitch[along], "text", width=2.0)
+
+
+def _facts(context: Context) -> tuple[str, ...]:
+    """What the sketch shows, in numbers."""
+    grid, pitch = context.grid, _pitch_mrad(context)
+    facts = [
+        f"{_NAMES[context.platform]}, {grid.columns} × {grid.rows}",
+        f"interval {pair(grid.interval_x_mrad, grid.interval_y_mrad)} mrad",
+        f"Nyquist {pair(grid.nyquist_x, grid.nyquist_y)} cyc/mrad",
+    ]
+    if pitch is None:
+        return (*facts, "detector pitch or focal length is missing")
+    facts += [
+        f"IFOV {pair(pitch[0] * context.fill_x, pitch[1] * context.fill_y)} mrad",
+        f"fill {pair(context.fill_x, context.fill_y)}",
+        f"samples a pitch {pair(pitch[0] / grid.interval_x_mrad, pitch[1] / grid.interval_y_mrad)}",
+    ]
+    if context.scan_velocity_mrad_per_s:
+        facts.append(f"scan {brief(context.scan_velocity_mrad_per_s)} mrad/s")
+    if context.velocity_m_per_s:
+        facts.append(f"platform {brief(context.velocity_m_per_s)} m/s")
+    return tuple(facts)

@@ -18,10 +18,11 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import tip
-from app.editor.panels.illustrations.chart import Axis, Chart, ChartWidget
+from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.theme import FAINT, Theme
 from app.editor.widgets import CopiedTable
 from app.measure.measurement_text import USED
+from core.modules.preview import Axis
 
 if TYPE_CHECKING:
     from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement

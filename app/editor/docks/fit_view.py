@@ -21,7 +21,7 @@ from app.editor.docks.measure_worker import (
     pictures_name,
     pictures_text,
 )
-from app.editor.panels.illustrations.chart import Axis, Chart, ChartWidget
+from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.viewer import StatusLine
@@ -29,6 +29,7 @@ from app.editor.widgets import FlowLayout, toggle_button, tool_button
 from core.editing.operations import Operation, Together, set_parameter
 from core.errors import ParameterError
 from core.modules.parameters import plain
+from core.modules.preview import Axis
 from core.network.network import Network
 
 _NO_PICTURE = "no picture"

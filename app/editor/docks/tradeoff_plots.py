@@ -21,13 +21,9 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QWidget
 
 from app.editor.docks.tradeoff_ranges import Span
-from app.editor.panels.illustrations.chart import (
-    Axis,
-    Chart,
-    ordinate_ticks,
-    room_for_ticks,
-)
+from app.editor.panels.chart import Chart, ordinate_ticks, room_for_ticks
 from app.editor.theme import Theme
+from core.modules.preview import Axis
 
 Vector = NDArray[np.float64]
 LOG_FROM = 100.0  # the largest over the smallest value, from which on decades are shown

@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.number_text import FreeNumber
-from app.editor.panels.illustrations import illustration_for
+from app.editor.panels.preview_view import PreviewView, preview_query
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
 from app.editor.session import Session
@@ -65,11 +65,9 @@ class ModuleBody(QWidget):
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(8, 4, 8, 8)
         self._column.setSpacing(4)
-        self.illustration: QWidget | None = None
-        special = illustration_for(declaration)
-        if special is not None:
-            self.illustration = special(session, evaluator, node, self)
-            self._column.addWidget(self.illustration)
+        module = session.library.get(declaration.key)  # a macro is of none
+        if module is not None and preview_query(module, node) is not None:
+            self._column.addWidget(PreviewView(session, evaluator, node, self))
         self.sections = SectionsView(declaration, session, self)
         for field in self.sections.fields:
             field.edited.connect(self._edit)

@@ -17,8 +17,8 @@ from app.editor.canvas.items.content import Content
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.level import Level
-from app.editor.panels.illustrations.shrinking import shrunk
-from app.editor.panels.illustrations.transfer_query import TransferQuery
+from app.editor.panels.shrinking import shrunk
+from app.editor.panels.transfer_preview import TransferQuery
 from app.editor.session import Session
 from app.editor.viewers.pixels.grey_levels import between_ends, grey_levels
 from core.chain.engine import Plan

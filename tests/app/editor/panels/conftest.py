@@ -1,12 +1,12 @@
-"""Illustrations with a worker behind them."""
+"""Previews with a worker behind them."""
 
 import pytest
 
-from illustration_hands import IllustrationBench
+from preview_hands import PreviewBench
 
 
 @pytest.fixture
 def bench(qtbot, session, tmp_path):
-    made = IllustrationBench(qtbot, session, tmp_path)
+    made = PreviewBench(qtbot, session, tmp_path)
     yield made
     made.close()

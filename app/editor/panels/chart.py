@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme
+from core.modules.preview import Axis, Tick
 
 _FURTHEST = 1e4  # shares of the frame; what lies further out is cut there
 
@@ -82,11 +80,12 @@ class Chart:
             painter.drawPolyline(QPolygonF(list(points)))
         painter.restore()
 
-    def filled(self, x: ArrayLike, y: ArrayLike, colour: str) -> None:
-        """Tint what lies below points, which are all finite."""
+    def filled(self, x: ArrayLike, y: ArrayLike, colour: str, *, closed: bool = False) -> None:
+        """Tint what lies below points, which are all finite, or inside a closed line of them."""
         along, values = np.asarray(x, np.float64), np.asarray(y, np.float64)
-        foot = [self.at(along[-1], self._y.low), self.at(along[0], self._y.low)]
         points = [self.at(*point) for point in zip(along, values, strict=True)]
+        foot = [self.at(along[-1], self._y.low), self.at(along[0], self._y.low)]
+        foot = [] if closed else foot
         tint = QColor(colour)
         tint.setAlpha(60)
         self._painter.save()
@@ -95,6 +94,13 @@ class Chart:
         self._painter.setBrush(tint)
         self._painter.drawPolygon(QPolygonF([*points, *foot]))
         self._painter.restore()
+
+    def dots(self, x: ArrayLike, y: ArrayLike, colour: str, radius: float) -> None:
+        """A dot at each of some points in the frame."""
+        self._painter.setPen(Qt.PenStyle.NoPen)
+        self._painter.setBrush(QColor(colour))
+        for point in zip(np.asarray(x), np.asarray(y), strict=True):
+            self._painter.drawEllipse(self.at(*point), radius, radius)
 
     def upright(self, x: float, text: str, line: int = 0) -> None:
         """A dashed line at a place across, with a text at its top, so many lines down."""
@@ -190,14 +196,14 @@ class Chart:
         painter.setPen(QColor(theme.text))
         if self._y.title:
             box = QRectF(0, frame.top() - line * 1.12, frame.right(), line)
-            painter.drawText(box.adjusted(line * 0.3, 0, 0, 0), _LEFT, self._y.title)
+            painter.drawText(box.adjusted(line * 0.3, 0, 0, 0), LEFT, self._y.title)
         if self._x.title:
             # Below the frame's middle, but farther left where it is wider than the frame.
             area, width = self._area, self._width(self._x.title)
             left = min(frame.center().x() - width / 2, area.right() - width)
             box = QRectF(max(left, area.left()), frame.bottom() + line * 1.05, area.width(), line)
             title = self._metrics.elidedText(self._x.title, _ELIDED, area.width())
-            painter.drawText(box, _LEFT, title)
+            painter.drawText(box, LEFT, title)
 
     def _width(self, text: str) -> float:
         return self._metrics.horizontalAdvance(text)
@@ -213,7 +219,8 @@ def room_for_ticks(ticks: Sequence[Tick], metrics: QFontMetricsF) -> float:
     return widest + metrics.height() * 0.4
 
 
-_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _ELIDED = Qt.TextElideMode.ElideRight
 
 
@@ -266,152 +273,3 @@ class ChartWidget(QWidget):
         painter.setFont(font)
         self.draw(painter, QRectF(self.rect()).adjusted(4, 2, -4, -2))
         painter.end()
-
-
-# Axes of small charts: where a value lies, and which ticks have a number.
-
-_STEPS = (1.0, 2.0, 5.0, 10.0)
-
-
-@dataclass(frozen=True)
-class Tick:
-    """A place on an axis, and what stands there."""
-
-    value: float
-    text: str
-
-
-@dataclass(frozen=True)
-class Axis:
-    """From `low` to `high`, on a linear scale or, for values above 0, a logarithmic one.
-
-    `reach` is where ticks end, if not at `high`.
-    """
-
-    low: float
-    high: float
-    title: str = ""
-    log: bool = False
-    reach: float | None = None
-
-    def share(self, values: ArrayLike) -> NDArray[Any]:
-        """Where values lie: 0 at the low end, 1 at the high one."""
-        array = np.asarray(values, np.float64)
-        if not self.log:
-            return np.asarray((array - self.low) / (self.high - self.low))
-        start, end = math.log(self.low), math.log(self.high)
-        return np.asarray((np.log(np.maximum(array, self.low * 1e-30)) - start) / (end - start))
-
-    def ticks(self, most: int) -> tuple[Tick, ...]:
-        """Round values in the range, about so many at most."""
-        most = max(2, most)
-        return self._powers(most) if self.log else self._steps(most)
-
-    def _steps(self, most: int) -> tuple[Tick, ...]:
-        low, high = sorted((self.low, self.high if self.reach is None else self.reach))
-        step = round_step((high - low) / most)
-        first, last = math.ceil(low / step - 1e-6), math.floor(high / step + 1e-6)
-        places = max(0, -math.floor(math.log10(step) + 1e-9))
-        scientific = step >= 1e5 or step < 1e-5
-        ticks = []
-        for count in range(first, last + 1):
-            value = count * step
-            text = f"{value:.2g}" if scientific else f"{value:.{places}f}"
-            ticks.append(Tick(value, signed(text) if count else "0"))
-        return tuple(ticks)
-
-    def _powers(self, most: int) -> tuple[Tick, ...]:
-        first = math.ceil(math.log10(self.low) - 1e-9)
-        last = math.floor(math.log10(self.high) + 1e-9)
-        step = max(1, math.ceil((last - first + 1) / most))
-        return tuple(Tick(10.0**n, power_of_ten(n)) for n in range(first, last + 1, step))
-
-
-def round_step(least: float) -> float:
-    """The smallest of 1, 2, 5 times a power of ten that is not below."""
-    power = 10.0 ** math.floor(math.log10(least))
-    return next(step * power for step in _STEPS if step * power >= least * (1 - 1e-9))
-
-
-# Painting bars below one another, with their names and values beside them.
-
-_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-
-
-@dataclass(frozen=True)
-class Bar:
-    """One bar: its name, how long it is beside the others, its value in words, its colour."""
-
-    name: str
-    size: float
-    value: str
-    colour: str
-
-
-def paint_bars(painter: QPainter, area: QRectF, bars: Sequence[Bar], theme: Theme) -> None:
-    """Paint bars as long as they are large; the longest has all the room there is."""
-    metrics = QFontMetricsF(painter.font())
-    height = area.height() / len(bars)
-    named = max(metrics.horizontalAdvance(bar.name) for bar in bars) + height * 0.5
-    valued = max(metrics.horizontalAdvance(bar.value) for bar in bars) + height * 0.5
-    most = max(*(bar.size for bar in bars), 1e-300)
-    room = max(0.0, area.width() - named - valued)
-    for number, bar in enumerate(bars):
-        top = area.top() + number * height
-        painter.setPen(QColor(theme.text))
-        painter.drawText(QRectF(area.left(), top, named - height * 0.4, height), _RIGHT, bar.name)
-        length = room * min(1.0, bar.size / most)
-        filled = QRectF(area.left() + named, top + height * 0.22, length, height * 0.56)
-        painter.fillRect(filled, QColor(bar.colour))
-        painter.drawText(
-            QRectF(filled.right() + height * 0.3, top, valued, height), _LEFT, bar.value
-        )
-
-
-# Numbers as illustrations write them: few digits, powers of ten in print.
-
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_PLAIN = (1e-3, 1e5)  # sizes written without a power of ten
-
-
-def brief(value: float, digits: int = 3) -> str:
-    """A number in that many digits, such as 0.489 or 1.1·10¹¹."""
-    if value == 0 or not math.isfinite(value):
-        return f"{value:g}".replace("-0", "0")
-    if _PLAIN[0] <= abs(value) < _PLAIN[1]:
-        return signed(f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}")
-    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
-    if "." in mantissa:
-        mantissa = mantissa.rstrip("0").rstrip(".")
-    return signed(f"{mantissa}·{power_of_ten(int(exponent))}")
-
-
-def power_of_ten(exponent: int) -> str:
-    """10 with its exponent raised."""
-    return f"10{str(exponent).translate(_RAISED)}"
-
-
-def signed(text: str) -> str:
-    """With a true minus sign."""
-    return text.replace("-", "\N{MINUS SIGN}")
-
-
-def kelvin(value: float) -> str:
-    """A small temperature in K or mK."""
-    if value == 0 or abs(value) >= 0.1:
-        return f"{brief(value)} K"
-    return f"{brief(1e3 * value)} mK"
-
-
-def electrons(value: float) -> str:
-    """Electrons, as data sheets give them: e⁻, ke⁻ or Me⁻."""
-    for least, unit, prefix in ((1e6, 1e6, "M"), (1e4, 1e3, "k")):
-        if abs(value) >= least:
-            return f"{brief(value / unit)} {prefix}e\N{SUPERSCRIPT MINUS}"
-    return f"{brief(value)} e\N{SUPERSCRIPT MINUS}"
-
-
-def pair(x: float, y: float, digits: int = 3) -> str:
-    """Across × along, or one number where both are the same."""
-    first, second = brief(x, digits), brief(y, digits)
-    return first if first == second else f"{first} × {second}"

@@ -1,4 +1,4 @@
-"""Small networks for illustrations, their questions answered, and their pixels."""
+"""Small networks for previews, their questions answered, and their pixels."""
 
 import numpy as np
 from PySide6.QtCore import QEvent, QObject
@@ -7,12 +7,11 @@ from PySide6.QtWidgets import QApplication
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Passing
-from app.editor.panels.illustrations import illustration_for
+from app.editor.panels.preview_view import PreviewQuery, PreviewView
 from app.editor.theme import DARK
 from core.chain.engine import Engine
 from core.editing.document import Document
 from core.evaluation.policy import Policy
-from core.modules.declaration import declaration
 from core.network.network import Link, Network, Node
 from nodes.library import standard_library
 
@@ -25,11 +24,6 @@ INFRAMETRICS = {
     "fill_x": 0.95,
     "fill_y": 0.95,
 }
-
-
-def illustration_of(key):
-    """The class of the illustration of a module of the library."""
-    return illustration_for(declaration(LIBRARY[key]))
 
 
 def sensor(key, params=None, *, scene=None, init=None, pupil=None, node="node"):
@@ -62,6 +56,11 @@ def answer(query, network, folder=None):
     return query.answer(Passing(made, plan, work))
 
 
+def previewed(network, node="node", folder=None):
+    """The preview that a node's module makes."""
+    return answer(PreviewQuery(node), network, folder)
+
+
 def grey_pixels(widget):
     """What a widget shows, as lightness from 0 to 255, shape (rows, columns)."""
     image = widget.grab().toImage().convertToFormat(QImage.Format.Format_Grayscale8)
@@ -70,8 +69,8 @@ def grey_pixels(widget):
     return rows[:, : image.width()].astype(float)
 
 
-class IllustrationBench:
-    """Opens networks in a session and shows illustrations, with a worker behind them.
+class PreviewBench:
+    """Opens networks in a session and shows previews, with a worker behind them.
 
     Parameters
     ----------
@@ -88,13 +87,12 @@ class IllustrationBench:
         self.evaluator = None
 
     def show(self, network, node="node", theme=DARK, width=340, evaluated=True):
-        """The illustration of a node."""
+        """The preview of a node."""
         session = self._session
         path = self._folder / "network.json"
         session.open(Document(network, library=session.library, path=path))
         self.evaluator = Evaluator(session) if evaluated else None
-        kind = illustration_of(network.nodes[node].module)
-        widget = kind(session, self.evaluator, node)
+        widget = PreviewView(session, self.evaluator, node)
         widget.setPalette(theme.palette())
         self._qtbot.addWidget(widget)
         widget.resize(width, widget.sizeHint().height())

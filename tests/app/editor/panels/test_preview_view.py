@@ -1,45 +1,38 @@
-"""Illustrations on the screen: they follow the document, and go with their panel."""
+"""Previews on the screen: they follow the document, and go with their panel."""
 
 import weakref
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 import shiboken6
-from PySide6.QtCore import QRectF
-from PySide6.QtGui import QColor, QFont, QFontMetricsF, QImage, QPainter
-from PySide6.QtWidgets import QApplication, QWidget
+from PySide6.QtGui import QFont
+from PySide6.QtWidgets import QWidget
 
 from app.editor.evaluation.queries import Answer
-from app.editor.panels.illustrations import illustration_for
-from app.editor.panels.illustrations.chart import brief, kelvin, pair
-from app.editor.panels.illustrations.exit_pupil_illustration import ExitPupilIllustration
-from app.editor.panels.illustrations.transfer_illustration import (
-    PhaseIllustration,
-    TransferIllustration,
-)
+from app.editor.panels.preview_view import PreviewView, preview_query
+from app.editor.panels.shrinking import shrunk
 from app.editor.theme import DARK, LIGHT
 from battery_settings import EXAMPLES
-from core.chain.wires import Transfer
 from core.editing.document import Document
 from core.editing.operations import Remove, set_node_field, set_parameter
 from core.errors import DataError, ParameterError
-from core.modules.declaration import Module, declaration
+from core.modules.preview import brief, kelvin, pair
 from core.network.network import Network, Node
-from illustration_hands import (
+from lens_files import write_lens_files
+from panel_hands import let_go
+from preview_hands import (
     LIBRARY,
     Paints,
     grey_pixels,
-    illustration_of,
     sensor,
     told,
 )
-from lens_files import write_lens_files
-from panel_hands import let_go
 
-ILLUSTRATED = [key for key in LIBRARY if illustration_of(key) is not None]
-# The first module of each kind of illustration.
-OF_EACH_KIND = tuple({illustration_of(key): key for key in reversed(ILLUSTRATED)}.values())
+ILLUSTRATED = [key for key in LIBRARY if preview_query(LIBRARY[key], "node") is not None]
+# Those with a preview of their own, and one of those whose curve is drawn.
+OF_EACH_KIND = tuple(
+    key for key in ILLUSTRATED if LIBRARY[key].preview is not None or key == "jitter_mtf"
+)
 INIT = {"detector_x_um": 60.0, "detector_y_um": 60.0, "focal_length_mm": 50.0, "f_number": 2.0}
 MOVING = {"range_m": 1000.0, "integration_time_s": 0.01}
 
@@ -96,48 +89,7 @@ def test_each_mtf_module_and_every_special_panel_has_one():
     wanted = {key for key in LIBRARY if key.endswith("_mtf")} - measured | special
     assert wanted <= set(ILLUSTRATED)
     assert set(EDITS) <= set(ILLUSTRATED)
-    assert illustration_of("back_transform") is None
-
-
-def test_it_is_derived_from_what_a_module_declares():
-    def of(word, *outputs):
-        class Made(Module, key="made", title="Made", group="Tests"):
-            """Do nothing."""
-
-            illustration = word
-
-            def run(self) -> NamedTuple("Outputs", [(name, Transfer) for name in outputs]):
-                """Nothing."""
-
-        return illustration_for(declaration(Made))
-
-    assert of("") is of("", "table") is None
-    assert of("", "magnitude", "mtf", "ptf") is TransferIllustration
-    assert of("", "phase", "ptf") is PhaseIllustration
-    assert of("pupil", "mtf") is ExitPupilIllustration
-    with pytest.raises(KeyError, match="starlight"):
-        of("starlight")
-
-
-@pytest.mark.parametrize(
-    ("pixels_per_mrad", "length"), [(40.0, 1.0), (8.0, 5.0), (0.5, 100.0), (900.0, 0.05)]
-)
-def test_the_ruler_of_the_samples_is_to_scale(bench, pixels_per_mrad, length):
-    """From 0.2 of the sketch's width, in steps of 1, 2 and 5: marks at both of its ends."""
-    widget = bench.show(network_of("init_trans", INIT), evaluated=False)
-    box = QRectF(10, 10, 200, 40)
-    image = QImage(320, 100, QImage.Format.Format_ARGB32)
-    image.fill(QColor(widget.theme.text).darker())
-    painter = QPainter(image)
-    widget._ruler(painter, box, pixels_per_mrad)
-    line = QFontMetricsF(painter.font()).height()
-    painter.end()
-    above = int(box.bottom() + line * 0.7 - 2)  # of the line itself
-    row = [image.pixel(x, above) for x in range(320)]
-    marked = [x for x in range(320) if row[x] != row[0]]
-    start, end = marked[0], next(x for x in marked if x > marked[0] + 3)
-    assert start == pytest.approx(box.left(), abs=1.5)
-    assert end - start == pytest.approx(length * pixels_per_mrad, abs=1.5)
+    assert "back_transform" not in ILLUSTRATED
 
 
 @pytest.mark.parametrize("key", ILLUSTRATED)
@@ -199,7 +151,7 @@ def test_it_goes_with_its_panel(qtbot, session, bench, tmp_path, key):
     bench.show(network_of(key, edit_of(key)[0]))
     panel = QWidget()
     qtbot.addWidget(panel)
-    widget = illustration_of(key)(session, bench.evaluator, "node", panel)
+    widget = PreviewView(session, bench.evaluator, "node", panel)
     panel.show()
     bench.settle()
     kept = weakref.ref(widget)
@@ -257,17 +209,6 @@ def test_a_parameter_further_up_is_named_behind_its_node(qtbot, session, bench):
     assert widget.in_short(error) == "waits for lens: Aperture is empty: above 0 (mm)"
 
 
-@pytest.mark.parametrize("key", ["exit_pupil", "periodic_noise"])
-def test_what_is_drawn_from_the_document_needs_no_worker(session, bench, key):
-    params, name, value = edit_of(key)
-    widget = bench.show(network_of(key, params), evaluated=False)
-    before = widget.accessibleDescription()
-    assert before
-    session.do(set_parameter("node", name, value))
-    QApplication.processEvents()
-    assert widget.accessibleDescription() != before
-
-
 @pytest.mark.parametrize(
     ("value", "text"),
     [
@@ -306,3 +247,15 @@ def test_another_module_under_its_name_does_not_trouble_it(bench, session, key):
     session.open(Document(Network(), library=session.library))
     bench.settle()
     widget.repaint()
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (7, 5), (640, 640), (641, 3), (1, 5000), (2047, 999)])
+def test_a_small_picture_keeps_its_mean(shape):
+    rng = np.random.default_rng(5)
+    slope = np.add.outer(np.linspace(0, 1, shape[0]), np.linspace(0, 2, shape[1]))
+    small = shrunk(slope + 1e-6 * rng.standard_normal(shape), 64)
+    assert max(small.shape) <= 64
+    assert small.flags.c_contiguous
+    assert small.mean() == pytest.approx(slope.mean(), abs=0.05)
+    longest = max(range(2), key=lambda axis: shape[axis])
+    assert small.shape[longest] >= min(shape[longest], 32)
