@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QFrame,
@@ -20,15 +20,17 @@ from PySide6.QtWidgets import (
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
+from app.editor.gestures import without_argument
+from app.editor.panels.fields.field_menu import line_in_menu, offer
+from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.panels.head import PanelHead
-from app.editor.panels.module_body import ModuleBody, UnknownBody, line_in_menu
+from app.editor.panels.module_body import ModuleBody, UnknownBody
 from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
 from core.editing.operations import (
     ABSENT,
-    Operation,
     Rename,
     has_picture,
     output_toggled,
@@ -47,23 +49,16 @@ class NodePanel(QFrame):
     kept, none are offered.
     """
 
-    # node, port, viewer: show that output in the viewer of that number
-    view_requested = Signal(str, str, int)
-    trade_off_requested = Signal(str, str)  # node, parameter: show figures of merit as it moves
-    generate_requested = Signal(str)  # node: compute everything
-    handbook_requested = Signal(str)  # node: the page of its module is to be opened
-    close_requested = Signal(str)  # node: put the panel away
-    held = Signal(str, bool)  # node, on: the mouse holds one of its controls: nothing may move
-
     def __init__(
         self,
-        session: Session,
+        of: PanelNode,
         evaluator: Evaluator | None,
-        node: str,
         parent: QWidget | None = None,
         sets_folder: Path | None = None,
     ) -> None:
         super().__init__(parent)
+        self._of = of
+        session, node = of.session, of.name
         self.setObjectName(f"panel.{node}")
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self.node = node
@@ -81,10 +76,7 @@ class NodePanel(QFrame):
         self.body: ModuleBody | UnknownBody
         if declared is not None:
             self.head.output.setVisible(has_picture(declared))
-            self.body = ModuleBody(declared, node, session, evaluator, self)
-            self.body.view_requested.connect(self.view_requested)
-            self.body.trade_off_requested.connect(self.trade_off_requested)
-            self.body.held.connect(self._held)
+            self.body = ModuleBody(declared, of, evaluator, self)
         else:
             why = where_absent(self.module, session.library)
             self.body = UnknownBody(self.module, node, why, self)
@@ -98,24 +90,28 @@ class NodePanel(QFrame):
         keeps = sets_folder is not None and declared is not None and declared.key != MACRO
         self.head.sets.setVisible(keeps and bool(declared and declared.parameters))
         if sets_folder is not None:
-            self.sets_menu = add_sets_menu(self.head.sets, session, node, sets_folder)
+            self.sets_menu = add_sets_menu(self.head.sets, of, sets_folder)
         self._connect()
         if sets_folder is not None:
             self.sets_menu.above = self.head.bar.actions()
         self.follow(None, session.network)
 
     def _connect(self) -> None:
-        head = self.head
+        head, requests = self.head, self._of.requests
         head.bar.folded.connect(self._fold)
         head.pin.clicked.connect(self._pin)
-        head.close_button.clicked.connect(self._close)
+        head.close_button.clicked.connect(
+            partial(without_argument, partial(requests.close.emit, self.node))
+        )
         head.name.committed.connect(self._rename)
         head.name.given_up.connect(self._show_name)
         head.auto.clicked.connect(self._set_auto)
         head.disable.clicked.connect(self._set_disabled)
         head.output.clicked.connect(self._mark_output)
-        head.generate.clicked.connect(self._generate)
-        head.more.linkActivated.connect(self._open_handbook)
+        head.generate.clicked.connect(partial(without_argument, requests.generate.emit))
+        head.more.linkActivated.connect(
+            partial(without_argument, partial(requests.handbook.emit, self.node))
+        )
         head.bar.offer("copy_values", "Copy values", partial(self._with_values, copy_values))
         head.bar.offer("paste_values", "Paste values", partial(self._with_values, paste_values))
 
@@ -156,20 +152,13 @@ class NodePanel(QFrame):
     def discard_typing(self) -> None:
         discard_typing(self)
 
-    def _held(self, _parameter: str, on: bool) -> None:
-        self.held.emit(self.node, on)
-
     def _fold(self, on: bool) -> None:
         self.head.below.setVisible(not on)
         self.body.setVisible(not on)
 
-    def _do(self, operation: Operation) -> None:
-        if self.node in self._session.network.nodes:
-            self._session.do(operation)
-
     def _with_values(self, act: Callable[[Session, tuple[str, ...]], None]) -> None:
         self.finish_typing()
-        if self.node in self._session.network.nodes:
+        if self._of.is_there:
             act(self._session, (self.node,))
 
     def _rename(self, text: str) -> None:
@@ -190,28 +179,19 @@ class NodePanel(QFrame):
         self.head.show_name_error("")
 
     def _set_auto(self) -> None:
-        self._do(set_node_field(self.node, "auto", self.head.auto.isChecked()))
+        self._of.do(set_node_field(self.node, "auto", self.head.auto.isChecked()))
 
     def _set_disabled(self) -> None:
-        self._do(set_node_field(self.node, "disabled", self.head.disable.isChecked()))
+        self._of.do(set_node_field(self.node, "disabled", self.head.disable.isChecked()))
 
     def _mark_output(self) -> None:
         session = self._session
-        if self.node in session.network.nodes:
+        if self._of.is_there:
             session.do(output_toggled(session.network, session.library, self.node))
 
     def _pin(self) -> None:
         value = True if self.head.pin.isChecked() else ABSENT
-        self._do(set_node_field(self.node, "pinned", value))
-
-    def _generate(self) -> None:
-        self.generate_requested.emit(self.node)
-
-    def _open_handbook(self, _link: str) -> None:
-        self.handbook_requested.emit(self.node)
-
-    def _close(self) -> None:
-        self.close_requested.emit(self.node)
+        self._of.do(set_node_field(self.node, "pinned", value))
 
 
 # The menu of a panel: named sets of the module's parameters, to be kept and taken again.
@@ -220,11 +200,11 @@ class NodePanel(QFrame):
 class SetsMenu(QMenu):
     """Filled when it is opened, from the files of the person's folder."""
 
-    def __init__(self, session: Session, node: str, folder: Path, button: QToolButton) -> None:
+    def __init__(self, of: PanelNode, folder: Path, button: QToolButton) -> None:
         super().__init__(button)
         self.setObjectName("sets.menu")
-        self._session = session
-        self._node = node
+        self._session = of.session
+        self._node = of.name
         self._folder = folder
         self.above: Sequence[QAction] = ()
         self.aboutToShow.connect(self.fill)
@@ -244,17 +224,13 @@ class SetsMenu(QMenu):
         except ImagechainError as error:
             self._session.message.emit("error", error.message)
         for name in sets:
-            action = self.addAction(name.replace("&", "&&"))
-            action.setObjectName(f"set.{name}")
-            action.setToolTip(f"Give every parameter its value of {name}")
-            action.triggered.connect(partial(self._take, name, sets))
+            about = f"Give every parameter its value of {name}"
+            offer(self, f"set.{name}", name, partial(self._take, name, sets), about=about)
         if sets:
             removing = self.addMenu("Remove")
             removing.setObjectName("sets.remove")
             for name in sets:
-                action = removing.addAction(name.replace("&", "&&"))
-                action.setObjectName(f"remove.{name}")
-                action.triggered.connect(partial(self._remove, name))
+                offer(removing, f"remove.{name}", name, partial(self._remove, name))
             self.addSeparator()
         self.addAction(self._keeping())
 
@@ -277,7 +253,7 @@ class SetsMenu(QMenu):
         else:
             self._session.message.emit("note", f"saved the parameters of {self._node} as {name}")
 
-    def _take(self, name: str, sets: Sets, *_: object) -> None:
+    def _take(self, name: str, sets: Sets) -> None:
         session = self._session
         declared, node = session.declared(self._node), session.network.nodes.get(self._node)
         if declared is None or node is None:
@@ -287,16 +263,16 @@ class SetsMenu(QMenu):
         except ImagechainError as error:
             session.message.emit("error", str(error))
 
-    def _remove(self, name: str, *_: object) -> None:
+    def _remove(self, name: str) -> None:
         try:
             remove_set(name, self._session.network.nodes[self._node].module, self._folder)
         except ImagechainError as error:
             self._session.message.emit("error", str(error))
 
 
-def add_sets_menu(button: QToolButton, session: Session, node: str, folder: Path) -> SetsMenu:
+def add_sets_menu(button: QToolButton, of: PanelNode, folder: Path) -> SetsMenu:
     """Have a button open the menu of a node's sets of parameters."""
-    menu = SetsMenu(session, node, folder, button)
+    menu = SetsMenu(of, folder, button)
     button.setMenu(menu)
     button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
     button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)

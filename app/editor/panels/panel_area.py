@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QFrame, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
 from app.editor.gestures import AfterRelease
+from app.editor.panels.fields.panel_node import PanelNode, Requests
 from app.editor.panels.network_panel import NetworkPanel
 from app.editor.panels.node_panel import NodePanel
 from app.editor.session import Session, followed_name, renamed_node
@@ -22,12 +23,6 @@ from core.editing.operations import ABSENT, set_node_field
 
 class PanelArea(WheelScrollArea):
     """A stack of panels that scrolls."""
-
-    # node, port, viewer: show that output in the viewer of that number
-    view_requested = Signal(str, str, int)
-    trade_off_requested = Signal(str, str)  # node, parameter: show figures of merit as it moves
-    generate_requested = Signal(str)  # node: compute everything
-    handbook_requested = Signal(str)  # node: the page of its module is to be opened
 
     def __init__(
         self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
@@ -40,6 +35,9 @@ class PanelArea(WheelScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._session = session
         self._evaluator = evaluator
+        self.requests = Requests(self)
+        self.requests.close.connect(self._close)
+        self.requests.held.connect(self._hold)
         self._badges: Mapping[str, Badge] = {}
         self._holding: set[str] = set()
         self._later = AfterRelease(self)
@@ -163,14 +161,9 @@ class PanelArea(WheelScrollArea):
         return [name for name in self.panels if name not in wanted]
 
     def _make(self, name: str) -> NodePanel:
-        panel = NodePanel(self._session, self._evaluator, name, self.widget(), self.sets_folder)
+        of = PanelNode(self._session, name, self.requests)
+        panel = NodePanel(of, self._evaluator, self.widget(), self.sets_folder)
         panel.set_badge(self._badges.get(name))
-        panel.view_requested.connect(self.view_requested)
-        panel.trade_off_requested.connect(self.trade_off_requested)
-        panel.generate_requested.connect(self.generate_requested)
-        panel.handbook_requested.connect(self.handbook_requested)
-        panel.close_requested.connect(self._close)
-        panel.held.connect(self._hold)
         self.panels[name] = panel
         return panel
 

@@ -18,8 +18,8 @@ from app.editor.panels.fields.choice import (
 )
 from app.editor.panels.fields.field import Field, FieldLink
 from app.editor.panels.fields.number import NumberField
+from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.path import PathField
-from app.editor.session import Session
 from app.editor.theme import FAINT
 from app.editor.widgets import PageTabs, plain_label
 from core.editing.operations import ABSENT
@@ -34,12 +34,12 @@ class SectionsView(QWidget):
     """Fields for all parameters of a module."""
 
     def __init__(
-        self, declaration: Declaration, session: Session, parent: QWidget | None = None
+        self, declaration: Declaration, node: PanelNode, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.setObjectName("sections")
         self._declaration = declaration
-        self._session = session
+        self._panel_node = node
         self.sections = declaration.panel
         self._boxes: list[QWidget] = []
         self.fields: list[Field] = []
@@ -117,22 +117,22 @@ class SectionsView(QWidget):
 
     def _field_for(self, parameter: Parameter, box: QWidget, *, as_buttons: bool) -> Field:
         """The field of the parameter's kind; a few choices are buttons in any case."""
+        node = self._panel_node
         match parameter.kind:
             case "number" | "integer":
-                return NumberField(parameter, box)
+                return NumberField(parameter, node, box)
             case "switch":
-                return SwitchField(parameter, box)
+                return SwitchField(parameter, node, box)
             case "choice" if as_buttons or len(choices_of(parameter)) <= MOST_BUTTONS:
-                return ButtonsField(parameter, box)
+                return ButtonsField(parameter, node, box)
             case "choice":
-                return ListField(parameter, box)
+                return ListField(parameter, node, box)
             case "path":
-                writes = self._declaration.sink
-                return PathField(parameter, box, session=self._session, writes=writes)
+                return PathField(parameter, node, box, writes=self._declaration.sink)
             case "numbers":
-                return NumbersField(parameter, box)
+                return NumbersField(parameter, node, box)
             case "text":
-                return TextField(parameter, box)
+                return TextField(parameter, node, box)
 
     def _line_up(self) -> None:
         metrics = self.fontMetrics()

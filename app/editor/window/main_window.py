@@ -405,10 +405,11 @@ class MainWindow(QMainWindow):
         self.library_view.chosen.connect(self._chosen_in_library)
         self.canvas.activated.connect(self._activated)
         self.canvas.files_dropped.connect(self.drops.files)
-        self.panels.view_requested.connect(self._view_requested)
-        self.panels.generate_requested.connect(self.generate)
-        self.panels.handbook_requested.connect(self.help.handbook_of)
-        self.panels.trade_off_requested.connect(self.viewers.trade_off)
+        requests = self.panels.requests
+        requests.view.connect(self._view_requested)
+        requests.generate.connect(self.generate)
+        requests.handbook.connect(self.help.handbook_of)
+        requests.trade_off.connect(self.viewers.trade_off)
         welcome = self.welcome
         welcome.chosen.connect(self.files.open)
         welcome.new_wanted.connect(self.files.new)

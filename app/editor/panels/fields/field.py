@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -11,19 +10,25 @@ from PySide6.QtCore import QEvent, QPoint, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent, QGuiApplication, QMouseEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
-from app.editor.declared_text import about, choice_text, label_of, shown_value, tip
-from app.editor.gestures import AfterRelease, without_argument
-from app.editor.number_text import shown_number
+from app.editor.declared_text import about, label_of, shown_value, tip
+from app.editor.gestures import AfterRelease
+from app.editor.panels.fields.field_menu import (
+    add_fit_action,
+    add_macro_actions,
+    chosen,
+    offer,
+    text_with_unit,
+    typed_text,
+)
+from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
 from app.editor.widgets import plain_label, show_or_hide
-from core.editing.clipboard import VALUES_FORMAT, read_values
 from core.editing.operations import ABSENT
-from core.errors import ImagechainError, ParameterError
+from core.errors import ParameterError
 from core.modules.parameters import Parameter, plain
 from core.names import thaw
-from core.network.linked_values import LinkError, expression_text
-from core.network.network import EXPRESSION
+from core.network.linked_values import LinkError
 
 
 @dataclass(frozen=True)
@@ -41,25 +46,15 @@ class Field(QWidget):
 
     lines_up = False  # whether its unit stands in one column with those of others
 
-    # name, value, gesture: a value that is allowed, as a network file has it; values of one gesture
-    # are one step
-    edited = Signal(str, object, object)
-    reset_wanted = Signal(str)  # name: back to the default
-    gesture_ended = Signal()  # the mouse is up, the key released
-    trade_off_wanted = Signal(str)  # name: show figures of merit as it moves
-    # name, menu: the menu is about to be shown, and more may be added to it
-    menu_opening = Signal(str, QMenu)
-    unlink_wanted = Signal(str)  # name: follow nothing any more, and keep the value
-    held = Signal(str, bool)  # name, on: the mouse holds one of its controls: nothing may move
-
-    def __init__(self, parameter: Parameter, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, parameter: Parameter, node: PanelNode, parent: QWidget | None = None
+    ) -> None:
         super().__init__(parent)
         self.parameter = parameter
+        self.node = node
         self.value: Any = parameter.default
         self.stored = False
-        self.node_name = ""  # for titles of dialogs; empty where no node stands behind the field
         self.link: FieldLink | None = None
-        self.link_fault: Callable[[str, object], LinkError | None] = lambda _name, _raw: None
         self._later = AfterRelease(self)
         self.setObjectName(f"field.{parameter.name}")
         self.setToolTip(tip(about(parameter)))
@@ -156,7 +151,7 @@ class Field(QWidget):
             self.refuse_typed(error)
             return
         self._show_problem("")
-        self.edited.emit(self.parameter.name, coerced, gesture)
+        self.node.put(self.parameter.name, coerced, gesture)
         self._settle()
 
     def refuse(self, error: ParameterError) -> None:
@@ -167,11 +162,6 @@ class Field(QWidget):
         self.refuse(error)
         if self.standing:
             self._show_problem(f"{error.message} (still {self.standing})")
-
-    @property
-    def link_text(self) -> str:
-        """The expression it follows; empty for none."""
-        return self.link.text if self.link is not None else ""
 
     def show_free(self, on: bool) -> None:
         """Mark it as free for a fit, or not."""
@@ -208,34 +198,59 @@ class Field(QWidget):
             menu = QMenu(self)
         menu.setObjectName("field.menu")
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        if self.parameter.kind in ("number", "integer"):
-            varying = menu.addAction("Trade off…")
-            varying.setObjectName("trade_off")
-            varying.setToolTip("Figures of merit as this parameter moves")
-            varying.triggered.connect(self._trade_off)
-            self.add_link_actions(menu)
-        default = ""
-        if not self.parameter.required:
-            unit = f" {self.parameter.param.unit}" if self.parameter.param.unit else ""
-            default = f" ({shown_value(self.parameter, self.parameter.default)}{unit})"
-        action = menu.addAction(f"Reset to default{default}")
-        action.setObjectName("reset")
-        action.setEnabled(self.stored)
-        action.triggered.connect(self._reset)
-        menu.addSeparator()
-        add_value_actions(menu, self)
-        self.menu_opening.emit(self.parameter.name, menu)
+        self._fill(menu)
         menu.popup(at)
 
-    def add_link_actions(self, menu: QMenu) -> None:
-        """Offer to follow other parameters, or to stop; only of numbers."""
+    def _fill(self, menu: QMenu) -> None:
+        parameter, node = self.parameter, self.node
+        if parameter.kind in ("number", "integer"):
+            trade_off = partial(node.requests.trade_off.emit, node.name, parameter.name)
+            about = "Figures of merit as this parameter moves"
+            offer(menu, "trade_off", "Trade off…", trade_off, about=about)
+            self.add_link_actions(menu)
+        default = ""
+        if not parameter.required:
+            unit = f" {parameter.param.unit}" if parameter.param.unit else ""
+            default = f" ({shown_value(parameter, parameter.default)}{unit})"
+        offer(menu, "reset", f"Reset to default{default}", self._reset).setEnabled(self.stored)
+        menu.addSeparator()
+        clipboard, copied = QGuiApplication.clipboard(), self.copied_text
+        about = "Put it on the clipboard with its unit; of a linked one the expression"
+        copying = offer(
+            menu, "copy_value", "Copy value", partial(clipboard.setText, copied), about=about
+        )
+        copying.setEnabled(bool(copied))
+        about = "Take the clipboard's value, in any unit that fits"
+        pasting = partial(self._paste, clipboard.text())
+        action = offer(menu, "paste_value", "Paste value", pasting, about=about)
+        action.setEnabled(bool(clipboard.text().strip()))
+        if node.is_there:
+            if parameter.kind == "number":
+                add_fit_action(menu, node.session, node.name, parameter.name)
+            add_macro_actions(menu, node.session, node.name, parameter.name)
+
+    @property
+    def copied_text(self) -> str:
+        """The value with its unit, the expression behind ``=``; empty for none."""
+        if self.link is not None:
+            return f"= {self.link.text}"
+        unit = self.parameter.param.unit
+        return "" if self.value is None else text_with_unit(self.parameter, self.value, unit)
+
+    def _paste(self, text: str) -> None:
+        """Take the value of a text, or the one of its parameter of a node that was copied."""
+        self.discard_typing()
+        try:
+            self.take(typed_text(self.parameter, text))
+        except ParameterError as error:
+            self.refuse_typed(error)
 
     def _reset(self) -> None:
         self.discard_typing()
-        self.reset_wanted.emit(self.parameter.name)
+        self.node.put(self.parameter.name, ABSENT)
 
-    def _trade_off(self) -> None:
-        self.trade_off_wanted.emit(self.parameter.name)
+    def add_link_actions(self, menu: QMenu) -> None:
+        """Offer to follow other parameters, or to stop; only of numbers."""
 
     def _settle(self) -> None:
         self.show_value(self.value)
@@ -367,74 +382,3 @@ def _rate(modifiers: Qt.KeyboardModifier) -> float:
     if modifiers & Qt.KeyboardModifier.ShiftModifier:
         return FINER
     return COARSER if modifiers & Qt.KeyboardModifier.ControlModifier else 1.0
-
-
-# Copying and pasting the value of one field, as text with its unit.
-
-_SWITCH = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
-
-
-def add_value_actions(menu: QMenu, field: Field) -> None:
-    """Offer to copy the field's value, and to paste one."""
-    clipboard = QGuiApplication.clipboard()
-    text = value_text(field)
-    copying = menu.addAction("Copy value")
-    copying.setObjectName("copy_value")
-    copying.setToolTip("Put it on the clipboard with its unit; of a linked one the expression")
-    copying.setEnabled(bool(text))
-    copying.triggered.connect(partial(without_argument, partial(clipboard.setText, text)))
-    pasting = menu.addAction("Paste value")
-    pasting.setObjectName("paste_value")
-    pasting.setToolTip("Take the clipboard's value, in any unit that fits")
-    pasting.setEnabled(bool(clipboard.text().strip()))
-    paste = partial(paste_value, field, clipboard.text())
-    pasting.triggered.connect(partial(without_argument, paste))
-
-
-def value_text(field: Field) -> str:
-    """The value with its unit, the expression behind ``=``; empty for none."""
-    if field.link_text:
-        return f"= {field.link_text}"
-    parameter = field.parameter
-    return "" if field.value is None else _text(parameter, field.value, parameter.param.unit)
-
-
-def paste_value(field: Field, text: str) -> None:
-    """Give a field the value of a text, or the one of its parameter of a node that was copied."""
-    field.discard_typing()
-    parameter = field.parameter
-    try:
-        text = (_value_of_node(parameter, text) if VALUES_FORMAT in text else text).strip()
-    except ParameterError as error:
-        field.refuse_typed(error)
-    except ImagechainError as error:
-        field.refuse_typed(ParameterError(parameter.name, text[:40], error.message))
-    else:
-        # Not every unit is one that can be typed; its own need not be read.
-        unit = parameter.param.unit
-        is_number = parameter.kind in ("number", "integer") and not text.startswith("=")
-        field.take(text.removesuffix(f" {unit}") if unit and is_number else text)
-
-
-def chosen(parameter: Parameter, text: str) -> Any:
-    """The choice, or the state of a switch, that a text names; the text where there is none."""
-    if parameter.kind == "switch":
-        return _SWITCH.get(text.lower(), text)
-    options = (*parameter.choices, *((None,) if parameter.empty else ()))
-    return next((one for one in options if text in (str(one), choice_text(one))), text)
-
-
-def _value_of_node(parameter: Parameter, text: str) -> str:
-    copied, name = read_values(text), parameter.name
-    if name not in copied.values:
-        raise ParameterError(name, None, "the clipboard's node has no such value")
-    raw = copied.values[name]
-    if isinstance(raw, dict) and EXPRESSION in raw:
-        return f"= {expression_text(raw)}"
-    return "" if raw is None else _text(parameter, raw, copied.units.get(name, ""))
-
-
-def _text(parameter: Parameter, value: Any, unit: str) -> str:
-    if parameter.kind in ("number", "integer") and type(value) in (int, float):
-        return f"{shown_number(value)} {unit}".strip()
-    return "" if value in ((), []) else shown_value(parameter, value)

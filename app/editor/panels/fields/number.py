@@ -15,12 +15,15 @@ from PySide6.QtWidgets import QHBoxLayout, QMenu, QSlider, QWidget
 from app.editor.declared_text import about, placeholder_of, shown_value, tip
 from app.editor.number_text import shown_number
 from app.editor.panels.fields.field import TypedField
+from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.type_in import WHEEL_REST_MS
 from app.editor.theme import CHANGED
 from app.editor.typed_number import typed_number
 from app.editor.widgets import plain_label, takes_wheel
+from core.editing.operations import set_parameter
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
+from core.names import thaw
 from core.network.linked_values import expression
 
 _HOW_TO_DRAG = "Drag its name sideways to change it: Shift finer, Ctrl coarser"
@@ -96,16 +99,12 @@ class NumberField(TypedField):
     def add_link_actions(self, menu: QMenu) -> None:
         """Follow other parameters, or stop and keep the value."""
         if self.link is None:
-            linking = menu.addAction("Link to other parameters…")
-            linking.setObjectName("link")
-            linking.setToolTip("Type an expression behind =")
-            linking.triggered.connect(self._begin_link)
+            about = "Type an expression behind ="
+            offer(menu, "link", "Link to other parameters…", self._begin_link, about=about)
             return
         value = "" if self.link.problem else f", keep {self._shown()}"
-        unlinking = menu.addAction(f"Unlink{value}")
-        unlinking.setObjectName("unlink")
+        unlinking = offer(menu, "unlink", f"Unlink{value}", self._unlink)
         unlinking.setEnabled(not self.link.problem)
-        unlinking.triggered.connect(self._unlink)
 
     def _shown(self) -> str:
         unit = f" {self.parameter.param.unit}" if self.parameter.param.unit else ""
@@ -142,17 +141,21 @@ class NumberField(TypedField):
         self.edit.setModified(True)
 
     def _unlink(self) -> None:
+        """Follow nothing any more, and keep the value."""
         self.discard_typing()
-        self.unlink_wanted.emit(self.parameter.name)
+        node, name = self.node, self.parameter.name
+        if node.is_there:
+            value = thaw(node.session.valued(node.name).params[name])
+            node.do(set_parameter(node.name, name, value, f"Unlink {node.name}.{name}"))
 
     def _offer_link(self, text: str) -> None:
         raw = expression(text)
-        fault = self.link_fault(self.parameter.name, raw)
+        fault = self.node.session.link_fault(self.node.name, self.parameter.name, raw)
         if fault is not None:
             self.refuse_typed(fault)
             return
         self._show_problem("")
-        self.edited.emit(self.parameter.name, raw, None)
+        self.node.put(self.parameter.name, raw)
         self._settle()
 
     def _slide(self, position: int) -> None:
@@ -184,7 +187,7 @@ class NumberField(TypedField):
 
     def _hold(self) -> None:
         self._part = 0.0
-        self.held.emit(self.parameter.name, True)
+        self.node.requests.held.emit(self.node.name, True)
 
     def _offer_moved(self, number: float) -> None:
         """A step beyond what is allowed ends at the last number that is."""
@@ -199,15 +202,15 @@ class NumberField(TypedField):
             return
         if self._gesture is None:
             self._gesture = object()
-            self.held.emit(self.parameter.name, True)
+            self.node.requests.held.emit(self.node.name, True)
         self.offer(number, self._gesture)
 
     def _end(self) -> None:
         if self._gesture is not None:
             self._gesture = None
-            self.gesture_ended.emit()
+            self.node.session.end_gesture()
             self.show_value(self.value)
-        self.held.emit(self.parameter.name, False)
+        self.node.requests.held.emit(self.node.name, False)
 
 
 # A slider that signals what a person does with it, and shows values without signals.

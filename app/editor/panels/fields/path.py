@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QFileDialog, QStyle, QStyleOptionFrame, QToolButto
 
 from app.editor.declared_text import about, tip
 from app.editor.panels.fields.field import TypedField
+from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.session import Session
 from core.modules.parameters import Parameter
 
 # A line for a file name: its folder is cut in the middle, the file's own name is always seen.
@@ -78,11 +78,16 @@ class PathField(TypedField):
     line = PathLine
 
     def __init__(
-        self, parameter: Parameter, parent: QWidget | None = None, *, session: Session, writes: bool
+        self,
+        parameter: Parameter,
+        node: PanelNode,
+        parent: QWidget | None = None,
+        *,
+        writes: bool,
     ) -> None:
-        self._session = session
+        self._session = node.session
         self._writes = writes
-        super().__init__(parameter, parent)
+        super().__init__(parameter, node, parent)
 
     def build(self) -> None:
         edit = self.build_edit()
@@ -127,7 +132,7 @@ class PathField(TypedField):
     def _dialog_title(self) -> str:
         """What is opened or written, and for which node: a few words, as others title dialogs."""
         verb = "Write file" if self._writes else "Open file"
-        return ": ".join([verb, " · ".join(filter(None, (self.node_name, self.title)))])
+        return f"{verb}: {self.node.name} · {self.title}"
 
     def _chosen(self, name: str) -> None:
         if name:

@@ -246,14 +246,14 @@ def test_ports_show_what_is_linked_and_are_viewed(qtbot, session, tmp_path):
         "mtf",
     ]
     view = ports.findChild(QWidget, "view.output.mtf")
-    with qtbot.waitSignal(area.view_requested) as asked:
+    with qtbot.waitSignal(area.requests.view) as asked:
         QTest.mouseClick(view, LEFT, pos=view.rect().center() / 2)
     assert asked.args == ["node", "mtf", 1]
-    with qtbot.waitSignal(area.view_requested) as asked:
+    with qtbot.waitSignal(area.requests.view) as asked:
         view.menu().actions()[2].trigger()
     assert asked.args == ["node", "mtf", 3]
     brought = ports.findChild(QWidget, "view.input.magnitude")
-    with qtbot.waitSignal(area.view_requested) as asked:
+    with qtbot.waitSignal(area.requests.view) as asked:
         brought.setFocus()
         QTest.keyClick(brought, Qt.Key.Key_Space)
     assert asked.args == ["blur", "magnitude", 1]

@@ -1,0 +1,176 @@
+"""The menu of a field: what can be done with a parameter, beside editing its value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QMenu, QWidget, QWidgetAction
+
+from app.editor.declared_text import choice_text, shown_value
+from app.editor.gestures import without_argument
+from app.editor.number_text import FreeNumber, shown_number
+from app.editor.session import Session
+from core.editing.clipboard import VALUES_FORMAT, read_values
+from core.editing.macros import expose, exposed_as, hide, rename_exposed
+from core.editing.operations import Operation
+from core.errors import ImagechainError, ParameterError
+from core.modules.parameters import Parameter
+from core.network.linked_values import expression_text
+from core.network.macro import SEPARATOR
+from core.network.network import EXPRESSION
+
+_ABOUT_FREE = (
+    "A fit to a picture (the dock Fit) determines what is free; this holds while the network is "
+    "open, and is not saved with it"
+)
+_SWITCH = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
+
+
+def offer(
+    menu: QMenu, name: str, text: str, act: Callable[[], object], *, about: str = ""
+) -> QAction:
+    """Add an action that calls without arguments."""
+    action = menu.addAction(text.replace("&", "&&"))
+    action.setObjectName(name)
+    if about:
+        action.setToolTip(about)
+    action.triggered.connect(partial(without_argument, act))
+    return action
+
+
+# A value as text with its unit, as it is copied and pasted.
+
+
+def chosen(parameter: Parameter, text: str) -> Any:
+    """The choice, or the state of a switch, that a text names; the text where there is none."""
+    if parameter.kind == "switch":
+        return _SWITCH.get(text.lower(), text)
+    options = (*parameter.choices, *((None,) if parameter.empty else ()))
+    return next((one for one in options if text in (str(one), choice_text(one))), text)
+
+
+def typed_text(parameter: Parameter, text: str) -> str:
+    """What is to be typed for a text with a unit, or for the values of a node that was copied.
+
+    Raises
+    ------
+    ParameterError
+        There is no value of the parameter among those of the node.
+    """
+    try:
+        text = (_value_of_node(parameter, text) if VALUES_FORMAT in text else text).strip()
+    except ParameterError:
+        raise
+    except ImagechainError as error:
+        raise ParameterError(parameter.name, text[:40], error.message) from error
+    # Not every unit is one that can be typed; its own need not be read.
+    unit = parameter.param.unit
+    is_number = parameter.kind in ("number", "integer") and not text.startswith("=")
+    return text.removesuffix(f" {unit}") if unit and is_number else text
+
+
+def _value_of_node(parameter: Parameter, text: str) -> str:
+    copied, name = read_values(text), parameter.name
+    if name not in copied.values:
+        raise ParameterError(name, None, "the clipboard's node has no such value")
+    raw = copied.values[name]
+    if isinstance(raw, dict) and EXPRESSION in raw:
+        return f"= {expression_text(raw)}"
+    return "" if raw is None else text_with_unit(parameter, raw, copied.units.get(name, ""))
+
+
+def text_with_unit(parameter: Parameter, value: Any, unit: str) -> str:
+    """A value as it is copied."""
+    if parameter.kind in ("number", "integer") and type(value) in (int, float):
+        return f"{shown_number(value)} {unit}".strip()
+    return "" if value in ((), []) else shown_value(parameter, value)
+
+
+# What is offered about fits: free a number, or fix it again.
+
+
+def add_fit_action(menu: QMenu, session: Session, node: str, parameter: str) -> None:
+    """Offer to free a number that may lie between others, or to fix it."""
+    is_free = session.free.has(node, parameter)
+    if not is_free and parameter in session.network.nodes[node].linked:
+        return  # what it follows can be free
+    menu.addSeparator()
+    if is_free:
+        fix = partial(session.free.fix, node, parameter)
+        action = offer(menu, "fix", "Fix (no longer fitted)", fix, about=_ABOUT_FREE)
+    else:
+        free = partial(session.free.put, FreeNumber(node, parameter))
+        action = offer(menu, "free", "Free for a fit", free, about=_ABOUT_FREE)
+    action.setStatusTip(_ABOUT_FREE)
+    menu.setToolTipsVisible(True)
+
+
+# What is offered about macros: whether one shows the parameter, and its name.
+
+
+def add_macro_actions(menu: QMenu, session: Session, node: str, parameter: str) -> None:
+    """Add what a macro can do with a parameter of one of its nodes, or with one that it shows."""
+    network = session.document.network
+    value_of = session.resolved.value
+    if session.network.nodes[node].macro is not None:
+        menu.addSeparator()
+        hiding = partial(hide, network, node, parameter, value_of)
+        offer(menu, "hide", "Hide from this panel", partial(_do, session, hiding))
+        menu.addAction(_naming(menu, session, node, parameter))
+        return
+    macro = node.removesuffix(SEPARATOR + session.local_name(node))
+    if macro == node:  # in no macro
+        return
+    menu.addSeparator()
+    name = exposed_as(network, node, parameter)
+    if name:
+        act = partial(hide, network, macro, name, value_of)
+        offer(menu, "hide", f"Hide from the panel of {macro}", partial(_do, session, act))
+    else:
+        act = partial(expose, network, node, parameter)
+        offer(menu, "expose", f"Show on the panel of {macro}", partial(_do, session, act))
+
+
+def _do(session: Session, made: Callable[[], Operation]) -> None:
+    try:
+        session.do(made())
+    except ImagechainError as error:
+        session.message.emit("error", str(error))
+
+
+def _naming(menu: QMenu, session: Session, macro: str, name: str) -> QWidgetAction:
+    """A line in the menu in which the parameter's name is typed; Enter takes it."""
+    edit, action = line_in_menu(menu, "Name", "exposed_name")
+    edit.setText(name)
+    edit.setAccessibleName(f"name of the parameter {name} on this panel")
+    edit.setToolTip("What the parameter is called on this panel; Enter takes it")
+
+    def take() -> None:
+        new = edit.text().strip()
+        menu.close()
+        if new != name:
+            network = session.document.network
+            _do(session, partial(rename_exposed, network, macro, name, new))
+
+    edit.returnPressed.connect(take)
+    action.setObjectName("rename_exposed")
+    return action
+
+
+def line_in_menu(menu: QMenu, text: str, name: str) -> tuple[QLineEdit, QWidgetAction]:
+    """A line to type in that can be added to a menu, with a label of that text before it."""
+    line = QWidget(menu)
+    label, edit = QLabel(text, line), QLineEdit(line)
+    edit.setObjectName(name)
+    label.setBuddy(edit)
+    row = QHBoxLayout(line)
+    row.setContentsMargins(12, 2, 12, 2)
+    row.addWidget(label)
+    row.addWidget(edit, 1)
+    line.setFocusProxy(edit)
+    action = QWidgetAction(menu)
+    action.setDefaultWidget(line)
+    return edit, action
