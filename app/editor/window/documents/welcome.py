@@ -7,8 +7,8 @@ from datetime import datetime
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QSize, Qt, Signal
-from PySide6.QtGui import QPixmap, QPixmapCache, QResizeEvent
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QPixmap, QPixmapCache, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
@@ -65,13 +65,14 @@ class WelcomePage(QScrollArea):
         whole.addLayout(right, 2)
         self.setWidget(page)
 
-    def event(self, event: QEvent) -> bool:
-        """Read the shipped networks only once the page is about to be shown: it takes 0.05 s."""
-        if event.type() == QEvent.Type.Polish and self._cards is None:
+    def showEvent(self, event: QShowEvent) -> None:
+        """Read the shipped networks, which load their modules, only if the page is ever shown."""
+        super().showEvent(event)
+        if self._cards is None:
             self._cards = self._shipped()
             self._beside.addWidget(self._cards)
             self._beside.addStretch()
-        return super().event(event)
+            self._cards.show()  # at once, with the page
 
     def show_lists(self, recent: Sequence[Path], recovered: Sequence[Recovered]) -> None:
         _clear(self._lists)

@@ -7,6 +7,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QWidget
 
+from app.editor.window.documents.welcome import NetworkCard
+from app.editor.window.main_window import MainWindow
 from app.run.shipped import shipped_networks
 
 
@@ -55,3 +57,17 @@ def test_it_is_opened_by_mouse_and_by_keys(make_window, qtbot, tmp_path):
     qtbot.waitUntil(other.hasFocus)
     QTest.keyClick(other, Qt.Key.Key_Space)
     assert window.session.network.name == other.accessibleName()
+
+
+def test_opening_a_network_at_the_start_builds_no_card(library, settings, tmp_path, qtbot):
+    """Their networks load nearly every module."""
+    window = MainWindow(library=library, settings=settings, recovery=tmp_path)
+    qtbot.addWidget(window)
+    window.open_first("first_steps")
+    window.show()
+    qtbot.waitExposed(window)
+    assert window.findChildren(NetworkCard) == []
+    window.show_welcome()
+    assert len(cards(window)) == len(shipped_networks())
+    assert all(card.isVisible() for card in cards(window))
+    window.close_for_good()
