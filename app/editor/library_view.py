@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.theme import DARK, Theme
+from app.editor.theme import theme_of
 from app.library_index import declarations
 from app.run.preset_files import KEY, Preset
 from core.modules.declaration import Declaration, Library
@@ -154,11 +154,15 @@ class LibraryView(QWidget):
         self.filter.returnPressed.connect(self._choose_current)
         self.filter.installEventFilter(self)
         self.tree.itemActivated.connect(self._choose_item)
-        self.set_theme(DARK)
+        self._colour_groups()
 
-    def set_theme(self, theme: Theme) -> None:
-        self._theme = theme
-        side = self.fontMetrics().height() // 2
+    def changeEvent(self, event: QEvent) -> None:
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange and hasattr(self, "tree"):
+            self._colour_groups()
+
+    def _colour_groups(self) -> None:
+        theme, side = theme_of(self), self.fontMetrics().height() // 2
         for name, item in self.tree.groups.items():
             mark = QPixmap(side, side)
             mark.fill(QColor(theme.groups.get(name, theme.line)))
@@ -167,7 +171,7 @@ class LibraryView(QWidget):
     def show_presets(self, presets: Sequence[Preset]) -> None:
         self.tree.show_presets(presets)
         self.tree.show_matching(self.filter.text())
-        self.set_theme(self._theme)
+        self._colour_groups()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """From the field, the arrows lead to the modules."""

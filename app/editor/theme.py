@@ -204,6 +204,13 @@ def theme_of(widget: QWidget) -> Theme:
     return DARK if dark else LIGHT
 
 
+def raised_palette(theme: Theme) -> QPalette:
+    """That of what floats on a view, whose children have the view's own."""
+    palette = theme.palette()
+    palette.setColor(QPalette.ColorRole.Window, QColor(theme.raised))
+    return palette
+
+
 def set_ink(widget: QWidget, colour: str) -> None:
     palette = widget.palette()
     if palette.color(QPalette.ColorRole.WindowText) != QColor(colour):

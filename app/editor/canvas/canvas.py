@@ -32,9 +32,11 @@ from app.editor.canvas.view.node_thumbnails import NodeThumbnails
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level
 from app.editor.session import Session
-from app.editor.theme import FAINT, Theme
+from app.editor.theme import FAINT, raised_palette, theme_of
 from core.editing.backdrops import backdrops_of, change
 from core.network.network import Link
+
+_TYPE = QEvent.Type
 
 
 class Canvas(QWidget):
@@ -45,13 +47,12 @@ class Canvas(QWidget):
     files_dropped = Signal(list, QPointF)
     preset_dropped = Signal(str, QPointF)  # (key, point): a preset of the library was dropped there
 
-    def __init__(self, session: Session | Level, theme: Theme) -> None:
+    def __init__(self, session: Session | Level) -> None:
         super().__init__()
         self.setObjectName("canvas")
         self.setAccessibleName("Canvas")
-        self._style = style = CanvasStyle(theme, self.font())
+        self._style = style = CanvasStyle(theme_of(self), self.font())
         self._session = session
-        self._theme = theme
         self.thumbnails: NodeThumbnails | None = None
         self.view = GraphView(style, self)
         self.setFocusProxy(self.view)
@@ -59,7 +60,7 @@ class Canvas(QWidget):
         self._surface = surface = Surface(session, self.view, self.content, self)
         self.empty_hint = EmptyHint(session, self.view.viewport())
         self.marks = Marks(self.content)
-        self.minimap = Minimap(self.view, self.content, theme)
+        self.minimap = Minimap(self.view, self.content)
         self.popup = ChoicePopup(self.view)
         self.title_editor = TitleEditor(self.view)
         self.adding = Adding(surface, self.popup)
@@ -87,26 +88,13 @@ class Canvas(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self.view)
         self._connect()
-        self.set_theme(theme)
+        self._take_look()
         self._opened()
 
     # For the window's actions
 
     def set_menus(self, node_actions: Sequence[QAction], canvas_actions: Sequence[QAction]) -> None:
         self.menus.fill(node_actions, canvas_actions)
-
-    def set_theme(self, theme: Theme) -> None:
-        self._theme = theme
-        style = self._style
-        if not style.is_of(theme, self.font()):  # to measure letters takes long
-            style = self._style = CanvasStyle(theme, self.font())
-        self.content.set_style(style)
-        if self.thumbnails is not None:
-            self.thumbnails.set_style(style)
-        self.view.set_style(style)
-        self.popup.set_theme(theme)
-        self.minimap.set_theme(theme)
-        self._surface.hint.set_theme(theme)
 
     def set_badges(self, badges: Any) -> None:
         self.content.set_badges(dict(badges))
@@ -190,8 +178,21 @@ class Canvas(QWidget):
 
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
-        if event.type() == QEvent.Type.FontChange and hasattr(self, "adding"):
-            self.set_theme(self._theme)
+        if event.type() in (_TYPE.FontChange, _TYPE.PaletteChange) and hasattr(self, "adding"):
+            self._take_look()
+
+    def _take_look(self) -> None:
+        """Draw in the colours and the letters that the window has now."""
+        theme, style = theme_of(self), self._style
+        if not style.is_of(theme, self.font()):  # to measure letters takes long
+            style = self._style = CanvasStyle(theme, self.font())
+        self.content.set_style(style)
+        if self.thumbnails is not None:
+            self.thumbnails.set_style(style)
+        self.view.set_style(style)
+        self.minimap.update()
+        for floating in (self.popup, self._surface.hint):
+            floating.setPalette(raised_palette(theme))
 
     def _connect(self) -> None:
         session = self._session

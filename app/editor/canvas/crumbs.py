@@ -15,7 +15,7 @@ from app.editor.canvas.items.backdrop_item import BackdropItem
 from app.editor.canvas.view.canvas_view import GraphView
 from app.editor.declared_text import tip
 from app.editor.level import Level
-from app.editor.theme import FAINT, Theme, set_ground
+from app.editor.theme import FAINT, RAISED
 
 _BETWEEN = "›"
 
@@ -23,12 +23,11 @@ _BETWEEN = "›"
 class Crumbs(QWidget):
     """Buttons for the network and each macro on the way, and one that leads back by one."""
 
-    def __init__(self, level: Level, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, level: Level, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName("crumbs")
         self.setAccessibleName("way to the macro shown")
         self._level = level
-        self._theme = theme
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(4, 2, 4, 2)
         self._row.setSpacing(2)
@@ -42,12 +41,9 @@ class Crumbs(QWidget):
         level.changed.connect(self._fill)
         level.session.state_changed.connect(self._fill)
         self._shown: tuple[str, ...] | None = None
-        self.set_theme(theme)
+        self.setBackgroundRole(RAISED)
+        self.setAutoFillBackground(True)
         self._fill()
-
-    def set_theme(self, theme: Theme) -> None:
-        self._theme = theme
-        set_ground(self, theme.raised)
 
     def _fill(self, *_: object) -> None:
         document = self._level.session.document

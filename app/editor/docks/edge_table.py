@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.declared_text import tip
 from app.editor.panels.chart import Chart, ChartWidget
-from app.editor.theme import FAINT, Theme
+from app.editor.theme import FAINT
 from app.editor.widgets import CopiedTable
 from app.measure.measurement_text import USED
 from core.modules.preview import Axis
@@ -176,8 +176,8 @@ class MtfChart(ChartWidget):
 
     read = Signal(str)  # (text): what stands under the mouse; empty where nothing does
 
-    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
-        super().__init__(theme, width=20, height=13, parent=parent)
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(width=20, height=13, parent=parent)
         self.setObjectName("measure.mtf")
         self.setAccessibleName("MTF against frequency")
         self.setToolTip(
@@ -195,7 +195,7 @@ class MtfChart(ChartWidget):
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         x = Axis(0.0, 1.0, "frequency (cycles/sample)")
-        chart = Chart(painter, area, x, Axis(0.0, _HIGHEST, "MTF"), self._theme)
+        chart = Chart(painter, area, x, Axis(0.0, _HIGHEST, "MTF"), self.theme)
         self._frame = chart.frame
         measured = self._measured
         if measured is None:
@@ -216,7 +216,7 @@ class MtfChart(ChartWidget):
         if legend:
             chart.upright(_NYQUIST, "Nyquist")
         else:
-            painter.setPen(QColor(self._theme.faint_text))
+            painter.setPen(QColor(self.theme.faint_text))
             flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
             inside = chart.frame.adjusted(6, 4, -6, -4).toRect()
             painter.drawText(inside, int(flags), "No edge could be used")
@@ -239,10 +239,10 @@ class MtfChart(ChartWidget):
     @property
     def _edge_colour(self) -> str:
         """That of its line on the picture, which is too light for a light ground."""
-        return USED if self._theme.look == "dark" else "#9a6a00"
+        return USED if self.theme.look == "dark" else "#9a6a00"
 
     def _curves(self, measured: PictureMeasurement) -> list[tuple[str, MtfCurve, str, Qt.PenStyle]]:
-        colours, solid = self._theme.curves, Qt.PenStyle.SolidLine
+        colours, solid = self.theme.curves, Qt.PenStyle.SolidLine
         both = (
             ("across", measured.x, colours[0], solid),
             ("along", measured.y, colours[2], _DASH),

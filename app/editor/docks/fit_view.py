@@ -23,7 +23,6 @@ from app.editor.docks.measure_worker import (
 )
 from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.session import Session
-from app.editor.theme import Theme
 from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import FlowLayout, toggle_button, tool_button
 from core.editing.operations import Operation, Together, set_parameter
@@ -51,12 +50,10 @@ class FitView(WorkerView):
     def __init__(
         self,
         session: Session,
-        theme: Theme,
         default_pictures: Callable[[], Pictures | None],
         finish_typing: Callable[[], None],
     ) -> None:
         super().__init__("fit", "Fit to a picture")
-        self.theme = theme
         self.outcome: FitOutcome | None = None
         self._session = session
         self._default, self._finish_typing = default_pictures, finish_typing
@@ -69,7 +66,6 @@ class FitView(WorkerView):
         self.drops = PictureDrops(self, self.choose_pictures)
         self._build()
         self._connect()
-        self.set_theme(theme)
         self.show_state()
 
     @property
@@ -154,10 +150,6 @@ class FitView(WorkerView):
 
     # --- the widget --------------------------------------------------------------------------
 
-    def set_theme(self, theme: Theme) -> None:
-        self.theme = theme
-        self.chart.set_theme(theme)
-
     def sizeHint(self) -> QSize:
         line = self.fontMetrics().height()
         return QSize(48 * line, 20 * line)
@@ -204,7 +196,7 @@ class FitView(WorkerView):
         self.words.setAccessibleName("What the fit says of itself")
         self.words.setReadOnly(True)
         self.words.setTabChangesFocus(True)
-        self.chart = SpreadChart(self.theme, self)
+        self.chart = SpreadChart(self)
         left = QSplitter(Qt.Orientation.Vertical, self)
         left.addWidget(self.table)
         left.addWidget(self.words)
@@ -378,8 +370,8 @@ _DOT = 2.0  # pixels
 
 
 class SpreadChart(ChartWidget):
-    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
-        super().__init__(theme, width=24, height=14, parent=parent)
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(width=24, height=14, parent=parent)
         self.setObjectName("fit.spread")
         self.setAccessibleName("Samples of the edge and the chain's spread")
         self.setToolTip(
@@ -399,18 +391,18 @@ class SpreadChart(ChartWidget):
         reach = 8.0 if edge is None else max(1.0, float(np.abs(edge.distance).max(initial=0.0)))
         x = Axis(-reach, reach, "distance from the edge (samples)")
         y = Axis(_LOW, _HIGH, "share of the step")
-        chart = Chart(painter, area, x, y, self._theme)
+        chart = Chart(painter, area, x, y, self.theme)
         if edge is not None:
             self._paint(painter, chart, edge, x, y)
         elif self._why_none:
-            painter.setPen(QColor(self._theme.faint_text))
+            painter.setPen(QColor(self.theme.faint_text))
             flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
             painter.drawText(
                 chart.frame.adjusted(6, 4, -6, -4).toRect(), int(flags), self._why_none
             )
 
     def _paint(self, painter: QPainter, chart: Chart, edge: DrawnEdge, x: Axis, y: Axis) -> None:
-        samples, line = self._theme.faint_text, self._theme.curves[0]
+        samples, line = self.theme.faint_text, self.theme.curves[0]
         order = np.argsort(edge.distance, kind="stable")
         if len(order) > _MOST:
             order = order[np.linspace(0, len(order) - 1, _MOST).astype(np.intp)]

@@ -33,7 +33,6 @@ from app.editor.docks.measure_worker import (
 )
 from app.editor.gestures import without_argument
 from app.editor.session import Session
-from app.editor.theme import Theme
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import FlowLayout, menu_button, toggle_button, tool_button
@@ -65,7 +64,7 @@ class MeasureView(WorkerView):
 
     source_changed = Signal()  # other pictures are shown as measured
 
-    def __init__(self, session: Session, theme: Theme, viewers: Mapping[int, ImageViewer]) -> None:
+    def __init__(self, session: Session, viewers: Mapping[int, ImageViewer]) -> None:
         super().__init__("measure", "Measure a picture")
         self._session = session
         self._viewers = viewers
@@ -75,9 +74,8 @@ class MeasureView(WorkerView):
         self._coming: _Measuring | None = None
         self._files: tuple[Path, ...] = ()
         self.drops = PictureDrops(self, self.measure_files)
-        self._build(theme)
+        self._build()
         self._connect()
-        self.set_theme(theme)
         self._show_all()
 
     # --- measuring ---------------------------------------------------------------------------
@@ -238,14 +236,11 @@ class MeasureView(WorkerView):
 
     # --- the widget --------------------------------------------------------------------------
 
-    def set_theme(self, theme: Theme) -> None:
-        self.chart.set_theme(theme)
-
     def sizeHint(self) -> QSize:
         line = self.fontMetrics().height()
         return QSize(48 * line, 22 * line)
 
-    def _build(self, theme: Theme) -> None:
+    def _build(self) -> None:
         self.viewer = menu_button(
             "measure.viewer", "Measure Viewer", "Measure the picture of a viewer (Ctrl+M)", self
         )
@@ -280,7 +275,7 @@ class MeasureView(WorkerView):
         for widget in (*buttons, self.write, self.band, self.pictures):
             flow.addWidget(widget)
         self.canvas = EdgeCanvas(self)
-        self.chart = MtfChart(theme, self)
+        self.chart = MtfChart(self)
         self.table = EdgeTable(self)
         self.figures = FigureTable(self)
         self.tabs = QTabWidget(self)

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.docks.tradeoff_ranges import Span
 from app.editor.panels.chart import Chart, ordinate_ticks, room_for_ticks
-from app.editor.theme import Theme
+from app.editor.theme import theme_of
 from core.modules.preview import Axis
 
 Vector = NDArray[np.float64]
@@ -52,23 +52,18 @@ class TradeOffPlots(QWidget):
     released = Signal()  # mouse or key is up
     pointed = Signal(float)  # (value): the mouse is at this abscissa; NaN where it is at none
 
-    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName("tradeoff.plots")
         self.setAccessibleName("Figures of merit; arrow keys move the parameter")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
-        self._theme = theme
         self.graphs: tuple[Graph, ...] = ()
         self.span: Span | None = None
         self.mark: float | None = None
         self._label, self._hint = "", ""
         self._frames: list[QRectF] = []
         self._dragged = False
-
-    def set_theme(self, theme: Theme) -> None:
-        self._theme = theme
-        self.update()
 
     def show_graphs(self, graphs: Sequence[Graph], span: Span | None, label: str) -> None:
         self.graphs, self.span, self._label = tuple(graphs), span, label
@@ -101,10 +96,10 @@ class TradeOffPlots(QWidget):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(self._theme.base))
+        painter.fillRect(self.rect(), QColor(theme_of(self).base))
         self._frames = []
         if self.span is None or not self.graphs:
-            painter.setPen(QColor(self._theme.faint_text))
+            painter.setPen(QColor(theme_of(self).faint_text))
             flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
             painter.drawText(self.rect().adjusted(8, 8, -8, -8), int(flags), self._hint)
             painter.end()
@@ -187,7 +182,7 @@ class TradeOffPlots(QWidget):
         left: float,
         lowest: bool,
     ) -> None:
-        span, theme = self.span, self._theme
+        span, theme = self.span, theme_of(self)
         assert span is not None
         x = Axis(span.low, span.high, self._label if lowest else "", log=span.log)
         painter.save()
@@ -215,7 +210,7 @@ class TradeOffPlots(QWidget):
 
     def _paint_gaps(self, painter: QPainter, frame: QRectF, shares: Sequence[float]) -> None:
         """A cross at the foot of each value that has no figure."""
-        painter.setPen(QPen(QColor(self._theme.error), 1.4))
+        painter.setPen(QPen(QColor(theme_of(self).error), 1.4))
         for share in shares:
             x, foot = frame.left() + share * frame.width(), frame.bottom()
             for side in (-3.0, 3.0):

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from PySide6.QtCore import QSize, Signal
+from PySide6.QtCore import QEvent, QSize, Signal
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
@@ -21,7 +21,6 @@ from app.editor.docks.tradeoff_ranges import Span, Varied, coarse_first, usual_s
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure, shown_number
 from app.editor.session import Session, renamed_node
-from app.editor.theme import Theme
 from app.editor.viewers.network_ports import ports_depend_on
 from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.plot_export import export_picture
@@ -60,7 +59,6 @@ class TradeOffView(Viewer):
         self,
         session: Session,
         evaluator: Evaluator | None,
-        theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
         super().__init__(session, evaluator, "tradeoff", parent)
@@ -74,7 +72,6 @@ class TradeOffView(Viewer):
         self._known: Hashable = None
         self._listed = False
         self._build()
-        self.set_theme(theme)
         self._follow_nodes()
 
     @property
@@ -119,9 +116,10 @@ class TradeOffView(Viewer):
         else:
             export_picture(self.plots, path)
 
-    def set_theme(self, theme: Theme) -> None:
-        self.plots.set_theme(theme)
-        self._fill_list()
+    def changeEvent(self, event: QEvent) -> None:
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange:
+            self._fill_list()
 
     def queries(self) -> tuple[Query, ...]:
         if self.span is None or not self.shown:
@@ -163,7 +161,7 @@ class TradeOffView(Viewer):
 
     def _build(self) -> None:
         self.bar = TradeOffBar(self.session, self)
-        self.plots = TradeOffPlots(self.theme, self)
+        self.plots = TradeOffPlots(self)
         self.list = CurveList(self)
         self.list.setObjectName("tradeoff.figures")
         self.list.setAccessibleName("Figures that are shown")

@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
-from app.editor.theme import Theme
+from app.editor.theme import Theme, theme_of
 from core.modules.preview import Axis, Tick
 
 _FURTHEST = 1e4  # shares of the frame; what lies further out is cut there
@@ -242,16 +242,13 @@ class ChartWidget(QWidget):
     The room it likes to have is in lines of text.
     """
 
-    def __init__(
-        self, theme: Theme, *, width: float, height: float, parent: QWidget | None = None
-    ) -> None:
+    def __init__(self, *, width: float, height: float, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._theme = theme
         self._lines = width, height
 
-    def set_theme(self, theme: Theme) -> None:
-        self._theme = theme
-        self.update()
+    @property
+    def theme(self) -> Theme:
+        return theme_of(self)
 
     def sizeHint(self) -> QSize:
         line = self.fontMetrics().height()
@@ -266,7 +263,7 @@ class ChartWidget(QWidget):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(self._theme.base))
+        painter.fillRect(self.rect(), QColor(self.theme.base))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         font = painter.font()
         font.setPointSizeF(0.9 * font.pointSizeF())

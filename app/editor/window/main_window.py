@@ -124,9 +124,6 @@ class MainWindow(QMainWindow):
         app = QApplication.instance()
         if isinstance(app, QApplication):
             app.setPalette(theme.palette())
-        parts = (self.canvas, self.crumbs, self.library_view)
-        for part in (*parts, self.viewers, self.measuring, self.fitting, self.status):
-            part.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
 
     def toggle_light(self) -> None:
@@ -234,13 +231,13 @@ class MainWindow(QMainWindow):
         self.evaluator.close()  # last: Python may collect in any thread afterwards
 
     def _build(self, library: Library) -> None:
-        self.canvas = Canvas(self.level, self.theme)
-        self.crumbs = Crumbs(self.level, self.theme, self.canvas)
+        self.canvas = Canvas(self.level)
+        self.crumbs = Crumbs(self.level, self.canvas)
         self.library_view = LibraryView(library)
         self.panels = PanelArea(self.session, self.evaluator)
         self.figures = FiguresStrip(self.session, self.evaluator)
         self.welcome = WelcomePage(library)
-        self.status = StatusBar(self.theme, self)
+        self.status = StatusBar(self)
         self.setStatusBar(self.status)
         work_page = QWidget()
         layout = QVBoxLayout(work_page)
@@ -256,7 +253,7 @@ class MainWindow(QMainWindow):
         self.setCorner(Qt.Corner.TopRightCorner, _RIGHT)
         self.library_dock = add_dock(self, "Library", "dock.library", self.library_view, _LEFT)
         self.panel_dock = add_dock(self, "Control panels", "dock.panels", self.panels, _RIGHT)
-        self.viewers = ViewerDocks(self.session, self.evaluator, self.theme, self)
+        self.viewers = ViewerDocks(self.session, self.evaluator, self)
         self.history = HistoryList(self.session)
         self.history_dock = add_dock(self, "History", "dock.history", self.history, _RIGHT)
         self.history_dock.hide()
@@ -271,11 +268,9 @@ class MainWindow(QMainWindow):
         self.snapshots_dock = self._hidden_dock("Snapshots", "snapshots", self.snapshots_view)
         self.runs = BackgroundRuns(self.session, self, self.finish_typing)
         self.runs.dock.visibilityChanged.connect(self.viewers.name_tabs)
-        self.measuring = measuring = MeasureView(self.session, self.theme, self.viewers.images)
+        self.measuring = measuring = MeasureView(self.session, self.viewers.images)
         self.measure_dock = self._hidden_dock("Measure", "measure", measuring)
-        self.fitting = FitView(
-            self.session, self.theme, lambda: measuring.source, self.finish_typing
-        )
+        self.fitting = FitView(self.session, lambda: measuring.source, self.finish_typing)
         self.fit_dock = self._hidden_dock("Fit", "fit", self.fitting)
         self.fit_dock.visibilityChanged.connect(self.fitting.show_state)
         measuring.source_changed.connect(self.fitting.show_state)

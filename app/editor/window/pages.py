@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.gestures import SecondClick
-from app.editor.theme import ERROR, Theme
+from app.editor.theme import CHANGED, ERROR
 from app.editor.window.docks.window_layout import LayoutName, WindowLayout
 
 
@@ -90,7 +90,7 @@ class StatusBar(QStatusBar):
 
     cancel_wanted = Signal()  # stop the computation
 
-    def __init__(self, theme: Theme, parent: QWidget) -> None:
+    def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self._advises = False
         self._error = QLabel(self)
@@ -111,11 +111,11 @@ class StatusBar(QStatusBar):
         self.addWidget(self._error, 1)
         self._behind = QLabel("stopped: shows what it had before; Ctrl+Enter computes it", self)
         self._behind.setObjectName("status.behind")
+        self._behind.setForegroundRole(CHANGED)
         self._behind.hide()
         for widget in (self._behind, self._where, self._progress, self._cancel):
             self.addPermanentWidget(widget)
         self.show_busy(None)
-        self.set_theme(theme)
 
     @property
     def error(self) -> str:
@@ -171,6 +171,3 @@ class StatusBar(QStatusBar):
     def show_behind(self, behind: bool) -> None:
         """Say that what is shown is older than the network, or stop saying so."""
         self._behind.setVisible(behind)
-
-    def set_theme(self, theme: Theme) -> None:
-        self._behind.setStyleSheet(f"color: {theme.badges['stale']};")

@@ -100,7 +100,7 @@ def opened(session, library):
 @pytest.fixture
 def canvas(qtbot, session):
     """A canvas on the session, shown and with the focus."""
-    made = Canvas(session, DARK)
+    made = Canvas(session)
     qtbot.addWidget(made)
     made.resize(1000, 600)
     made.show()

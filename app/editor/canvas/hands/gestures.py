@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 
 from PySide6.QtCore import QObject, QPoint, QPointF, QRect, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QPalette
+from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QLabel, QWidget
 
 from app.editor.canvas.items.content import Content
@@ -15,7 +15,6 @@ from app.editor.canvas.items.wire_item import LiveWire
 from app.editor.canvas.view.canvas_view import GraphView
 from app.editor.level import Level
 from app.editor.session import Session
-from app.editor.theme import Theme
 from core.editing.layout import Point
 from core.editing.operations import Rewire
 
@@ -152,11 +151,6 @@ class Hint(QLabel):
         self.move(max(x, 0), max(y, 0))
         self.show()
         self.raise_()
-
-    def set_theme(self, theme: Theme) -> None:
-        palette = theme.palette()
-        palette.setColor(QPalette.ColorRole.Window, QColor(theme.raised))
-        self.setPalette(palette)
 
 
 class Surface(QObject):

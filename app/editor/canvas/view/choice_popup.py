@@ -29,8 +29,6 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.theme import Theme
-
 _ROLE = Qt.ItemDataRole.UserRole
 _ROWS = 9
 _NARROW, _WIDE = 44, 76  # letters
@@ -155,11 +153,6 @@ class ChoicePopup(QFrame):
         item = self.list.currentItem()
         if item is not None:
             self._choose_item(item)
-
-    def set_theme(self, theme: Theme) -> None:
-        palette = theme.palette()
-        palette.setColor(QPalette.ColorRole.Window, QColor(theme.raised))
-        self.setPalette(palette)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         if watched is self.field and self._open:

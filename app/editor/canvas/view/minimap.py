@@ -9,7 +9,6 @@ from PySide6.QtWidgets import QWidget
 from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.node_item import head_colour
 from app.editor.canvas.view.canvas_view import GraphView
-from app.editor.theme import Theme
 
 _LARGEST = QSize(200, 130)
 _SHARE = 0.28  # of the canvas's width and height, at most
@@ -21,7 +20,7 @@ _LEAST = QSizeF(2, 2)  # of a node on it
 class Minimap(QWidget):
     """Shown while a part of the network is outside the view; a click or a drag goes there."""
 
-    def __init__(self, view: GraphView, content: Content, theme: Theme) -> None:
+    def __init__(self, view: GraphView, content: Content) -> None:
         super().__init__(view.viewport())
         self.setObjectName("canvas.minimap")
         self.setAccessibleName("Map of the network")
@@ -29,7 +28,6 @@ class Minimap(QWidget):
         self.setCursor(Qt.CursorShape.PointingHandCursor)
         self._view = view
         self._content = content
-        self._theme = theme
         self._wanted = True
         self._shown: tuple[QRectF, QRectF] | None = None
         self.hide()
@@ -44,10 +42,6 @@ class Minimap(QWidget):
         self._wanted = not self._wanted
         self._shown = None
         self.follow()
-
-    def set_theme(self, theme: Theme) -> None:
-        self._theme = theme
-        self.update()
 
     def follow(self) -> None:
         whole, seen = self._content.bounds(), self._view.visible_rect()
@@ -72,16 +66,16 @@ class Minimap(QWidget):
         style = self._view.style_of_canvas
         whole = self._content.bounds()
         with QPainter(self) as painter:
-            ground = QColor(self._theme.raised)
+            ground = QColor(style.theme.raised)
             ground.setAlpha(225)
             painter.fillRect(self.rect(), ground)
-            painter.setPen(QColor(self._theme.line))
+            painter.setPen(QColor(style.theme.line))
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             painter.setPen(Qt.PenStyle.NoPen)
             scale = self._scale(whole)
             for backdrop in self._content.backdrops:
-                painter.setBrush(QColor(self._theme.canvas))
+                painter.setBrush(QColor(style.theme.canvas))
                 painter.drawRect(_mapped(backdrop.frame(), whole, scale))
             for node in self._content.nodes.values():
                 painter.setBrush(style.accent if node.selected else head_colour(node))

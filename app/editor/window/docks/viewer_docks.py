@@ -12,7 +12,6 @@ from shiboken6 import isValid
 from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
-from app.editor.theme import Theme
 from app.editor.viewers.network_ports import PICTURE_TYPES, PLOT_TYPES
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_viewer import PlotViewer
@@ -25,9 +24,7 @@ class ViewerDocks(QObject):
 
     made = Signal(object)  # (dock): a dock has been made
 
-    def __init__(
-        self, session: Session, evaluator: Evaluator, theme: Theme, window: QMainWindow
-    ) -> None:
+    def __init__(self, session: Session, evaluator: Evaluator, window: QMainWindow) -> None:
         super().__init__(window)
         self._session = session
         self._evaluator = evaluator
@@ -39,7 +36,7 @@ class ViewerDocks(QObject):
         self.plot = PlotViewer(session, evaluator)
         self.plot_dock = self._dock("Curves", "dock.curves", self.plot)
         self._viewer(1)
-        self.tradeoff = TradeOffView(session, evaluator, theme)
+        self.tradeoff = TradeOffView(session, evaluator)
         self.tradeoff_dock = self._dock("Trade-off", "dock.tradeoff", self.tradeoff)
         self.tradeoff_dock.hide()
 
@@ -87,9 +84,6 @@ class ViewerDocks(QObject):
     def trade_off(self, node: str, parameter: str) -> None:
         self.tradeoff.trade_off(*self._session.plain.parameter_behind(node, parameter))
         bring_forward(self.tradeoff_dock, self.tradeoff.bar.parameter)
-
-    def set_theme(self, theme: Theme) -> None:
-        self.tradeoff.set_theme(theme)
 
     def forget_pictures(self) -> None:
         """Show nothing, as for another document; viewers beyond the first close."""

@@ -121,7 +121,7 @@ def test_wires_have_the_colour_of_what_they_carry(opened, canvas):
     phase = wires[Link.between("init.phase", "back.phase")]
     assert image.colour.name() == "#e5da4f"
     assert phase.colour.name() == "#c891b9"
-    canvas.set_theme(LIGHT)
+    canvas.setPalette(LIGHT.palette())
     assert image.colour.name() == "#926d07"
 
 

@@ -14,7 +14,6 @@ from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.node_item import NodeItem
 from app.editor.evaluation.queries import Badge
 from app.editor.session import Session
-from app.editor.theme import DARK
 from app.run.shipped import shipped_networks
 from canvas_networks import long_chain
 from core.editing.document import Document
@@ -68,7 +67,7 @@ def test_fifty_networks_leave_no_more_items_than_one(session, canvas, library):
 def test_a_closed_canvas_is_gone_though_its_session_lives(session, library):
     gone = []
     for _ in range(3):
-        canvas = Canvas(session, DARK)
+        canvas = Canvas(session)
         canvas.show()
         session.open(Document(long_chain(12), library=library))
         canvas.open_search()
@@ -84,7 +83,7 @@ def test_a_closed_canvas_is_gone_though_its_session_lives(session, library):
 
 def test_a_session_can_go_before_its_canvas(qtbot, library):
     session = Session(library)
-    canvas = Canvas(session, DARK)
+    canvas = Canvas(session)
     qtbot.addWidget(canvas)
     canvas.show()
     session.open(Document(long_chain(8), library=library))

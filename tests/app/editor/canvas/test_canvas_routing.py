@@ -9,7 +9,6 @@ from app.editor.canvas.canvas import Canvas
 from app.editor.canvas.items import wire_item
 from app.editor.canvas.items.hits import distance
 from app.editor.canvas.items.routing import Ground, course_of, overlap, wire_path
-from app.editor.theme import DARK
 from canvas_networks import long_chain
 from core.editing.document import Document
 from core.editing.operations import Move, Remove
@@ -97,7 +96,7 @@ def test_wires_run_after_edits_as_in_a_canvas_opened_anew(session, canvas, libra
         session.do(Move({name: (lot.randrange(0, 2400), lot.randrange(0, 960))}))
     session.do(Remove(("jitter_20", "jitter_33")))
     session.undo()
-    anew = Canvas(session, DARK)
+    anew = Canvas(session)
     qtbot.addWidget(anew)
     assert courses(canvas) == courses(anew)
 

@@ -167,7 +167,7 @@ def test_a_backdrop_is_edited_and_deleted_from_its_menu(opened, canvas, hand):
 def test_it_draws_at_every_zoom(opened, canvas, theme, zoom):
     """Nothing complains, the ground has the theme's colour, and the nodes are there."""
     opened("kodak_kir310")
-    canvas.set_theme(theme)
+    canvas.setPalette(theme.palette())
     canvas.view.zoom_at(zoom / canvas.view.relative_zoom)
     picture = canvas.view.grab().toImage()
     colours = {

@@ -98,7 +98,8 @@ def painted(widget, wanted):
 @THEMES
 def test_painted_wires_have_these_colours(session, library, qtbot, theme):
     session.open(Document(chain_and_free_blur(), library=library))
-    canvas = Canvas(session, theme)
+    canvas = Canvas(session)
+    canvas.setPalette(theme.palette())
     qtbot.addWidget(canvas)
     canvas.resize(1400, 500)
     canvas.show()

@@ -220,7 +220,8 @@ def test_nodes_of_every_group(session, library, qtbot, theme, disabled, zoom):
     nodes = {key: Node(key, key, disabled=disabled) for key in keys.values()}
     layout = {key: (240.0 * n, 0.0) for n, key in enumerate(nodes)}
     session.open(Document(Network(nodes=nodes, layout=layout), library=library))
-    canvas = Canvas(session, theme)
+    canvas = Canvas(session)
+    canvas.setPalette(theme.palette())
     qtbot.addWidget(canvas)
     canvas.resize(900, 500)
     canvas.show()

@@ -19,7 +19,7 @@ GRAPHS = [  # numbers of one digit, of many, and powers
 
 @pytest.fixture(params=[(300, 800), (900, 500)], ids=["in one column", "in two"])
 def plots(request, qtbot):
-    made = TradeOffPlots(DARK)
+    made = TradeOffPlots()
     qtbot.addWidget(made)
     made.resize(*request.param)
     made.show_graphs(GRAPHS, Span(0.0, 1.0, count=11), "sigma")

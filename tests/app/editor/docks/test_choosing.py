@@ -244,6 +244,6 @@ def test_every_control_is_reached_and_named(dock):
 
 
 def test_the_light_look_is_light(dock):
-    dock.set_theme(LIGHT)
+    dock.setPalette(LIGHT.palette())
     picture = dock.plots.grab().toImage()
     assert picture.pixelColor(picture.width() - 2, 2).lightness() > 200

@@ -10,7 +10,6 @@ from PySide6.QtTest import QTest
 from app.editor.docks.tradeoff_ranges import Span
 from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.evaluation import runner
-from app.editor.theme import LIGHT
 from child_process import PATIENCE_S
 from core.chain.engine import Engine
 from core.editing.operations import Remove, Rename, set_node_field, set_parameter
@@ -160,7 +159,7 @@ def test_nothing_is_left_of_a_closed_dock(opened, qtbot):
     bench = ViewerBench(qtbot, opened("first_steps"))
 
     def used():
-        view = TradeOffView(bench.session, bench.evaluator, LIGHT)
+        view = TradeOffView(bench.session, bench.evaluator)
         view.plots.setObjectName("used")
         view.show()
         view.trade_off("blur", "sigma_x_mrad")

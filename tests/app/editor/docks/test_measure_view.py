@@ -14,7 +14,7 @@ from scipy.special import erf
 
 from app.editor.docks.edge_canvas import edge_look
 from app.editor.docks.measure_view import MeasureView
-from app.editor.theme import DARK, LIGHT
+from app.editor.theme import LIGHT
 from app.measure.measurement_text import REFUSED, REMOVED, USED
 from child_process import PATIENCE_S
 from core.editing.operations import set_network_field
@@ -38,7 +38,7 @@ def two_edges(tmp_path_factory):
 
 @pytest.fixture
 def view(qtbot, session):
-    made = MeasureView(session, DARK, {})
+    made = MeasureView(session, {})
     qtbot.addWidget(made)
     made.resize(1000, 420)
     made.show()
@@ -96,7 +96,7 @@ def test_the_looks_differ_to_every_sight_and_by_their_lines(measured):
     looks = [edge_look(edge) for edge in (*refused[:1], measured.measured.edges[0])]
     assert len({style for _, style, _ in looks}) == len(looks)
     assert len({USED, REFUSED, REMOVED}) == 3
-    measured.set_theme(LIGHT)
+    measured.setPalette(LIGHT.palette())
     assert not measured.grab().isNull()
 
 

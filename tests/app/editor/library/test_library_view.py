@@ -105,9 +105,9 @@ def test_the_groups_wear_the_themes_colours(view):
         icon = view.tree.groups[group].icon(0)
         return icon.pixmap(icon.availableSizes()[0]).toImage().pixelColor(0, 0).name()
 
-    view.set_theme(DARK)
+    view.setPalette(DARK.palette())
     assert mark("Motion") == DARK.groups["Motion"]
-    view.set_theme(LIGHT)
+    view.setPalette(LIGHT.palette())
     assert mark("Motion") == LIGHT.groups["Motion"]
 
 
