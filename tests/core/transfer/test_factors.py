@@ -55,3 +55,16 @@ def test_a_missing_law_is_one_or_zero_at_every_pair(factor, expected):
     values = factor_at(None, factor, XI, XI[::-1])
     assert values.shape == expected.shape
     assert values == pytest.approx(expected, rel=1e-14, abs=1e-15)
+
+
+def test_a_factor_with_its_axes_multiplied_ends_where_its_law_does():
+    def disc(rho):
+        return np.where(rho < 0.6, 1.0, 0.0)
+
+    rescaled = Planar(Law.of(disc), radial=True, cutoff=(0.6, 0.6)).rescaled(2.0, 1.5)
+    across, along = rescaled.cutoff
+    xi, eta = np.array([0.0, 0.99 * across, 1.01 * across]), np.array([0.0, 0.99 * along])
+    assert rescaled.plane(None, xi, np.zeros(1)).ravel().tolist() == [1.0, 1.0, 0.0]
+    assert rescaled.plane(None, np.zeros(1), np.append(eta, 1.01 * along)).ravel().tolist() == [
+        1.0, 1.0, 0.0,
+    ]  # fmt: skip
