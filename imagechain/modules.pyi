@@ -23,23 +23,26 @@ def read_image(
     cut_off_um: float | Expression | None = None,
     missing: Literal['refuse', 'mean', 'zero'] = 'refuse',
 ) -> Part:
-    """Read a picture from a file: ENVI as DIRSIG writes it, or of any format that `path` names.
+    """Read a picture from a file: ENVI as DIRSIG writes it, or any format that `path` names.
 
-    Samples are the numbers the file stores times `scale`, plus `offset`. Where an ENVI header gives
-    wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for
-    every other file these two give the band of the samples. Radiance comes out in W/m²/sr, one
-    spectral band in W/m²/sr/µm: where the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …)
-    and `scale` is 1, from that one, else from `unit`; a cube whose header names no unit needs one
-    of the two. Gains and offsets of an ENVI header are applied, and its bad bands left out. K, DN
-    and the like stay what they are; photons are not turned into watts; a unit of radiance not
-    understood is refused. Of a colour picture one channel is read, or with `bands` luminance the
-    three as the eye weighs them; of a cube one band or plane, the first unless `band` names
-    another. An empty field of view is taken from the header. FITS pictures come with their first
-    row at the bottom. Of a cube whose header gives wavelengths, `bands` all takes every band
-    between `cut_on_um` and `cut_off_um`, each in W/m²/sr/µm (photons too, by the energy of its
-    wavelength): optics and atmosphere act on each by itself, until a detector sums them up. The
-    cube stays on disk. Samples that are no numbers, or the file's value for no data, are refused
-    unless `missing` sets what stands for them.
+    Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives
+    wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um` (if both are given); for
+    every other file these two are the band of the samples. Radiance comes out in W/m²/sr, one
+    spectral band in W/m²/sr/µm. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
+    `scale` is 1, that unit is converted, else `unit`; a cube whose header names no unit needs one
+    of the two. Gains and offsets of an ENVI header are applied, and its bad bands are left out. K,
+    DN and similar units are kept; photons are not converted to watts; an unknown radiance unit is
+    an error.
+
+    A colour picture gives one channel, or with `bands` luminance the three weighted as the eye
+    does. A cube gives one band or plane, the first unless you set `band`. With `bands` all, a cube
+    whose header gives wavelengths gives every band between `cut_on_um` and `cut_off_um`, each in
+    W/m²/sr/µm (photons too, by the energy of their wavelength). Optics and atmosphere then act on
+    each band separately, until a detector sums them. The cube stays on disk.
+
+    An empty field of view is taken from the header. FITS pictures have their first row at the
+    bottom. Samples that are not numbers, or that equal the file's value for no data, are an error
+    unless `missing` replaces them.
 
     Parameters
     ----------
@@ -96,17 +99,17 @@ def test_scene(
 ) -> Part:
     """Draw a radiometric test scene.
 
-    Temperatures and emissivities become band radiance through Planck's law; edges are
-    area-sampled, not aliased. The dormitory is a building front with windows, warm and cool, sky
-    and ground; the airfield is seen from above, with straight roads, for Camera Geometry.
+    Planck's law converts temperatures and emissivities to band radiance. Edges are sampled by area
+    and do not alias. The dormitory is a building front with windows, warm and cool areas, sky and
+    ground. The airfield is seen from above, with straight roads, for Camera Geometry.
 
-    With `bands` the scene carries that many of equal width, which optics and air treat each at its
-    own wavelength, until a detector sums them up. Surfaces then have the spectra of what they are
-    made of: grass, leaves, soil, water, asphalt, concrete, brick, paint, glass, in coarse points.
-    They emit by their temperature and mirror the sky and, with `sun_elevation_deg`, sunlight: so a
-    scene of 0.4 to 2.5 µm is one by day. Targets are black in all bands. `emissivity` grey leaves
-    every surface the one number that it has without bands; the sum of all bands is then, but for
-    the Sun, the picture without.
+    With `bands` the scene has that many bands of equal width. Optics and air treat each at its own
+    wavelength, until a detector sums them. Surfaces then have the spectra of grass, leaves, soil,
+    water, asphalt, concrete, brick, paint and glass, in coarse points. They emit at their
+    temperature, and reflect the sky and, with `sun_elevation_deg`, sunlight: a scene from 0.4 to
+    2.5 µm is lit by day. Targets are black in all bands. With `emissivity` grey every surface keeps
+    its single emissivity; the sum of all bands is then the picture without bands, except for
+    sunlight.
 
     Parameters
     ----------
@@ -157,14 +160,14 @@ def write_image(
 ) -> Part:
     """Write the picture to a file, only when a run asks for outputs.
 
-    Integer types map `range_low` … `range_high` (empty: the picture's least and greatest sample)
-    to the type's whole range; a picture in digital numbers, DN, is not stretched where both are
-    empty: 12 bits are 0 to 4095 in the file. `automatic` is the evaluation's precision where the
-    format holds it, and 16-bit integers for PNG and for digital numbers up to 65535.
+    Integer types map `range_low` … `range_high` (empty: the picture's smallest and largest sample)
+    to the full range of the type. A picture in digital numbers (DN) is not stretched if both are
+    empty: 12 bits are 0 to 4095 in the file. `automatic` uses the precision of the computation if
+    the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
 
-    All bands of a picture that has some go into an ENVI file (`.img`, `.bsq`, or `format` envi), as
-    floats in W/m²/sr/µm, one after the other: the cube is never in memory. Into every other format
-    goes their sum, which the picture is. A Zarr store (`.zarr`) is written chunk by chunk.
+    An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
+    in W/m²/sr/µm, written one after the other: the cube is never in memory. Every other format gets
+    their sum. A Zarr store (`.zarr`) is written chunk by chunk.
 
     Parameters
     ----------
@@ -190,12 +193,12 @@ def write_matrix(
     *,
     path: str | PathLike[str] | None = None,
 ) -> Part:
-    """Write plain numbers, a row on each line, as MathCad's READPRN reads them.
+    """Write plain numbers, one row per line, as MathCad's READPRN reads them.
 
-    A name that ends in .csv separates them by commas and names the columns of curves; .txt and
-    .prn by blanks. Bars have their names in the first column of .csv, in the others their number
-    from 0. A transfer function is written in the order of the FFT, zero frequency
-    first. Only when a run asks for outputs.
+    A .csv file separates them by commas and names the columns of curves; .txt and .prn use blanks.
+    Bars have their names in the first column of a .csv file, and their number from 0 in other
+    files. A transfer function is written in FFT order, zero frequency first. Files are written only
+    when a run asks for outputs.
 
     Parameters
     ----------
@@ -217,10 +220,10 @@ def examine_image(
 ) -> Part:
     """Report minimum, maximum, mean, standard deviation, histogram and single samples.
 
-    For radiance in a known band the apparent temperature is given too: that of the blackbody with
-    the same band radiance. Figures and probe are of the samples themselves (spectra in the order
-    of the FFT), the histogram of what is displayed; the centred spectrum of a picture is the
-    logarithm of its modulus.
+    For radiance in a known band it also gives the apparent temperature: that of the black body with
+    the same band radiance. Figures and probe use the samples themselves (spectra in FFT order); the
+    histogram uses what is displayed. The centred spectrum of a picture is the logarithm of its
+    modulus.
 
     Parameters
     ----------
@@ -257,12 +260,11 @@ def init_trans(
     scan_velocity_mrad_per_s: float | Expression = 0.0,
     edges: Literal['reflect', 'periodic'] = 'reflect',
 ) -> Part:
-    """Take the image to magnitude and phase, and give every other module the sensor's geometry.
+    """Transform the image to magnitude and phase, and give other modules the geometry.
 
-    An empty field of view, focal length or band is taken from the image's own header; what a
-    Camera before it has, from that, a fill factor of 1 too: 1 and empty are the same here. What is
-    given here counts, and what differs is warned of.
-    Source: Tantalo 1996, section 4.1.
+    Empty parameters are taken from a Camera before it, else from the image's header. A fill factor
+    of 1 counts as empty. Values entered here take priority; a warning says if they differ. Source:
+    Tantalo 1996, section 4.1.
 
     Parameters
     ----------
@@ -308,10 +310,10 @@ def init_trans(
 
 def back_transform(
 ) -> Part:
-    """Make the image of a magnitude and a phase.
+    """Compute the image from a magnitude and a phase.
 
-    The two may stem from different images of one size: then |A|·exp(i·∠B) is taken, periodically.
-    Source: Tantalo 1996, section 4.1.
+    The two may come from different images of one size: the result is then |A|·exp(i·∠B), with
+    periodic edges. Source: Tantalo 1996, section 4.1.
 
     Notes
     -----
@@ -326,13 +328,12 @@ def combine_pixels(
     factor_y: int | Expression = 1,
     mode: Literal['mean', 'sum'] = 'mean',
 ) -> Part:
-    """Aggregate blocks of samples to one pixel, then keep that pixel only.
+    """Combine blocks of samples to one pixel each.
 
-    Rows and columns left over at the bottom and right are dropped: 512 by 3 gives 170. Straight
-    after Back Transform, and where the factors divide the size, the spectrum is folded instead.
-    A block's mean is an average over its area: behind Detector MTF, which has averaged over the
-    pixel already, Sample Pixels keeps one sample instead. Source: Tantalo 1996, section 4.1,
-    fig. 4.6.
+    Rows and columns left over at the bottom and right are dropped: 512 by 3 gives 170. Directly
+    after Back Transform, if the factors divide the size, the spectrum is folded instead. A block's
+    mean averages over its area. Behind Detector MTF, which already averages over the pixel, use
+    Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
 
     Parameters
     ----------
@@ -357,16 +358,16 @@ def sample_pixels(
     offset: float | Expression = 0.0,
     offset_y: float | Expression | None = None,
 ) -> Part:
-    """Keep one sample for each pixel, where Detector MTF has averaged over the pixel already.
+    """Keep one sample for each pixel, after Detector MTF has averaged over the pixel.
 
-    Combine Pixels averages over the pixel once more: with Detector MTF before it the contrast at
-    Nyquist is 0.64 times what it should be. The samples lie in the middles of the pixels, so that
-    the picture does not move. Between samples, for ratios that are even or no whole numbers, the
-    picture is the sum of its waves: exact to rounding, mirrored or periodic at the frame's edges as
-    in Back Transform. Nothing is filtered: what lies beyond the pixels' Nyquist frequency folds
-    back, as in a camera. Pixels that do not fit the frame whole, at the right and the bottom, are
-    dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average
-    over the pixel and its sampling are two stages).
+    Combine Pixels would average over the pixel again: with Detector MTF before it, the contrast at
+    Nyquist would be 0.64 times what it should be. The samples lie at the centres of the pixels, so
+    the picture does not move. Between samples (ratios that are even or not whole), the picture is
+    the sum of its waves: exact to rounding, with edges mirrored or periodic as in Back Transform.
+    Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as in a camera.
+    Pixels that do not fit completely into the frame, at the right and the bottom, are dropped.
+    Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average over the
+    pixel and its sampling are two stages).
 
     Parameters
     ----------
@@ -396,13 +397,13 @@ def anti_alias(
     kernel: Literal['box', 'gaussian', 'lanczos'] = 'box',
     factor: int | Expression = 1,
 ) -> Part:
-    """Take out what would alias if only every factor-th sample were kept; drops none itself.
+    """Remove what would alias if only every factor-th sample were kept; no sample is dropped.
 
-    For pictures that are decimated without a detector MTF, by Interpolate of order 0. `box` is the
-    mean of `factor` samples, centred (of an even number: as its transfer function interpolates);
-    `gaussian` has half contrast at the new Nyquist frequency; `lanczos` is a sinc of that cutoff
-    in a window of three lobes. The frame is mirrored at its edges. A factor of 1 passes it on.
-    Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
+    Use it for pictures that are decimated without a detector MTF, by Interpolate of order 0. `box`
+    is the centred mean of `factor` samples (for an even number, interpolated by its transfer
+    function). `gaussian` has half contrast at the new Nyquist frequency. `lanczos` is a sinc with
+    that cutoff in a window of three lobes. The frame is mirrored at its edges. A factor of 1
+    changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
 
     Parameters
     ----------
@@ -427,13 +428,13 @@ def interpolate(
 ) -> Part:
     """Resample the picture to another size over the same field of view.
 
-    Sample centres lie half an interval from the frame's edges. Beyond the edges a picture from Back
-    Transform goes on as Init & Trans has it: a mirrored frame is mirrored, and a periodic frame
-    wraps round. Of any other picture, and of one cropped since, the outermost samples go on (edges
-    clamped). Nothing is filtered: making a picture smaller aliases, as in a frame grabber. Order 0
-    takes the nearest sample, of two as near the later; 1 is bilinear, 3 cubic convolution. Equal
-    sizes pass the picture on.
-    Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
+    Sample centres lie half an interval from the frame's edges. Beyond the edges, a picture from
+    Back Transform continues as Init & Trans defines: a mirrored frame is mirrored, a periodic frame
+    wraps round. Any other picture, or one cropped since, continues with its outermost samples.
+    Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order 0 takes the nearest
+    sample (the later one of two equally near), 1 is bilinear, 3 is cubic convolution. An equal size
+    changes nothing. Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a =
+    −1/2).
 
     Parameters
     ----------
@@ -458,12 +459,12 @@ def to_radiance(
     cut_on_um: float | Expression | None = None,
     cut_off_um: float | Expression | None = None,
 ) -> Part:
-    """Make radiance of a picture of temperatures, by Planck's law in the band.
+    """Convert a picture of temperatures to radiance, by Planck's law in the band.
 
-    ε·L(T) + (1 − ε)·L(surroundings); without surroundings nothing is reflected. The picture's unit
-    must be one of temperature (K, °C, °F, mK), as Read Image has it: counts, and what is radiance
-    already, are refused. An image of emissivities takes the place of the number. Sources: Planck's
-    and Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
+    The radiance is ε·L(T) + (1 − ε)·L(surroundings); without surroundings nothing is reflected. The
+    picture's unit must be a temperature (K, °C, °F, mK), as Read Image gives it: digital numbers
+    and radiance are refused. An image of emissivities can replace the number. Sources: Planck's and
+    Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
 
     Parameters
     ----------
@@ -493,13 +494,13 @@ def to_temperature(
     cut_on_um: float | Expression | None = None,
     cut_off_um: float | Expression | None = None,
 ) -> Part:
-    """Make temperatures, in kelvin, of a picture of band radiance.
+    """Convert a picture of band radiance to temperatures in kelvin.
 
-    The inverse of To Radiance: T of (L − (1 − ε)·L(surroundings))/ε by Planck's law in the band;
-    with an emissivity of 1 the apparent, or brightness, temperature. The picture's unit must be a
-    radiance of the band in watts (W/m²/sr, mW/cm²/sr, …): temperatures, counts, photons and
-    spectral radiance are refused. An image of emissivities takes the place of the number. Sources:
-    as To Radiance.
+    This is the inverse of To Radiance: the temperature T of (L − (1 − ε)·L(surroundings))/ε by
+    Planck's law in the band. With an emissivity of 1 it is the apparent, or brightness,
+    temperature. The picture's unit must be band radiance in watts (W/m²/sr, mW/cm²/sr, …):
+    temperatures, digital numbers, photons and spectral radiance are refused. An image of
+    emissivities can replace the number. Sources: as To Radiance.
 
     Parameters
     ----------
@@ -533,15 +534,15 @@ def reflected_light(
     cut_off_um: float | Expression | None = None,
     bands: int | Expression = 1,
 ) -> Part:
-    """Make radiance of a picture of reflectances, lit by sun and sky.
+    """Convert a picture of reflectances to radiance under sun and sky.
 
-    Matt and horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the band;
-    h is the sun's elevation, τ the air's optical depth from the zenith and m the air mass. E_sun is
-    a number, a CSV by wavelength, or that of a black body of 5800 K, 1388 W/m² in all. The sky is a
-    radiance that is the same all over. The picture's unit has to be one of reflectance (1, %,
-    reflectance, albedo), as Read Image has it. A reflectance holds for all wavelengths; with
-    `bands` above 1 the radiance comes in as many bands, and a cube of reflectances in its own.
-    Atmospheric Path is the way from the surface to the camera. Sources: Lambert 1760; Kasten and
+    For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
+    band. h is the sun's elevation, τ the air's optical depth from the zenith, and m the air mass.
+    E_sun is a number, a CSV by wavelength, or that of a black body of 5800 K, 1388 W/m² in all. The
+    sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
+    reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
+    `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
+    Atmospheric Path for the way from the surface to the camera. Sources: Lambert 1760; Kasten and
     Young 1989 (air mass); nominal solar radius of the IAU, 2015.
 
     Parameters
@@ -586,21 +587,21 @@ def atmospheric_path(
     air_K: float | Expression | None = None,
     source_K: float | Expression | None = None,
 ) -> Part:
-    """Dim a picture's radiance by the air, and add the radiance of the air: τ·L + L_path.
+    """Attenuate a picture's radiance by the air, and add the radiance of the air: τ·L + L_path.
 
     `transmission`: a number, or a CSV of µm and transmission. `extinction_per_km`: exp(−β·R).
     `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 of
     MODTRAN (FREQ, TOT TRANS, PTH THRML and SOL SCAT, by name; W/cm²/sr per cm⁻¹ become W/m²/sr/µm
-    by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance (W/m²/sr/µm). Path radiance
-    is the file's, or (1 − τ)·L of a black body at `air_K`.
+    by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance (W/m²/sr/µm). The path
+    radiance is the file's, or (1 − τ)·L of a black body at `air_K`.
 
-    A picture of one band is multiplied by the band's mean transmission, which weights wavelengths
-    by the radiance of a black body: of the picture's mean brightness temperature, of sunlight's
-    5800 K where the band begins below 2.5 µm, or of `source_K`. A picture in bands (`bands` of Read
-    Image) has each of them multiplied by its own. Absorption and scattering dim alike here; what
-    scattering blurs is Atmosphere MTF's. Figures of Merit are those behind this path, and their
-    ranges take its transmission at each range, by Beer's law at every wavelength. Two in a row are
-    two constituents of the same air.
+    A picture with one band is multiplied by the band's mean transmission. The mean weights
+    wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
+    sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
+    of Read Image) has each band multiplied by its own transmission. Absorption and scattering
+    attenuate alike here; use Atmosphere MTF for the blur of scattering. Figures of Merit apply
+    behind this path, and their ranges use its transmission at each range, by Beer's law at every
+    wavelength. Two of these modules in a row are two constituents of the same air.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
 
@@ -658,15 +659,16 @@ def atmosphere_mtf(
     scattering_per_km: float | Expression = 0.0,
     scale_height_km: float | Expression = 1.0,
 ) -> Part:
-    """Blur by turbulence, and by light scattered on aerosols (turbidity).
+    """Blur by turbulence, and by light scattered by aerosols (turbidity).
 
-    Turbulence is a Gaussian blur of given width, or Fried's long or short exposure with r0 given
-    or from a Cn² profile. Turbidity falls to a plateau: exp(−τ(ρ/ρc)²), beyond ρc exp(−τ), with
-    τ of a level (plateaus 0.99, 0.975, 0.955), typed in, or from the scattering coefficient along
-    the path (looking down or up, of an exponential profile). Absorption dims all frequencies
-    alike: it does not blur, and belongs to Atmospheric Path. Looking up blurs more than looking
-    down, as turbulence is near the aperture. r0 goes as λ^(6/5), the cutoff of particles as 1/λ;
-    of a picture in bands each is blurred at its own wavelength.
+    Turbulence is a Gaussian blur of given width, or Fried's long or short exposure with r0 given or
+    computed from a Cn² profile. Turbidity falls to a plateau: exp(−τ(ρ/ρc)²), and beyond ρc
+    exp(−τ). τ comes from a level (plateaus 0.99, 0.975, 0.955), from a number, or from the
+    scattering coefficient along the path (looking down or up, with an exponential profile).
+    Absorption attenuates all frequencies alike and does not blur: use Atmospheric Path. Looking up
+    blurs more than looking down, because the turbulence is near the aperture. r0 goes as λ^(6/5),
+    the cutoff of particles as 1/λ; a spectral picture is blurred at each band's own wavelength.
+
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
 
     Parameters
@@ -739,13 +741,13 @@ def camera(
     obscuration_ratio: float | Expression = 0.0,
     range_m: float | Expression | None = None,
 ) -> Part:
-    """Enter a camera's data once: Init & Trans takes from it what it leaves empty.
+    """Enter a camera's data once: Init & Trans uses it for what it leaves empty.
 
-    The image passes unchanged and carries the data on: pitch, focal length, F-number, fill and
-    range for Init & Trans and all that follow it, aperture and obscuration for Diffraction MTF, the
-    pitch for Sample Pixels. Of focal length, F-number and aperture two give the third. An image
+    The image passes unchanged and carries the data: pitch, focal length, F-number, fill and range
+    for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
+    pitch for Sample Pixels. Two of focal length, F-number and aperture give the third. An image
     without a sampling interval gets that of the camera's field of view, pixels times pitch over
-    focal length. What disagrees is warned of, and nothing is corrected. Source: Holst 2008,
+    focal length. A warning says which values disagree; nothing is corrected. Source: Holst 2008,
     Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
 
     Parameters
@@ -803,19 +805,20 @@ def diffraction_mtf(
 ) -> Part:
     """Blur by diffraction at a circular or annular aperture, over the band, exactly.
 
-    Aperture and obscuration are those of Camera, else focal length over F-number of Init & Trans;
-    no pupil array is needed. Over a band the OTFs of all wavelengths are weighted: by the photons,
-    or the energy, of a black body, or uniformly as in 1996. The black body is `source_K`, else that
-    of the picture's mean radiance, else sunlight's 5800 K where the band begins below 2.5 µm.
-    `response`, and a Spectral Response that the picture has come through, weight the light besides:
-    the band is as a detector counts it that stands behind the optics. `wavelengths` auto takes as
-    many as `tolerance` needs, placed between the kinks of the OTF; a number takes so many over the
-    band, 1 its middle. With auto a picture with bands is blurred band by band, and the MTF shown is
-    their mean by the picture's own light. `defocus_waves` is W20 at the rim at the band's middle;
-    the OTF is real and may be negative. `rms_wavefront_waves`, at the band's middle too, takes
-    Shannon's factor for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman
-    2005; O'Neill 1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook
-    of Optics I, chapter 35.
+    Aperture and obscuration come from Camera, else the aperture is focal length over F-number of
+    Init & Trans; no pupil array is needed. Over a band, the OTFs of all wavelengths are weighted by
+    the photons or the energy of a black body, or uniformly as in 1996. The black body has
+    `source_K`, else the temperature of the picture's mean radiance, else sunlight's 5800 K if the
+    band begins below 2.5 µm. `response`, and a Spectral Response before this module, also weight
+    the light as a detector behind the optics would. `wavelengths` auto uses as many wavelengths as
+    `tolerance` needs, placed between the kinks of the OTF; a number sets how many wavelengths
+    sample the band, and 1 uses the band's middle. With auto, a spectral picture is blurred band by
+    band, and the MTF shown is the mean weighted by the picture's own light.
+
+    `defocus_waves` is W20 at the rim at the band's middle; the OTF is real and may be negative.
+    `rms_wavefront_waves`, also at the band's middle, applies Shannon's factor for small errors of
+    any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman 2005; O'Neill 1956 (annulus, with
+    its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook of Optics I, chapter 35.
 
     Parameters
     ----------
@@ -882,19 +885,20 @@ def exit_pupil(
 ) -> Part:
     """Make an exit pupil: 1 transparent, 0 opaque.
 
-    Lengths are in samples and centred; their scale is set in Exit Pupil MTF. `clear` and
-    `half_moon` (x ≥ 0) ignore the obscuration; `hinged` is a disc with an opaque bar over the full
-    height, `cassegrain_slit` the same bar on an annulus, `spider` an annulus with vanes at
-    360°/n from +x. The wavefront error is in waves at the band's mean wavelength, on the disc of
-    the aperture's radius. Of a file this is the smallest circle round all samples above 1 % of the
-    largest, about the array's centre where that is at most a sample larger; a `radius` typed in is
-    centred on the array. `aperture_radius` reads out the one that was taken. A map of the wavefront
-    (picture, FITS, `.npy`, text, Zemax's listing) adds to these: NaN outside the aperture, or zeros
-    from its border on; where it is unknown the pupil is opaque. Its waves are those of its own
-    wavelength, a path in µm is the same at all. A complex `.npy` as `path` has amplitude and phase
-    in one, at its own wavelength alone. Row 0 is at the top; W enters as exp(2πiW), so that one
-    that rises to the right moves the picture to the left. Sources: Tantalo 1996, section 4.3.2;
-    Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    Lengths are in samples and centred; Exit Pupil MTF sets their scale. `clear` and `half_moon` (x
+    ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar over the full height,
+    `cassegrain_slit` the same bar on an annulus, `spider` an annulus with vanes at 360°/n from +x.
+
+    The wavefront error is in waves at the band's mean wavelength, on the disc of the aperture's
+    radius. For a file this disc is the smallest circle around all samples above 1 % of the largest,
+    centred on the array if that makes it at most a sample larger; a `radius` that you enter is
+    centred on the array. The read-out `aperture_radius` gives the radius used. A wavefront map
+    (picture, FITS, `.npy`, text, Zemax's listing) adds to these: it is NaN outside the aperture, or
+    zero from its border on, and the pupil is opaque where the map is unknown. A map in waves uses
+    its own wavelength; a path in µm is the same at all wavelengths. A complex `.npy` as `path`
+    holds amplitude and phase at its own wavelength only. Row 0 is at the top. W enters as
+    exp(2πiW), so a W that rises to the right moves the picture to the left. Sources: Tantalo 1996,
+    section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
 
     Parameters
     ----------
@@ -956,14 +960,14 @@ def exit_pupil_mtf(
 ) -> Part:
     """Multiply by the incoherent OTF of an exit pupil: its normalised autocorrelation.
 
-    Geometric shapes are exact, for one wavelength or a band; files and wavefront errors are
-    autocorrelated from their samples. `weighting`: more wavelengths than one count alike, or by the
-    photons or the energy of a black body (`source_K`, else of the picture's mean radiance, else
-    sunlight's 5800 K where the band begins below 2.5 µm), and by `response`, the detector's. A
-    picture in bands is blurred band by band, each at its own wavelength. Interpolation `none` shows
-    the raw autocorrelation at the pupil's own frequency intervals and multiplies nothing. Sizes are
-    those of the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is
-    aperture/λ; the 12.8 of eq. 4.21 is the array's half width over λ.
+    Geometric shapes are exact, for one wavelength or a band. Files and wavefront errors are
+    autocorrelated from their samples. `weighting`: several wavelengths count alike, or by the
+    photons or the energy of a black body (`source_K`, else that of the picture's mean radiance,
+    else sunlight's 5800 K if the band begins below 2.5 µm), and by `response`, the detector's. A
+    spectral picture is blurred band by band, each at its own wavelength. Interpolation `none` shows
+    the raw autocorrelation at the pupil's own frequency intervals and does not blur the picture.
+    Sizes refer to the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the
+    cutoff is aperture/λ; the 12.8 of eq. 4.21 is the array's half width over λ.
 
     Parameters
     ----------
@@ -1014,7 +1018,7 @@ def gaussian_mtf(
     sigma_x_mrad: float | Expression = 0.0,
     sigma_y_mrad: float | Expression = 0.0,
 ) -> Part:
-    """Correct for blur that is not modelled elsewhere, such as aberrations (Gaussian).
+    """Apply a Gaussian blur, for aberrations and other blur that no other module covers.
 
     exp(−2π²(σx²·xi² + σy²·eta²)). Source: Tantalo 1996, eq. 4.22.
 
@@ -1048,19 +1052,21 @@ def mtf_file(
     detector_y_um: float | Expression | None = None,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Blur by the MTF of a file: measured, of a data sheet, or of a lens design.
+    """Blur by the MTF in a file: measured, from a data sheet, or from a lens design.
 
     The file is a CSV table whose first line names its columns: frequency with its unit, as in
-    `frequency (cyc/mm)`, then `mtf`, or `mtf_x` and `mtf_y` (either may be alone), or `radial`;
-    and `phase`, or `phase_x` and `phase_y`, in rad, or `(deg)`, if known. The text of Zemax's MTF
-    against frequency is read too, its tangential curve along y. `direction` is that of a column
-    `mtf`, or takes one curve of several; radial is round the axis. Between points the curve is a
-    monotone cubic (PCHIP); a table that begins above 0 gets MTF 1 at 0; beyond the last point the
-    MTF is 0, never extrapolated. A phase is odd in frequency, and taken to go from point to point
-    the shorter way. Frequencies are at the focal plane (cyc/mm, by the focal length), in angle, or
-    by the pixel (by pitch and focal length). `imagechain measure --csv` writes such a table of the
-    pictures of a camera; it holds the pixel's average too. Without a file nothing is changed.
-    Source: Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
+    `frequency (cyc/mm)`, then `mtf`, or `mtf_x` and `mtf_y` (one is enough), or `radial`; and, if
+    known, `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`. Zemax's text of MTF against
+    frequency is read too, with its tangential curve along y. `direction` says which direction a
+    column `mtf` has, or chooses one of several curves; radial means around the axis. Between points
+    the curve is a monotone cubic (PCHIP). A table that begins above 0 gets MTF 1 at 0. Beyond the
+    last point the MTF is 0; it is never extrapolated. A phase is odd in frequency and takes the
+    shorter way from point to point.
+
+    Frequencies refer to the focal plane (cyc/mm, converted by the focal length), to angle, or to
+    the pixel (by pitch and focal length). `imagechain measure --csv` writes such a table from a
+    camera's pictures; it includes the pixel's average. Without a file nothing changes. Source:
+    Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
 
     Parameters
     ----------
@@ -1113,17 +1119,17 @@ def psf_file(
     background: float | Expression = 0.0,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Blur by a point spread function from a picture: measured, or of a lens design.
+    """Blur by a point spread function from a picture: measured, or from a lens design.
 
-    The picture of every point becomes that of the file: row 0 is at the top, and a tail to the
-    right in the file is one to the right in the picture. Formats are those of Read Image, `.npy`,
-    text, and the listing of Zemax, whose spacing is taken where `sample_pitch` is empty. Samples
-    are divided by their sum. With `centroid` kept the point is at the middle of the file, between
-    samples (n − 1)/2 of even sizes, and a centroid beside it shifts the picture; removed, nothing
-    is shifted. The OTF is the exact sum over the samples at the picture's own frequencies,
-    whatever their pitch, and 0 beyond the Nyquist frequency of the file. A detector's pixel is in
-    a PSF measured with it: leave Detector MTF out then. Without a file nothing is changed. Source:
-    Goodman 2005, Introduction to Fourier Optics, section 6.3.
+    Every point of the picture becomes the picture in the file. Row 0 is at the top, and a tail to
+    the right in the file is a tail to the right in the picture. Formats are those of Read Image,
+    `.npy`, text, and Zemax's listing, whose spacing is used if `sample_pitch` is empty. Samples are
+    divided by their sum. With `centroid` kept, the point is at the middle of the file (for even
+    sizes between samples, at (n − 1)/2), and a centroid elsewhere shifts the picture; with
+    `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the picture's
+    own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF that was
+    measured with a detector includes its pixel: leave out Detector MTF. Without a file nothing
+    changes. Source: Goodman 2005, Introduction to Fourier Optics, section 6.3.
 
     Parameters
     ----------
@@ -1171,14 +1177,13 @@ def poisson_noise(
     photons_per_unit: float | Expression | None = None,
     mode: Literal['published', 'photon'] = 'published',
 ) -> Part:
-    """Add the noise of photons that arrive one by one.
+    """Add photon noise to the picture, as in 1996 or by counting photons.
 
     `published`: a percentage of the Gaussian-weighted local mean is the mean of a Poisson deviate,
-    which is added. `photon`: radiance becomes a number of photons, and a Poisson deviate takes its
-    place. The way of 1996 has no scale of photons: of a radiance in other units its noise is
-    another share of the picture, and it stands before the optics that would collect the light. The
-    shot noise of a detector is part of Focal Plane. Source: Tantalo 1996, section 4.3.4, after
-    Frieden 1991.
+    which is added. `photon`: radiance is converted to a number of photons and replaced by a Poisson
+    deviate. The 1996 method has no scale of photons: in another radiance unit its noise is another
+    share of the picture, and it is added before the optics that collect the light. For the shot
+    noise of a detector use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
 
     Parameters
     ----------
@@ -1210,7 +1215,7 @@ def crosstrack_mtf(
     dwell_time_s: float | Expression = 0.0,
     scan_velocity_mrad_per_s: float | Expression | None = None,
 ) -> Part:
-    """Smear across by the scan within one dwell time; off until a dwell time is given.
+    """Smear across by the scan within one dwell time; off until you enter a dwell time.
 
     sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects it.
 
@@ -1281,10 +1286,10 @@ def relative_motion_mtf(
 ) -> Part:
     """Smear by the relative velocity of platform and image while the detector integrates.
 
-    `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31); `line` the
-    straight smear sinc(bx·xi + by·eta) that a constant velocity makes. Zero relative velocity is
-    exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of eqs.
-    4.34 and 4.35 are in cycles/rad.
+    `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31). `line` is
+    sinc(bx·xi + by·eta), the straight smear of a constant velocity. A relative velocity of zero
+    gives exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of
+    eqs. 4.34 and 4.35 are in cycles/rad.
 
     Parameters
     ----------
@@ -1352,9 +1357,9 @@ def vibration_mtf(
 ) -> Part:
     """Blur by sinusoidal vibration of the line of sight.
 
-    Whole periods give J0(2πA·xi); what remains of a period is its integral from phase 0, weighted
-    by time. Without a frequency or an integration time, many periods are taken. The two axes are
-    independent. Source: Kopeika 1998.
+    Whole periods give J0(2πA·xi). The remaining part of a period is integrated from phase 0 and
+    weighted by time. Without a frequency or an integration time, many periods are assumed. The two
+    axes are independent. Source: Kopeika 1998.
 
     Parameters
     ----------
@@ -1391,13 +1396,13 @@ def line_of_sight(
     frame_rate_Hz: float | Expression = 30.0,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Move the line of sight at random: blur within an exposure, a shift from frame to frame.
+    """Move the line of sight at random: blur within an exposure, shifts between frames.
 
-    By the power density of the angle, S = rms²·(2/π)/(corner·(1 + (f/corner)²)) or `psd_path`; both
-    axes are independent. What an exposure sees beside its mean is an MTF, mean over its time of
-    exp(−2π²·v(t)·ξ²); the mean itself, of spectrum S·sinc²(fT), shifts each frame of a sequence by
-    a phase ramp, −2π·ξ·shift. A single picture is frame 0 and is shifted too. 3-D Noise does not
-    predict what a moving scene of contrast changes in a pixel, and measures it. Sources: Papoulis
+    The angle has the power density S = rms²·(2/π)/(corner·(1 + (f/corner)²)) or that of `psd_path`;
+    both axes are independent. Motion about the mean of an exposure gives an MTF, the mean over the
+    exposure of exp(−2π²·v(t)·ξ²). The mean itself, with spectrum S·sinc²(fT), shifts each frame of
+    a sequence by a phase ramp, −2π·ξ·shift. A single picture is frame 0 and is shifted too. 3-D
+    Noise does not predict how a moving scene changes a pixel, but measures it. Sources: Papoulis
     1991, chapter 10; Kopeika 1998, chapter 14.
 
     Parameters
@@ -1446,7 +1451,7 @@ def detector_mtf(
 ) -> Part:
     """Average over the sensitive area of a detector element.
 
-    sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), signed. Empty parameters are those of Init &
+    sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), signed. Empty parameters are taken from Init &
     Trans. Source: Tantalo 1996, eqs. 4.41 to 4.50.
 
     Parameters
@@ -1482,10 +1487,10 @@ def charge_eff_mtf(
     model: Literal['exact', 'published', 'leading'] = 'exact',
     nyquist: Literal['image', 'detector'] = 'image',
 ) -> Part:
-    """Lose contrast across by incomplete charge transfer.
+    """Reduce contrast across by incomplete charge transfer.
 
-    With w = 2π·xi·Δ: exact |ε/(1 − (1−ε)e^{−iw})|^N; published and leading
-    exp(−N(1−ε)(1 − cos w)). Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.
+    With w = 2π·xi·Δ: exact |ε/(1 − (1−ε)e^{−iw})|^N; published and leading exp(−N(1−ε)(1 − cos w)).
+    Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.
 
     Parameters
     ----------
@@ -1559,13 +1564,13 @@ def tdi_mtf(
     detector_um: float | Expression | None = None,
     focal_length_mm: float | Expression | None = None,
 ) -> Part:
-    """Blur of time delay and integration: charge moves in steps, and not as fast as the image.
+    """Blur of time delay and integration: the charge moves in steps, and not as fast as the image.
 
-    sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)), about the exposure's middle: m the velocity of
-    the image over that of the charge less 1, s the pitch over `phases`, N = stages·phases. It takes
-    the place of Alongtrack MTF, whose smear within a stage is the step s here. `phases` of 0 stands
-    for charge that moves without steps. Empty parameters are those of Init & Trans. Source: Wong,
-    Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
+    sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)), about the exposure's middle. m is the velocity
+    of the image over that of the charge, less 1; s is the pitch over `phases`; N = stages·phases.
+    Use it instead of Alongtrack MTF, whose smear within a stage is the step s here. `phases` of 0
+    means charge that moves without steps. Empty parameters are taken from Init & Trans. Source:
+    Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
 
     Parameters
     ----------
@@ -1605,17 +1610,16 @@ def spectral_response(
     peak: float | Expression = 1.0,
     source_K: float | Expression | None = None,
 ) -> Part:
-    """Weight every wavelength by a response: of a detector's material, a filter, a window.
+    """Weight every wavelength by the response of a detector material, a filter or a window.
 
-    A picture in bands has each of them multiplied by the mean response over it, and its sum is the
-    radiance that counts. Focal Plane behind it counts what is left of the photons; its NETD is that
-    of the scene before the response, which dims light of the scene alone, not of optics and
-    housing. A picture of one band is multiplied by the mean over the band, weighted by the radiance
-    of a black body: of the picture's mean brightness temperature, of sunlight's 5800 K where the
-    band begins below 2.5 µm, or of `source_K`. `file`: a CSV of µm and response, straight between
-    its points, 0 beyond them. `gaussian`: `width_um` is its full width at half maximum. A response
-    per watt instead of per photon goes in as it is where radiance is wanted; Focal Plane has its
-    own for photons.
+    Each band of a spectral picture is multiplied by its mean response. Focal Plane behind it counts
+    the remaining photons; its NETD refers to the scene before the response, which weights only
+    light of the scene, not of optics and housing. A picture with one band is multiplied by the mean
+    over the band, weighted by the radiance of a black body: at the picture's mean brightness
+    temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. `file`: a
+    CSV of µm and response, interpolated linearly, 0 beyond its points. `gaussian`: `width_um` is
+    the full width at half maximum. Enter a response per watt as it is if you want radiance; Focal
+    Plane has its own response for photons.
 
     Parameters
     ----------
@@ -1675,26 +1679,29 @@ def focal_plane(
     offset_dn: float | Expression = 0.0,
     units: Literal['dn', 'electrons', 'radiance'] = 'dn',
 ) -> Part:
-    """Count the picture's photons as electrons, add the camera's noise, and digitize it.
+    """Convert the picture's photons to electrons, add the camera's noise, and digitize the signal.
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
     pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² + 1) the
     projected solid angle of the optics at F-number F; τ optics_transmission; η
     cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
-    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07. In this order: shot
-    noise of all electrons, drawn pixel by pixel; PRNU and DSNU, which stay from frame to frame; a
-    response that bends towards the full well; read noise; the full well; gain, offset, whole
-    numbers. PRNU multiplies all electrons by 1 + p·deviate, those of the dark current too; EMVA
-    1288 has it of the response to light alone.
+    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07.
 
-    A radiance becomes photons by the black body of its own brightness temperature (`scene`), by
-    that of `source_K`, or by the band's middle; the table shows what each makes of the signal. Of a
-    picture in bands the photons of each are counted, by the response at its wavelength. A band that
-    begins below 2.5 µm holds no thermal scene: there `scene` is `source`. NETD, SNR and well fill
-    are those of the picture's mean; where that is clipped, there is no NETD, SNR or NEI.
-    `frames_averaged`: shot and read noise fall with the root of their number, and the average is
-    rounded once. `saturated` is 1 where the well is full or the converter beyond its last number.
+    The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
+    which stay from frame to frame; nonlinearity towards the full well; read noise; the full well;
+    gain, offset, and rounding to whole numbers. PRNU multiplies all electrons by 1 + p·deviate,
+    also those of the dark current; EMVA 1288 defines PRNU on the light signal only.
+
+    Radiance is converted to photons by the black body of its own brightness temperature (`scene`),
+    by that of `source_K`, or by the band's middle; the table shows the signal for each choice. For
+    a spectral picture, each band is converted to photons with the response at its wavelength. A
+    band that begins below 2.5 µm has no thermal scene: there `scene` means `source`. NETD, SNR and
+    well fill refer to the picture's mean; if that is clipped, there is no NETD, SNR or NEI.
+    `frames_averaged` reduces shot and read noise with the square root of the number of frames, and
+    the average is rounded once. `saturated` is 1 where the well is full or the converter has
+    clipped.
+
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288; Tennant et al.
     2008 (Rule 07).
 
@@ -1805,16 +1812,16 @@ def microbolometer(
     response_percent: float | Expression = 0.0,
     offset_mK: float | Expression = 0.0,
 ) -> Part:
-    """Add an uncooled detector's noise by its data sheet, and the lag of its heat capacity.
+    """Add an uncooled detector's noise from its data sheet, and its thermal lag.
 
-    Noise as radiance of the scene is NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ·√(t₀/t), with
-    the data sheet's F₀ (1), background and, where both are given, integration time t₀; a
-    bolometer's noise is its own, so that the NETD at another background goes as 1/(dL/dT). From
-    frame to frame exp(−1/(rate·time constant)) of a change is left: where frames differ, each
-    shows those before it too. With a scan velocity on Init & Trans the lag is a low-pass along the
-    lines, 1/(1 + 2πi·τ·v·ξ). 1/f noise equals the white one at `corner_Hz`. Unlike responses and
-    offsets of pixels are the same in every frame; Non-Uniformity Correction takes them out.
-    Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22.
+    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ·√(t₀/t),
+    with the data sheet's F₀ (1), background and, if both are given, integration time t₀. A
+    bolometer's noise is its own, so the NETD at another background goes as 1/(dL/dT). From frame to
+    frame exp(−1/(rate·time constant)) of a change remains: if frames differ, each also shows those
+    before it. With a scan velocity on Init & Trans the lag is a low-pass along the lines, 1/(1 +
+    2πi·τ·v·ξ). 1/f noise equals the white noise at `corner_Hz`. Non-uniform gain and offset are the
+    same in every frame; Non-Uniformity Correction removes them. Sources: Kruse 2001, chapters 3 and
+    4; Rogalski 2011, chapters 4 and 22.
 
     Parameters
     ----------
@@ -1880,17 +1887,17 @@ def nuc(
     reference_frames: int | Expression = 16,
     drift_K: float | Expression = 0.0,
 ) -> Part:
-    """Even out a camera's pixels, by what they give of uniform references at one or two heats.
+    """Correct a camera's non-uniform pixels with uniform references at one or two temperatures.
 
-    It stands behind the camera's modules. What these give of a black body that fills the view, in
-    the place of what enters the first that adds noise, is averaged over `reference_frames` frames
-    of their own noise, once for all frames. `one_point`: the pattern at `low_K` is subtracted; what
-    is left grows with the distance from it as the gains differ. `two_point`: gains and offsets are
-    those of a straight line through both references; what is left is the noise of their means, and
-    what a bent response leaves. `drift_K` adds the offsets that have come since, as the rms among
-    pixels in kelvin of the scene. A pixel of less than a tenth of the mean response keeps its
-    gain. Budgets count 1/f noise, which frames of a reference have in common, as if it were new in
-    each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+    Put it behind the camera's modules. Their picture of a black body that fills the field of view,
+    in place of the input of the first module that adds noise, is averaged over `reference_frames`
+    frames with their own noise, once for all frames. `one_point`: the pattern at `low_K` is
+    subtracted; the residual grows with the distance from `low_K` as the gains differ. `two_point`:
+    gain and offset come from a straight line through both references; the residual is the noise of
+    their means and the nonlinearity. `drift_K` adds offsets that have drifted since, as the rms
+    over the pixels in kelvin of the scene. A pixel with less than a tenth of the mean response
+    keeps its gain. Budgets count 1/f noise, which the frames of a reference share, as if it were
+    new in each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
 
     Parameters
     ----------
@@ -1951,12 +1958,12 @@ def electronics_noise(
 ) -> Part:
     """Read the picture out: gain and bias, detector noise, pre-amplifier, amplifier noise, bits.
 
-    In this order: gain and bias errors of each detector; detector noise of rms NER; the
-    pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise of rms
-    reference/SNR; a post filter; quantization. NEP and NER are of a detector of mean noise; NETD
-    and SNR are of all of them, √(1 + v²) times as noisy with a spread of v. Sources: Tantalo 1996,
-    sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the picture by the gain
-    error (`literal`).
+    In this order: gain and bias errors of each detector; detector noise with rms NER; the
+    pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
+    reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise;
+    NETD and SNR refer to all detectors, √(1 + v²) times as noisy with a spread of v. Sources:
+    Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the picture
+    by the gain error (`literal`).
 
     Parameters
     ----------
@@ -2050,9 +2057,9 @@ def periodic_noise(
 ) -> Part:
     """Add a sinusoid, such as pick-up from a supply, optionally modulated in amplitude.
 
-    amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ) with x and y from the
-    first sample on. What lies beyond the Nyquist frequency shows as its alias, as it would.
-    An amplitude of 0 passes the picture on. Source: Tantalo 1996, chapter 3.
+    amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ) with x and y counted
+    from the first sample. Frequencies beyond Nyquist appear as their aliases. An amplitude of 0
+    changes nothing. Source: Tantalo 1996, chapter 3.
 
     Parameters
     ----------
@@ -2088,8 +2095,8 @@ def noise_file(
 ) -> Part:
     """Add the samples of a file, times `scale`, to a picture of the same size.
 
-    The file may be of every kind that Read Image reads. Its mean is added too. A scale of 0
-    passes the picture on. Source: Tantalo 1996, chapter 3.
+    The file may have any format that Read Image reads. Its mean is added too. A scale of 0 changes
+    nothing. Source: Tantalo 1996, chapter 3.
 
     Parameters
     ----------
@@ -2124,13 +2131,14 @@ def noise_3d_source(
 ) -> Part:
     """Add noise by its seven components: of time (t), rows (v), columns (h), or several together.
 
-    Each is normal, of its own standard deviation, in the unit of the picture. v, h and vh are the
-    same in every frame of a sequence, the others new in each. `corner_Hz` adds 1/f noise, of each
-    sample by itself, whose spectrum in time equals that of sigma_tvh there; it reaches from one
-    over `longest_period_s` to half the frame rate, and any frame is made of its number alone. It
-    counts as temporal with its whole variance. 3-D Noise, which sees some frames, measures as fixed
-    (vh) what is slower than these. Without any component the picture is passed on. Sources:
-    D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
+    Each component is normal with its own standard deviation, in the unit of the picture. v, h and
+    vh are the same in every frame of a sequence; the others are new in each. `corner_Hz` adds 1/f
+    noise to each sample, whose temporal spectrum equals that of sigma_tvh at that frequency. It
+    reaches from one over `longest_period_s` to half the frame rate, and any frame can be computed
+    from its number. Its whole variance counts as temporal. 3-D Noise sees only some frames, and
+    measures slower changes as fixed (vh). Without any component the picture does not change.
+    Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral
+    representation).
 
     Parameters
     ----------
@@ -2176,13 +2184,12 @@ def mtf_slices(
     samples: int | Expression = 257,
     stages: bool = True,
 ) -> Part:
-    """Plot the MTF of each stage and the total along a line, from zero to the band's end.
+    """Plot the MTF of each stage and of the total along a line, from zero to the end of the band.
 
-    Stages are evaluated on the line itself, so that slices of a chain cost next to nothing. Of a
-    magnitude its MTFs are shown, not the picture's spectrum; of a PTF the phases and their sum. The
-    band ends at the Nyquist frequency of the image's samples; that of the detector's pixels, half a
-    cycle per pitch, is marked within it where Init & Trans or Camera has a pitch.
-    Source: Tantalo 1996, figs. 5.26 and 5.53.
+    Stages are evaluated only on that line, so the plot is fast. A magnitude shows its MTFs, not the
+    picture's spectrum; a PTF shows the phases and their sum. The band ends at the Nyquist frequency
+    of the image's samples. The pixels' Nyquist frequency, half a cycle per pitch, is marked if Init
+    & Trans or Camera has a pitch. Source: Tantalo 1996, figs. 5.26 and 5.53.
 
     Parameters
     ----------
@@ -2222,18 +2229,19 @@ def measured_mtf(
 ) -> Part:
     """Measure the MTF from an edge or a line in a picture.
 
-    `slanted_edge`: the edge's angle is found, the samples are sorted by their distance from it
+    `slanted_edge`: the angle of the edge is found, the samples are sorted by their distance from it
     into quarters of a sample, the derivative of their means is windowed and transformed, and the
-    responses of quarters and derivative are taken out; frequencies are along the edge's normal.
+    responses of quarters and derivative are divided out; frequencies are along the edge's normal.
     `row_average`: the mean of the rows is clipped at its ends, its derivative transformed, and the
-    modulus divided by its largest; the differences' own response, 0.64 at Nyquist, stays in.
-    Standard errors come from leaving out rows. `expected` is the MTF of the chain the picture
-    comes from, along the same direction and up to Nyquist: of all stages from the source on, and of
-    a test scene's samples, which are means over their area. How much the scene in a file is blurred
-    is not known, and does not count; a picture straight from a file expects nothing. What
-    `row_average` folds back from beyond Nyquist is no part of it. `imagechain measure` searches the
-    picture of a real camera for its edges by itself. Source: ISO 12233:2023; Tantalo
-    1996, eqs. 5.67 to 5.70 and appendix B.
+    modulus divided by its largest value; the response of the differences, 0.64 at Nyquist, is not
+    divided out. Standard errors come from leaving out rows.
+
+    `expected` is the MTF of the picture's chain in the same direction up to Nyquist: all stages
+    from the source on, and the samples of a test scene, which are means over their area. The blur
+    of a scene in a file is unknown and not included; a picture straight from a file expects
+    nothing. Aliasing in `row_average` is not included. `imagechain measure` finds the edges in
+    pictures of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix
+    B.
 
     Parameters
     ----------
@@ -2305,43 +2313,41 @@ def figures_of_merit(
     magnification: float | Expression | None = None,
     range_max_km: float | Expression | None = None,
 ) -> Part:
-    """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor behind a picture.
+    """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor that made a picture.
 
-    Transfer function and noise are read off the chain that made the picture; nothing is drawn or
-    measured, and the mean that SNR and background come from is that of the picture without noise
-    and without errors of gain and bias. Connect the picture as the sensor samples it, before a
-    frame grabber interpolates it: its samples set Nyquist's frequency and the bandwidth of the
-    noise.
+    Transfer function and noise come from the picture's chain; nothing is drawn or measured. SNR and
+    background use the mean of the picture without noise and without gain and bias errors. Connect
+    the picture as the sensor samples it, before a frame grabber interpolates it: its samples set
+    the Nyquist frequency and the noise bandwidth.
 
-    MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ left after the eye has averaged over
-    a bar and over time. `ratches_1976` takes the temporal noise alone, and has no limit by
-    sampling; `flir92` takes fixed patterns too, which do not fall with time, and ends at Nyquist
-    where the sensor samples. Temporal noise is averaged with the spectrum it has in the picture.
-    2-D: the root of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the
-    mean of its blurred image.
+    MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
+    averaged over a bar and over time. `ratches_1976` uses temporal noise only, and has no sampling
+    limit; `flir92` also uses fixed patterns, which do not average over time, and ends at Nyquist
+    where the sensor samples. Temporal noise is averaged with its spectrum in the picture. 2-D: the
+    root of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the mean of its
+    blurred image.
 
-    `scanning` sets where the sensor samples: `staring` in both directions, `serial_scan` between
-    the lines that one detector scans along x, `parallel_scan` between its detectors, which lie
-    along x on platform `push` and else along y. All else that sets them apart is in the picture's
-    noise: bandwidth_Hz (one detector in place of n is n times as fast, and noisier by √n), and what
-    gain and bias do on a uniform field: on `line`, of one detector, nothing; on `push` σ_h, which
-    hides upright bars; on `array` σ_vh. 1/f noise of channels (σ_tv) is not simulated.
+    `scanning` says where the sensor samples: `staring` in both directions; `serial_scan` between
+    the lines that one detector scans along x; `parallel_scan` between its detectors, which lie
+    along x on platform `push` and otherwise along y. All other differences are in the picture's
+    noise: bandwidth_Hz (one detector instead of n is n times as fast, and noisier by √n), and gain
+    and bias errors on a uniform field: none on `line` with one detector; σ_h on `push`, which hides
+    upright bars; σ_vh on `array`. 1/f noise of channels (σ_tv) is not simulated.
 
-    A picture of a band that begins below 2.5 µm is of reflected light, which has no temperature: it
-    is refused, unless `background_K` states how hot the scene glows; Image Quality takes it.
+    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature: it
+    is refused unless `background_K` gives the temperature of the scene's own emission; use Image
+    Quality. All figures in K apply at the camera, behind the air, for the background as it appears
+    there. The ΔT that remains at a range follows from Atmospheric Path, if the picture has passed
+    one: τ(R) of each wavelength, weighted by dL/dT; otherwise ΔT·exp(−extinction·range).
 
-    All figures in K are those at the camera, behind the air, for the background as it looks from
-    there. What is left of ΔT at a range is by Atmospheric Path, if the picture has come through
-    one: the τ(R) of each wavelength, weighted by dL/dT; else ΔT·exp(−extinction·range).
-
-    Johnson: cycles across the target up to where it reaches the 2-D MRTD, over N50. TTP: the sum of
-    √(contrast/threshold) over frequencies, the threshold being that of the eye through the MTF and
-    of the MRTD, as the root of their squares (`mrtd`), or the published CTF_eye/MTF·√(1 + α²·σ²/S²)
-    (`system_contrast_threshold`), to which published V50 belong: α = 169.6 √Hz, σ the noise in K·√s
-    that channels of vision and eyeball leave beside a sine, S the scene contrast; fixed patterns
-    count with `flir92`. Display and eye have no part in the MRTD. The defaults are a target of 2.3
-    m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is quoted for identifying tracked vehicles,
-    which could not be checked.
+    Johnson: cycles across the target up to the frequency where it reaches the 2-D MRTD, over N50.
+    TTP: the sum of √(contrast/threshold) over frequencies. The threshold combines that of the eye
+    through the MTF and that of the MRTD, as the root of their squares (`mrtd`), or is the published
+    CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), to which published V50 belong: α =
+    169.6 √Hz, σ the noise in K·√s that the eye's channels and eyeball leave beside a sine, S the
+    scene contrast; fixed patterns count with `flir92`. Display and eye are not part of the MRTD.
+    The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is quoted
+    for identifying tracked vehicles, which could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
@@ -2428,16 +2434,15 @@ def noise_budget(
     noise: Literal['all', 'temporal', 'fixed'] = 'all',
     show: Literal['share', 'amount'] = 'share',
 ) -> Part:
-    """Show how much of the noise each source makes, and how much of the blur each stage.
+    """Show how much each source contributes to the noise, and each stage to the blur.
 
-    All is read off the chain that made the picture, and nothing is drawn: each noise is followed
-    to the picture through the filters, combined pixels and interpolation behind it. Variances of
-    independent noises add, so each source has a share of the sum; `fixed` are patterns that stay
-    from frame to frame, as all sensors of this kind have them on average. Rounding counts as noise.
-
-    Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency that of a Gaussian blur is in
-    proportion to its variance. A stage that amplifies has a share below zero: how much of the
-    loss it makes up for. A stage that lets nothing through has all of it. Phases do not blur.
+    Everything is computed from the picture's chain; nothing is drawn. Each noise is followed to the
+    picture through the filters, combined pixels and interpolation behind it. Variances of
+    independent noises add, so each source has a share of the sum. `fixed` are patterns that stay
+    from frame to frame, as the average over all sensors of this kind. Rounding counts as noise.
+    Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian blur is
+    proportional to its variance. A stage that amplifies has a negative share: the part of the loss
+    that it makes up for. A stage that blocks everything has the whole share. Phases do not blur.
 
     Parameters
     ----------
@@ -2468,15 +2473,15 @@ def noise_3d(
 
     Predicted: every noise of the chain is followed to this picture, through the transfer functions,
     combined pixels and interpolation behind it. Measured: frames of the picture are simulated, each
-    with temporal noise of its own and the same fixed patterns; less the noise-free picture, their
-    variance is split into the seven components by unbiased estimates. One pattern is measured, so a
-    fixed component of few rows or columns scatters about what is predicted for all sensors of this
-    kind. Noise correlated between neighbours shows in σ tv and σ th too. Rounding counts as noise.
-    A file of frames (`path`), of a camera say, is measured in place of simulated ones, one frame at
-    a time: all that stays from frame to frame is then a fixed pattern, the scene too, so give
-    frames of a uniform one. With a picture linked its prediction stands beside. Sources: D'Agostino
-    and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance
-    Components (unbiased estimates).
+    with its own temporal noise and the same fixed patterns. The noise-free picture is subtracted,
+    and unbiased estimates split the variance into the seven components. Only one pattern is
+    measured, so a fixed component with few rows or columns scatters about the prediction for all
+    sensors of this kind. Noise correlated between neighbours also appears in σ tv and σ th.
+    Rounding counts as noise. A file of frames (`path`), from a camera for example, is measured
+    instead of simulated frames, one frame at a time: everything that stays from frame to frame then
+    counts as fixed pattern, also the scene, so use frames of a uniform scene. If you also link a
+    picture, its prediction is shown beside. Sources: D'Agostino and Webb 1991; Scott and D'Agostino
+    1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased estimates).
 
     Parameters
     ----------
@@ -2501,13 +2506,13 @@ def compare_images(
     average: Literal['axes', 'radial'] = 'axes',
     edges: Literal['reflect', 'periodic'] = 'reflect',
 ) -> Part:
-    """Measure how far a picture is from a reference of the same size.
+    """Measure the difference between a picture and a reference of the same size.
 
-    Root mean square, largest and mean difference, and the peak signal to noise ratio, for which
-    the peak is the reference's maximum less its minimum. The MTF ratio is the modulus of the
-    picture's spectrum over that of the reference: on both frequency axes, or as the root of the
-    ratio of powers in rings. Frequencies at which the reference has nothing but rounding are left
-    out. For a frame filtered with mirrored edges it is the MTF itself if `edges` is `reflect`.
+    It gives the root mean square, largest and mean difference, and the peak signal-to-noise ratio,
+    whose peak is the reference's maximum less its minimum. The MTF ratio is the modulus of the
+    picture's spectrum over that of the reference, on both frequency axes, or as the root of the
+    ratio of powers in rings. Frequencies at which the reference has only rounding are left out. For
+    a frame filtered with mirrored edges, set `edges` to `reflect`, and the ratio is the MTF itself.
 
     Parameters
     ----------
@@ -2531,18 +2536,19 @@ def spatial_blur(
     half_width_px: int | Expression = 16,
     error: float | Expression = 0.001,
 ) -> Part:
-    """Blur by convolution with the impulse response, in place of Back Transform.
+    """Blur by convolution with the impulse response, instead of Back Transform.
 
-    Takes what Back Transform takes: the impulse response is the inverse transform of all the
-    collected MTFs and PTFs. Separable ones are a pass along x and one along y, others a kernel in
-    two dimensions. Whole kernels give what Back Transform gives, to rounding. A kernel cut short
-    costs at most `error_bound`: the sum of the moduli of what was cut off, as a share of the
-    scene's largest departure from its mean, which itself is kept. A transfer function that has not
-    fallen to nothing at Nyquist rings on, and its kernel cannot be short and precise.
-    Two short passes take less time than the Fourier way on small frames only: up to ±16 samples at
-    128², ±4 at 512²; plane kernels never do (`imagechain bench --only precision`, table spatial).
+    It takes the inputs of Back Transform: the impulse response is the inverse transform of all
+    collected MTFs and PTFs. Separable ones need a pass along x and one along y, others a
+    two-dimensional kernel. Whole kernels give the result of Back Transform, to rounding. A
+    truncated kernel has an error of at most `error_bound`: the sum of the moduli of what was cut
+    off, as a share of the scene's largest departure from its mean, which is kept. A transfer
+    function that has not fallen to zero at Nyquist rings, and its kernel cannot be both short and
+    precise.
 
-    Source: NVSIM's way (Horger 1993) as in Tantalo 1996, section 2.1.4.
+    Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
+    128², ±4 at 512²; two-dimensional kernels never are (`imagechain bench --only precision`, table
+    spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section 2.1.4.
 
     Parameters
     ----------
@@ -2575,25 +2581,26 @@ def line_by_line(
     nodes: int | Expression | None = None,
     tolerance: float | Expression = 1e-05,
 ) -> Part:
-    """Filter a line scanner's frame with the sampling it really has, beside Back Transform.
+    """Filter a line scanner's frame with its true sampling, instead of Back Transform.
 
-    A line scanner samples in equal angles along the scan and in equal steps of ground in flight.
-    Aslant the ground is farther away, and the lines are closer in angle: interval·cos(view angle).
-    Back Transform takes one interval for the whole frame, as in 1996 (output `whole`). Here each
-    column is filtered at its own (`image`). Factors along the scan have one scale, factors in
-    flight one in each column, pupils and other planar ones both; all are angles at the sensor, as
-    in their modules, and edges and PTFs are as in Back Transform. What separates is exact. Planar
-    factors are blended from a few intervals (`nodes`), with an estimate of the error, or summed
-    for each (`direct`). A pushbroom or an array samples evenly: no difference. The ground is
-    flat, and blur by motion over it is taken as wide in angle as at nadir.
+    A line scanner samples in equal angles along the scan and in equal steps on the ground in
+    flight. Away from nadir the ground is farther away, and the lines are closer in angle:
+    interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
+    (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
+    scan have one scale, factors in flight have one in each column, and pupils and other planar
+    factors have both. All are angles at the sensor, as in their modules; edges and PTFs are as in
+    Back Transform. What separates is exact. Planar factors are blended from a few intervals
+    (`nodes`), with an estimate of the error, or summed for each (`direct`). A pushbroom or an array
+    samples evenly, so nothing differs. The ground is flat, and motion blur over it has the same
+    angle as at nadir.
 
-    When is one interval for the whole image good enough? The Inframetrics' blur of three samples
-    on the built-in scene (network `line_by_line`) is off by at most 0.03 % of the picture's range
-    in a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2 % in 60°, 5 % in 90° and 10 % in 120°, rms
-    0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %: as 1 − cos(view angle). In the thesis' field of 30° six
-    bits hide it. Line by line takes 1.3 to 4 times as long (`imagechain bench --only precision`,
-    table scanning), `direct` some 60 times and more.
-    Source: Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
+    When is one interval for the whole image good enough? The Inframetrics' blur of three samples on
+    the built-in scene (network `line_by_line`) is wrong by at most 0.03 % of the picture's range in
+    a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2 % in 60°, 5 % in 90° and 10 % in 120°, rms 0.002,
+    0.02, 0.05, 0.1, 0.25 and 0.5 %: as 1 − cos(view angle). In the thesis' field of 30°, six bits
+    hide the error. Line by line takes 1.3 to 4 times as long (`imagechain bench --only precision`,
+    table scanning), `direct` 60 times and more. Source: Tantalo 1996, section 2 and fig. 2.3, which
+    leaves the comparison to later work.
 
     Parameters
     ----------
@@ -2654,17 +2661,17 @@ def camera_geometry(
 ) -> Part:
     """Sample a wider scene on flat ground as a line scanner, pushbroom or framing camera does.
 
-    The scene has equal steps on the ground, its middle below the camera. A line scanner takes
-    equal angles, so that its samples grow as sec² across and sec along (panoramic distortion); a
-    pushbroom and a framing camera take equal steps in the focal plane. Lines are flown down the
-    picture, equally far apart on the ground. Each sample is the mean of the scene over its whole
-    footprint, so that nothing aliases and a uniform scene stays uniform. Blur comes after: choose
+    The scene has equal steps on the ground, and its middle is below the camera. A line scanner
+    samples equal angles, so its samples grow as sec² across and sec along (panoramic distortion); a
+    pushbroom and a framing camera sample equal steps in the focal plane. Lines are flown down the
+    picture, at equal distances on the ground. Each sample is the mean of the scene over its whole
+    footprint, so nothing aliases and a uniform scene stays uniform. Blur comes afterwards: choose
     samples finer than the detector, and combine pixels behind the detector's MTF.
-    Footprints are exact where they lie along the scene's rows or columns, as without yaw; of a
-    framing camera with roll or pitch alone to 10⁻⁴ of the scene's range. Else they lie askew and
-    are cut into `strips`, with the error estimated.
 
-    Source: Tantalo 1996, sections 2 and 5.3, for the Salacain camera.
+    Footprints are exact if they lie along the scene's rows or columns, as without yaw; those of a
+    framing camera with roll or pitch alone are exact to 10⁻⁴ of the scene's range. Other footprints
+    are oblique and are cut into `strips`, with an estimate of the error. Source: Tantalo 1996,
+    sections 2 and 5.3, for the Salacain camera.
 
     Parameters
     ----------
@@ -2740,19 +2747,20 @@ def image_quality(
 ) -> Part:
     """Estimate the interpretability (NIIRS) of a picture by GIQE 3, 4 and 5.
 
-    Ground sample distance is the picture's interval times the range, stretched along by the view
-    off nadir. The relative edge response (how far an edge rises within a sample about it) and the
-    overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer functions,
-    the SNR from its mean signal and temporal noise: nothing is drawn or measured. All are geometric
-    means across and along. Connect the picture as the sensor samples it, before a frame grabber
-    interpolates it.
+    The ground sample distance is the picture's interval times the range, stretched along by the
+    view angle off nadir. The relative edge response (how far an edge rises within a sample about
+    it) and the overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer
+    functions, and the SNR from its mean signal and temporal noise: nothing is drawn or measured.
+    All are geometric means across and along. Connect the picture as the sensor samples it, before a
+    frame grabber interpolates it.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
     9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. The
-    first two are of sharpened pictures, with the noise gain G of the sharpening. Fitted to visible
-    pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130 (version 4; the
-    limits of the others could not be checked): a warning names what lies beyond.
+    first two apply to sharpened pictures, with the noise gain G of the sharpening. They were fitted
+    to visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130
+    (version 4; the limits of the others could not be checked); a warning names values beyond these
+    limits.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4); Harrington et al. 2015
     (GIQE 5).

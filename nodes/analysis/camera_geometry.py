@@ -352,17 +352,17 @@ class CameraGeometry(
 ):
     """Sample a wider scene on flat ground as a line scanner, pushbroom or framing camera does.
 
-    The scene has equal steps on the ground, its middle below the camera. A line scanner takes
-    equal angles, so that its samples grow as sec² across and sec along (panoramic distortion); a
-    pushbroom and a framing camera take equal steps in the focal plane. Lines are flown down the
-    picture, equally far apart on the ground. Each sample is the mean of the scene over its whole
-    footprint, so that nothing aliases and a uniform scene stays uniform. Blur comes after: choose
+    The scene has equal steps on the ground, and its middle is below the camera. A line scanner
+    samples equal angles, so its samples grow as sec² across and sec along (panoramic distortion); a
+    pushbroom and a framing camera sample equal steps in the focal plane. Lines are flown down the
+    picture, at equal distances on the ground. Each sample is the mean of the scene over its whole
+    footprint, so nothing aliases and a uniform scene stays uniform. Blur comes afterwards: choose
     samples finer than the detector, and combine pixels behind the detector's MTF.
-    Footprints are exact where they lie along the scene's rows or columns, as without yaw; of a
-    framing camera with roll or pitch alone to 10⁻⁴ of the scene's range. Else they lie askew and
-    are cut into `strips`, with the error estimated.
 
-    Source: Tantalo 1996, sections 2 and 5.3, for the Salacain camera.
+    Footprints are exact if they lie along the scene's rows or columns, as without yaw; those of a
+    framing camera with roll or pitch alone are exact to 10⁻⁴ of the scene's range. Other footprints
+    are oblique and are cut into `strips`, with an estimate of the error. Source: Tantalo 1996,
+    sections 2 and 5.3, for the Salacain camera.
     """
 
     formulas = (

@@ -33,13 +33,13 @@ class CompareOutputs(NamedTuple):
 
 
 class CompareImages(Module, key="compare_images", title="Compare Images", group="Analysis"):
-    """Measure how far a picture is from a reference of the same size.
+    """Measure the difference between a picture and a reference of the same size.
 
-    Root mean square, largest and mean difference, and the peak signal to noise ratio, for which
-    the peak is the reference's maximum less its minimum. The MTF ratio is the modulus of the
-    picture's spectrum over that of the reference: on both frequency axes, or as the root of the
-    ratio of powers in rings. Frequencies at which the reference has nothing but rounding are left
-    out. For a frame filtered with mirrored edges it is the MTF itself if `edges` is `reflect`.
+    It gives the root mean square, largest and mean difference, and the peak signal-to-noise ratio,
+    whose peak is the reference's maximum less its minimum. The MTF ratio is the modulus of the
+    picture's spectrum over that of the reference, on both frequency axes, or as the root of the
+    ratio of powers in rings. Frequencies at which the reference has only rounding are left out. For
+    a frame filtered with mirrored edges, set `edges` to `reflect`, and the ratio is the MTF itself.
     """
 
     formulas = (

@@ -50,19 +50,20 @@ def typed_snr(work: Work, *, snr: float) -> float:
 class ImageQuality(Module, key="image_quality", title="Image Quality", group="Analysis"):
     """Estimate the interpretability (NIIRS) of a picture by GIQE 3, 4 and 5.
 
-    Ground sample distance is the picture's interval times the range, stretched along by the view
-    off nadir. The relative edge response (how far an edge rises within a sample about it) and the
-    overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer functions,
-    the SNR from its mean signal and temporal noise: nothing is drawn or measured. All are geometric
-    means across and along. Connect the picture as the sensor samples it, before a frame grabber
-    interpolates it.
+    The ground sample distance is the picture's interval times the range, stretched along by the
+    view angle off nadir. The relative edge response (how far an edge rises within a sample about
+    it) and the overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer
+    functions, and the SNR from its mean signal and temporal noise: nothing is drawn or measured.
+    All are geometric means across and along. Connect the picture as the sensor samples it, before a
+    frame grabber interpolates it.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
     9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. The
-    first two are of sharpened pictures, with the noise gain G of the sharpening. Fitted to visible
-    pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130 (version 4; the
-    limits of the others could not be checked): a warning names what lies beyond.
+    first two apply to sharpened pictures, with the noise gain G of the sharpening. They were fitted
+    to visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130
+    (version 4; the limits of the others could not be checked); a warning names values beyond these
+    limits.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4); Harrington et al. 2015
     (GIQE 5).

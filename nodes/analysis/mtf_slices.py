@@ -34,13 +34,12 @@ class CurveOutput(NamedTuple):
 
 
 class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
-    """Plot the MTF of each stage and the total along a line, from zero to the band's end.
+    """Plot the MTF of each stage and of the total along a line, from zero to the end of the band.
 
-    Stages are evaluated on the line itself, so that slices of a chain cost next to nothing. Of a
-    magnitude its MTFs are shown, not the picture's spectrum; of a PTF the phases and their sum. The
-    band ends at the Nyquist frequency of the image's samples; that of the detector's pixels, half a
-    cycle per pitch, is marked within it where Init & Trans or Camera has a pitch.
-    Source: Tantalo 1996, figs. 5.26 and 5.53.
+    Stages are evaluated only on that line, so the plot is fast. A magnitude shows its MTFs, not the
+    picture's spectrum; a PTF shows the phases and their sum. The band ends at the Nyquist frequency
+    of the image's samples. The pixels' Nyquist frequency, half a cycle per pitch, is marked if Init
+    & Trans or Camera has a pitch. Source: Tantalo 1996, figs. 5.26 and 5.53.
     """
 
     formulas = (

@@ -46,15 +46,15 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
 
     Predicted: every noise of the chain is followed to this picture, through the transfer functions,
     combined pixels and interpolation behind it. Measured: frames of the picture are simulated, each
-    with temporal noise of its own and the same fixed patterns; less the noise-free picture, their
-    variance is split into the seven components by unbiased estimates. One pattern is measured, so a
-    fixed component of few rows or columns scatters about what is predicted for all sensors of this
-    kind. Noise correlated between neighbours shows in σ tv and σ th too. Rounding counts as noise.
-    A file of frames (`path`), of a camera say, is measured in place of simulated ones, one frame at
-    a time: all that stays from frame to frame is then a fixed pattern, the scene too, so give
-    frames of a uniform one. With a picture linked its prediction stands beside. Sources: D'Agostino
-    and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance
-    Components (unbiased estimates).
+    with its own temporal noise and the same fixed patterns. The noise-free picture is subtracted,
+    and unbiased estimates split the variance into the seven components. Only one pattern is
+    measured, so a fixed component with few rows or columns scatters about the prediction for all
+    sensors of this kind. Noise correlated between neighbours also appears in σ tv and σ th.
+    Rounding counts as noise. A file of frames (`path`), from a camera for example, is measured
+    instead of simulated frames, one frame at a time: everything that stays from frame to frame then
+    counts as fixed pattern, also the scene, so use frames of a uniform scene. If you also link a
+    picture, its prediction is shown beside. Sources: D'Agostino and Webb 1991; Scott and D'Agostino
+    1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased estimates).
     """
 
     formulas = (

@@ -29,16 +29,15 @@ class BudgetOutputs(NamedTuple):
 
 
 class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analysis"):
-    """Show how much of the noise each source makes, and how much of the blur each stage.
+    """Show how much each source contributes to the noise, and each stage to the blur.
 
-    All is read off the chain that made the picture, and nothing is drawn: each noise is followed
-    to the picture through the filters, combined pixels and interpolation behind it. Variances of
-    independent noises add, so each source has a share of the sum; `fixed` are patterns that stay
-    from frame to frame, as all sensors of this kind have them on average. Rounding counts as noise.
-
-    Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency that of a Gaussian blur is in
-    proportion to its variance. A stage that amplifies has a share below zero: how much of the
-    loss it makes up for. A stage that lets nothing through has all of it. Phases do not blur.
+    Everything is computed from the picture's chain; nothing is drawn. Each noise is followed to the
+    picture through the filters, combined pixels and interpolation behind it. Variances of
+    independent noises add, so each source has a share of the sum. `fixed` are patterns that stay
+    from frame to frame, as the average over all sensors of this kind. Rounding counts as noise.
+    Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian blur is
+    proportional to its variance. A stage that amplifies has a negative share: the part of the loss
+    that it makes up for. A stage that blocks everything has the whole share. Phases do not blur.
     """
 
     formulas = (

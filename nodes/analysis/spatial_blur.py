@@ -39,18 +39,19 @@ class SpatialOutputs(NamedTuple):
 
 
 class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analysis"):
-    """Blur by convolution with the impulse response, in place of Back Transform.
+    """Blur by convolution with the impulse response, instead of Back Transform.
 
-    Takes what Back Transform takes: the impulse response is the inverse transform of all the
-    collected MTFs and PTFs. Separable ones are a pass along x and one along y, others a kernel in
-    two dimensions. Whole kernels give what Back Transform gives, to rounding. A kernel cut short
-    costs at most `error_bound`: the sum of the moduli of what was cut off, as a share of the
-    scene's largest departure from its mean, which itself is kept. A transfer function that has not
-    fallen to nothing at Nyquist rings on, and its kernel cannot be short and precise.
-    Two short passes take less time than the Fourier way on small frames only: up to ±16 samples at
-    128², ±4 at 512²; plane kernels never do (`imagechain bench --only precision`, table spatial).
+    It takes the inputs of Back Transform: the impulse response is the inverse transform of all
+    collected MTFs and PTFs. Separable ones need a pass along x and one along y, others a
+    two-dimensional kernel. Whole kernels give the result of Back Transform, to rounding. A
+    truncated kernel has an error of at most `error_bound`: the sum of the moduli of what was cut
+    off, as a share of the scene's largest departure from its mean, which is kept. A transfer
+    function that has not fallen to zero at Nyquist rings, and its kernel cannot be both short and
+    precise.
 
-    Source: NVSIM's way (Horger 1993) as in Tantalo 1996, section 2.1.4.
+    Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
+    128², ±4 at 512²; two-dimensional kernels never are (`imagechain bench --only precision`, table
+    spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section 2.1.4.
     """
 
     formulas = (

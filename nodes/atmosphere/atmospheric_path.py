@@ -51,21 +51,21 @@ class PathOutputs(NamedTuple):
 
 
 class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", group="Atmosphere"):
-    """Dim a picture's radiance by the air, and add the radiance of the air: τ·L + L_path.
+    """Attenuate a picture's radiance by the air, and add the radiance of the air: τ·L + L_path.
 
     `transmission`: a number, or a CSV of µm and transmission. `extinction_per_km`: exp(−β·R).
     `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 of
     MODTRAN (FREQ, TOT TRANS, PTH THRML and SOL SCAT, by name; W/cm²/sr per cm⁻¹ become W/m²/sr/µm
-    by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance (W/m²/sr/µm). Path radiance
-    is the file's, or (1 − τ)·L of a black body at `air_K`.
+    by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance (W/m²/sr/µm). The path
+    radiance is the file's, or (1 − τ)·L of a black body at `air_K`.
 
-    A picture of one band is multiplied by the band's mean transmission, which weights wavelengths
-    by the radiance of a black body: of the picture's mean brightness temperature, of sunlight's
-    5800 K where the band begins below 2.5 µm, or of `source_K`. A picture in bands (`bands` of Read
-    Image) has each of them multiplied by its own. Absorption and scattering dim alike here; what
-    scattering blurs is Atmosphere MTF's. Figures of Merit are those behind this path, and their
-    ranges take its transmission at each range, by Beer's law at every wavelength. Two in a row are
-    two constituents of the same air.
+    A picture with one band is multiplied by the band's mean transmission. The mean weights
+    wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
+    sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
+    of Read Image) has each band multiplied by its own transmission. Absorption and scattering
+    attenuate alike here; use Atmosphere MTF for the blur of scattering. Figures of Merit apply
+    behind this path, and their ranges use its transmission at each range, by Beer's law at every
+    wavelength. Two of these modules in a row are two constituents of the same air.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
     """

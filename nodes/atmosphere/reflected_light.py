@@ -40,15 +40,15 @@ class LightOutputs(NamedTuple):
 
 
 class ReflectedLight(Module, key="reflected_light", title="Reflected Light", group="Atmosphere"):
-    """Make radiance of a picture of reflectances, lit by sun and sky.
+    """Convert a picture of reflectances to radiance under sun and sky.
 
-    Matt and horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the band;
-    h is the sun's elevation, τ the air's optical depth from the zenith and m the air mass. E_sun is
-    a number, a CSV by wavelength, or that of a black body of 5800 K, 1388 W/m² in all. The sky is a
-    radiance that is the same all over. The picture's unit has to be one of reflectance (1, %,
-    reflectance, albedo), as Read Image has it. A reflectance holds for all wavelengths; with
-    `bands` above 1 the radiance comes in as many bands, and a cube of reflectances in its own.
-    Atmospheric Path is the way from the surface to the camera. Sources: Lambert 1760; Kasten and
+    For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
+    band. h is the sun's elevation, τ the air's optical depth from the zenith, and m the air mass.
+    E_sun is a number, a CSV by wavelength, or that of a black body of 5800 K, 1388 W/m² in all. The
+    sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
+    reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
+    `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
+    Atmospheric Path for the way from the surface to the camera. Sources: Lambert 1760; Kasten and
     Young 1989 (air mass); nominal solar radius of the IAU, 2015.
     """
 

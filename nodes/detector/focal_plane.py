@@ -60,26 +60,29 @@ _figure = partial(table_figure, table=_without_saturated)
 
 
 class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group="Detector"):
-    """Count the picture's photons as electrons, add the camera's noise, and digitize it.
+    """Convert the picture's photons to electrons, add the camera's noise, and digitize the signal.
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
     pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² + 1) the
     projected solid angle of the optics at F-number F; τ optics_transmission; η
     cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
-    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07. In this order: shot
-    noise of all electrons, drawn pixel by pixel; PRNU and DSNU, which stay from frame to frame; a
-    response that bends towards the full well; read noise; the full well; gain, offset, whole
-    numbers. PRNU multiplies all electrons by 1 + p·deviate, those of the dark current too; EMVA
-    1288 has it of the response to light alone.
+    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07.
 
-    A radiance becomes photons by the black body of its own brightness temperature (`scene`), by
-    that of `source_K`, or by the band's middle; the table shows what each makes of the signal. Of a
-    picture in bands the photons of each are counted, by the response at its wavelength. A band that
-    begins below 2.5 µm holds no thermal scene: there `scene` is `source`. NETD, SNR and well fill
-    are those of the picture's mean; where that is clipped, there is no NETD, SNR or NEI.
-    `frames_averaged`: shot and read noise fall with the root of their number, and the average is
-    rounded once. `saturated` is 1 where the well is full or the converter beyond its last number.
+    The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
+    which stay from frame to frame; nonlinearity towards the full well; read noise; the full well;
+    gain, offset, and rounding to whole numbers. PRNU multiplies all electrons by 1 + p·deviate,
+    also those of the dark current; EMVA 1288 defines PRNU on the light signal only.
+
+    Radiance is converted to photons by the black body of its own brightness temperature (`scene`),
+    by that of `source_K`, or by the band's middle; the table shows the signal for each choice. For
+    a spectral picture, each band is converted to photons with the response at its wavelength. A
+    band that begins below 2.5 µm has no thermal scene: there `scene` means `source`. NETD, SNR and
+    well fill refer to the picture's mean; if that is clipped, there is no NETD, SNR or NEI.
+    `frames_averaged` reduces shot and read noise with the square root of the number of frames, and
+    the average is rounded once. `saturated` is 1 where the well is full or the converter has
+    clipped.
+
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288; Tennant et al.
     2008 (Rule 07).
     """

@@ -45,16 +45,16 @@ class BolometerOutputs(NamedTuple):
 
 
 class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer", group="Detector"):
-    """Add an uncooled detector's noise by its data sheet, and the lag of its heat capacity.
+    """Add an uncooled detector's noise from its data sheet, and its thermal lag.
 
-    Noise as radiance of the scene is NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ·√(t₀/t), with
-    the data sheet's F₀ (1), background and, where both are given, integration time t₀; a
-    bolometer's noise is its own, so that the NETD at another background goes as 1/(dL/dT). From
-    frame to frame exp(−1/(rate·time constant)) of a change is left: where frames differ, each
-    shows those before it too. With a scan velocity on Init & Trans the lag is a low-pass along the
-    lines, 1/(1 + 2πi·τ·v·ξ). 1/f noise equals the white one at `corner_Hz`. Unlike responses and
-    offsets of pixels are the same in every frame; Non-Uniformity Correction takes them out.
-    Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22.
+    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ·√(t₀/t),
+    with the data sheet's F₀ (1), background and, if both are given, integration time t₀. A
+    bolometer's noise is its own, so the NETD at another background goes as 1/(dL/dT). From frame to
+    frame exp(−1/(rate·time constant)) of a change remains: if frames differ, each also shows those
+    before it. With a scan velocity on Init & Trans the lag is a low-pass along the lines, 1/(1 +
+    2πi·τ·v·ξ). 1/f noise equals the white noise at `corner_Hz`. Non-uniform gain and offset are the
+    same in every frame; Non-Uniformity Correction removes them. Sources: Kruse 2001, chapters 3 and
+    4; Rogalski 2011, chapters 4 and 22.
     """
 
     formulas = (

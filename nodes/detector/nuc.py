@@ -43,17 +43,17 @@ class CorrectedOutputs(NamedTuple):
 
 
 class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Detector"):
-    """Even out a camera's pixels, by what they give of uniform references at one or two heats.
+    """Correct a camera's non-uniform pixels with uniform references at one or two temperatures.
 
-    It stands behind the camera's modules. What these give of a black body that fills the view, in
-    the place of what enters the first that adds noise, is averaged over `reference_frames` frames
-    of their own noise, once for all frames. `one_point`: the pattern at `low_K` is subtracted; what
-    is left grows with the distance from it as the gains differ. `two_point`: gains and offsets are
-    those of a straight line through both references; what is left is the noise of their means, and
-    what a bent response leaves. `drift_K` adds the offsets that have come since, as the rms among
-    pixels in kelvin of the scene. A pixel of less than a tenth of the mean response keeps its
-    gain. Budgets count 1/f noise, which frames of a reference have in common, as if it were new in
-    each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+    Put it behind the camera's modules. Their picture of a black body that fills the field of view,
+    in place of the input of the first module that adds noise, is averaged over `reference_frames`
+    frames with their own noise, once for all frames. `one_point`: the pattern at `low_K` is
+    subtracted; the residual grows with the distance from `low_K` as the gains differ. `two_point`:
+    gain and offset come from a straight line through both references; the residual is the noise of
+    their means and the nonlinearity. `drift_K` adds offsets that have drifted since, as the rms
+    over the pixels in kelvin of the scene. A pixel with less than a tenth of the mean response
+    keeps its gain. Budgets count 1/f noise, which the frames of a reference share, as if it were
+    new in each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
     """
 
     formulas = (

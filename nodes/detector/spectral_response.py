@@ -37,17 +37,16 @@ Array = NDArray[Any]
 class SpectralResponse(
     Module, key="spectral_response", title="Spectral Response", group="Detector"
 ):
-    """Weight every wavelength by a response: of a detector's material, a filter, a window.
+    """Weight every wavelength by the response of a detector material, a filter or a window.
 
-    A picture in bands has each of them multiplied by the mean response over it, and its sum is the
-    radiance that counts. Focal Plane behind it counts what is left of the photons; its NETD is that
-    of the scene before the response, which dims light of the scene alone, not of optics and
-    housing. A picture of one band is multiplied by the mean over the band, weighted by the radiance
-    of a black body: of the picture's mean brightness temperature, of sunlight's 5800 K where the
-    band begins below 2.5 µm, or of `source_K`. `file`: a CSV of µm and response, straight between
-    its points, 0 beyond them. `gaussian`: `width_um` is its full width at half maximum. A response
-    per watt instead of per photon goes in as it is where radiance is wanted; Focal Plane has its
-    own for photons.
+    Each band of a spectral picture is multiplied by its mean response. Focal Plane behind it counts
+    the remaining photons; its NETD refers to the scene before the response, which weights only
+    light of the scene, not of optics and housing. A picture with one band is multiplied by the mean
+    over the band, weighted by the radiance of a black body: at the picture's mean brightness
+    temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. `file`: a
+    CSV of µm and response, interpolated linearly, 0 beyond its points. `gaussian`: `width_um` is
+    the full width at half maximum. Enter a response per watt as it is if you want radiance; Focal
+    Plane has its own response for photons.
     """
 
     formulas = (

@@ -83,12 +83,12 @@ class ElectronicsNoise(
 ):
     """Read the picture out: gain and bias, detector noise, pre-amplifier, amplifier noise, bits.
 
-    In this order: gain and bias errors of each detector; detector noise of rms NER; the
-    pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise of rms
-    reference/SNR; a post filter; quantization. NEP and NER are of a detector of mean noise; NETD
-    and SNR are of all of them, √(1 + v²) times as noisy with a spread of v. Sources: Tantalo 1996,
-    sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the picture by the gain
-    error (`literal`).
+    In this order: gain and bias errors of each detector; detector noise with rms NER; the
+    pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
+    reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise;
+    NETD and SNR refer to all detectors, √(1 + v²) times as noisy with a spread of v. Sources:
+    Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the picture
+    by the gain error (`literal`).
     """
 
     formulas = (

@@ -40,13 +40,14 @@ class Noise3DSource(
 ):
     """Add noise by its seven components: of time (t), rows (v), columns (h), or several together.
 
-    Each is normal, of its own standard deviation, in the unit of the picture. v, h and vh are the
-    same in every frame of a sequence, the others new in each. `corner_Hz` adds 1/f noise, of each
-    sample by itself, whose spectrum in time equals that of sigma_tvh there; it reaches from one
-    over `longest_period_s` to half the frame rate, and any frame is made of its number alone. It
-    counts as temporal with its whole variance. 3-D Noise, which sees some frames, measures as fixed
-    (vh) what is slower than these. Without any component the picture is passed on. Sources:
-    D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
+    Each component is normal with its own standard deviation, in the unit of the picture. v, h and
+    vh are the same in every frame of a sequence; the others are new in each. `corner_Hz` adds 1/f
+    noise to each sample, whose temporal spectrum equals that of sigma_tvh at that frequency. It
+    reaches from one over `longest_period_s` to half the frame rate, and any frame can be computed
+    from its number. Its whole variance counts as temporal. 3-D Noise sees only some frames, and
+    measures slower changes as fixed (vh). Without any component the picture does not change.
+    Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral
+    representation).
     """
 
     formulas = (

@@ -36,9 +36,9 @@ class PeriodicNoise(
 ):
     """Add a sinusoid, such as pick-up from a supply, optionally modulated in amplitude.
 
-    amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ) with x and y from the
-    first sample on. What lies beyond the Nyquist frequency shows as its alias, as it would.
-    An amplitude of 0 passes the picture on. Source: Tantalo 1996, chapter 3.
+    amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ) with x and y counted
+    from the first sample. Frequencies beyond Nyquist appear as their aliases. An amplitude of 0
+    changes nothing. Source: Tantalo 1996, chapter 3.
     """
 
     formulas = (

@@ -41,10 +41,10 @@ class ExamineImage(
 ):
     """Report minimum, maximum, mean, standard deviation, histogram and single samples.
 
-    For radiance in a known band the apparent temperature is given too: that of the blackbody with
-    the same band radiance. Figures and probe are of the samples themselves (spectra in the order
-    of the FFT), the histogram of what is displayed; the centred spectrum of a picture is the
-    logarithm of its modulus.
+    For radiance in a known band it also gives the apparent temperature: that of the black body with
+    the same band radiance. Figures and probe use the samples themselves (spectra in FFT order); the
+    histogram uses what is displayed. The centred spectrum of a picture is the logarithm of its
+    modulus.
     """
 
     formulas = (

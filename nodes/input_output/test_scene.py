@@ -47,17 +47,17 @@ SOURCES = ("cut_on_um", "cut_off_um", "temperature_K", "delta_K")
 class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Input and output"):
     """Draw a radiometric test scene.
 
-    Temperatures and emissivities become band radiance through Planck's law; edges are
-    area-sampled, not aliased. The dormitory is a building front with windows, warm and cool, sky
-    and ground; the airfield is seen from above, with straight roads, for Camera Geometry.
+    Planck's law converts temperatures and emissivities to band radiance. Edges are sampled by area
+    and do not alias. The dormitory is a building front with windows, warm and cool areas, sky and
+    ground. The airfield is seen from above, with straight roads, for Camera Geometry.
 
-    With `bands` the scene carries that many of equal width, which optics and air treat each at its
-    own wavelength, until a detector sums them up. Surfaces then have the spectra of what they are
-    made of: grass, leaves, soil, water, asphalt, concrete, brick, paint, glass, in coarse points.
-    They emit by their temperature and mirror the sky and, with `sun_elevation_deg`, sunlight: so a
-    scene of 0.4 to 2.5 µm is one by day. Targets are black in all bands. `emissivity` grey leaves
-    every surface the one number that it has without bands; the sum of all bands is then, but for
-    the Sun, the picture without.
+    With `bands` the scene has that many bands of equal width. Optics and air treat each at its own
+    wavelength, until a detector sums them. Surfaces then have the spectra of grass, leaves, soil,
+    water, asphalt, concrete, brick, paint and glass, in coarse points. They emit at their
+    temperature, and reflect the sky and, with `sun_elevation_deg`, sunlight: a scene from 0.4 to
+    2.5 µm is lit by day. Targets are black in all bands. With `emissivity` grey every surface keeps
+    its single emissivity; the sum of all bands is then the picture without bands, except for
+    sunlight.
     """
 
     formulas = (

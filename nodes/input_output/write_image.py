@@ -51,14 +51,14 @@ class WriteImage(
 ):
     """Write the picture to a file, only when a run asks for outputs.
 
-    Integer types map `range_low` … `range_high` (empty: the picture's least and greatest sample)
-    to the type's whole range; a picture in digital numbers, DN, is not stretched where both are
-    empty: 12 bits are 0 to 4095 in the file. `automatic` is the evaluation's precision where the
-    format holds it, and 16-bit integers for PNG and for digital numbers up to 65535.
+    Integer types map `range_low` … `range_high` (empty: the picture's smallest and largest sample)
+    to the full range of the type. A picture in digital numbers (DN) is not stretched if both are
+    empty: 12 bits are 0 to 4095 in the file. `automatic` uses the precision of the computation if
+    the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
 
-    All bands of a picture that has some go into an ENVI file (`.img`, `.bsq`, or `format` envi), as
-    floats in W/m²/sr/µm, one after the other: the cube is never in memory. Into every other format
-    goes their sum, which the picture is. A Zarr store (`.zarr`) is written chunk by chunk.
+    An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
+    in W/m²/sr/µm, written one after the other: the cube is never in memory. Every other format gets
+    their sum. A Zarr store (`.zarr`) is written chunk by chunk.
     """
 
     formulas = (

@@ -29,12 +29,12 @@ _SUFFIXES = suffixes(*MATRICES)
 class WriteMatrix(
     Module, key="write_matrix", title="Write Matrix", group="Input and output", sink=True
 ):
-    """Write plain numbers, a row on each line, as MathCad's READPRN reads them.
+    """Write plain numbers, one row per line, as MathCad's READPRN reads them.
 
-    A name that ends in .csv separates them by commas and names the columns of curves; .txt and
-    .prn by blanks. Bars have their names in the first column of .csv, in the others their number
-    from 0. A transfer function is written in the order of the FFT, zero frequency
-    first. Only when a run asks for outputs.
+    A .csv file separates them by commas and names the columns of curves; .txt and .prn use blanks.
+    Bars have their names in the first column of a .csv file, and their number from 0 in other
+    files. A transfer function is written in FFT order, zero frequency first. Files are written only
+    when a run asks for outputs.
     """
 
     without_formula = "It writes numbers as they are."

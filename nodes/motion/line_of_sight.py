@@ -36,13 +36,13 @@ Axes = tuple[MotionSpectrum, MotionSpectrum]
 class LineOfSight(
     SeededModule, NyquistReadouts, key="line_of_sight", title="Line of Sight", group="Motion"
 ):
-    """Move the line of sight at random: blur within an exposure, a shift from frame to frame.
+    """Move the line of sight at random: blur within an exposure, shifts between frames.
 
-    By the power density of the angle, S = rms²·(2/π)/(corner·(1 + (f/corner)²)) or `psd_path`; both
-    axes are independent. What an exposure sees beside its mean is an MTF, mean over its time of
-    exp(−2π²·v(t)·ξ²); the mean itself, of spectrum S·sinc²(fT), shifts each frame of a sequence by
-    a phase ramp, −2π·ξ·shift. A single picture is frame 0 and is shifted too. 3-D Noise does not
-    predict what a moving scene of contrast changes in a pixel, and measures it. Sources: Papoulis
+    The angle has the power density S = rms²·(2/π)/(corner·(1 + (f/corner)²)) or that of `psd_path`;
+    both axes are independent. Motion about the mean of an exposure gives an MTF, the mean over the
+    exposure of exp(−2π²·v(t)·ξ²). The mean itself, with spectrum S·sinc²(fT), shifts each frame of
+    a sequence by a phase ramp, −2π·ξ·shift. A single picture is frame 0 and is shifted too. 3-D
+    Noise does not predict how a moving scene changes a pixel, but measures it. Sources: Papoulis
     1991, chapter 10; Kopeika 1998, chapter 14.
     """
 

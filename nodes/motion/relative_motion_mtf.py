@@ -21,10 +21,10 @@ class RelativeMotionMTF(
 ):
     """Smear by the relative velocity of platform and image while the detector integrates.
 
-    `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31); `line` the
-    straight smear sinc(bx·xi + by·eta) that a constant velocity makes. Zero relative velocity is
-    exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of eqs.
-    4.34 and 4.35 are in cycles/rad.
+    `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31). `line` is
+    sinc(bx·xi + by·eta), the straight smear of a constant velocity. A relative velocity of zero
+    gives exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of
+    eqs. 4.34 and 4.35 are in cycles/rad.
     """
 
     formulas = (

@@ -31,13 +31,13 @@ _figure = partial(table_figure, table=_of_camera)
 
 
 class Camera(Module, key="camera", title="Camera", group="Optics"):
-    """Enter a camera's data once: Init & Trans takes from it what it leaves empty.
+    """Enter a camera's data once: Init & Trans uses it for what it leaves empty.
 
-    The image passes unchanged and carries the data on: pitch, focal length, F-number, fill and
-    range for Init & Trans and all that follow it, aperture and obscuration for Diffraction MTF, the
-    pitch for Sample Pixels. Of focal length, F-number and aperture two give the third. An image
+    The image passes unchanged and carries the data: pitch, focal length, F-number, fill and range
+    for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
+    pitch for Sample Pixels. Two of focal length, F-number and aperture give the third. An image
     without a sampling interval gets that of the camera's field of view, pixels times pitch over
-    focal length. What disagrees is warned of, and nothing is corrected. Source: Holst 2008,
+    focal length. A warning says which values disagree; nothing is corrected. Source: Holst 2008,
     Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
     """
 

@@ -47,19 +47,20 @@ class DiffractionMTF(
 ):
     """Blur by diffraction at a circular or annular aperture, over the band, exactly.
 
-    Aperture and obscuration are those of Camera, else focal length over F-number of Init & Trans;
-    no pupil array is needed. Over a band the OTFs of all wavelengths are weighted: by the photons,
-    or the energy, of a black body, or uniformly as in 1996. The black body is `source_K`, else that
-    of the picture's mean radiance, else sunlight's 5800 K where the band begins below 2.5 µm.
-    `response`, and a Spectral Response that the picture has come through, weight the light besides:
-    the band is as a detector counts it that stands behind the optics. `wavelengths` auto takes as
-    many as `tolerance` needs, placed between the kinks of the OTF; a number takes so many over the
-    band, 1 its middle. With auto a picture with bands is blurred band by band, and the MTF shown is
-    their mean by the picture's own light. `defocus_waves` is W20 at the rim at the band's middle;
-    the OTF is real and may be negative. `rms_wavefront_waves`, at the band's middle too, takes
-    Shannon's factor for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman
-    2005; O'Neill 1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook
-    of Optics I, chapter 35.
+    Aperture and obscuration come from Camera, else the aperture is focal length over F-number of
+    Init & Trans; no pupil array is needed. Over a band, the OTFs of all wavelengths are weighted by
+    the photons or the energy of a black body, or uniformly as in 1996. The black body has
+    `source_K`, else the temperature of the picture's mean radiance, else sunlight's 5800 K if the
+    band begins below 2.5 µm. `response`, and a Spectral Response before this module, also weight
+    the light as a detector behind the optics would. `wavelengths` auto uses as many wavelengths as
+    `tolerance` needs, placed between the kinks of the OTF; a number sets how many wavelengths
+    sample the band, and 1 uses the band's middle. With auto, a spectral picture is blurred band by
+    band, and the MTF shown is the mean weighted by the picture's own light.
+
+    `defocus_waves` is W20 at the rim at the band's middle; the OTF is real and may be negative.
+    `rms_wavefront_waves`, also at the band's middle, applies Shannon's factor for small errors of
+    any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman 2005; O'Neill 1956 (annulus, with
+    its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook of Optics I, chapter 35.
     """
 
     formulas = (

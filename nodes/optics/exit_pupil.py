@@ -42,19 +42,20 @@ class PupilOutput(NamedTuple):
 class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     """Make an exit pupil: 1 transparent, 0 opaque.
 
-    Lengths are in samples and centred; their scale is set in Exit Pupil MTF. `clear` and
-    `half_moon` (x ≥ 0) ignore the obscuration; `hinged` is a disc with an opaque bar over the full
-    height, `cassegrain_slit` the same bar on an annulus, `spider` an annulus with vanes at
-    360°/n from +x. The wavefront error is in waves at the band's mean wavelength, on the disc of
-    the aperture's radius. Of a file this is the smallest circle round all samples above 1 % of the
-    largest, about the array's centre where that is at most a sample larger; a `radius` typed in is
-    centred on the array. `aperture_radius` reads out the one that was taken. A map of the wavefront
-    (picture, FITS, `.npy`, text, Zemax's listing) adds to these: NaN outside the aperture, or zeros
-    from its border on; where it is unknown the pupil is opaque. Its waves are those of its own
-    wavelength, a path in µm is the same at all. A complex `.npy` as `path` has amplitude and phase
-    in one, at its own wavelength alone. Row 0 is at the top; W enters as exp(2πiW), so that one
-    that rises to the right moves the picture to the left. Sources: Tantalo 1996, section 4.3.2;
-    Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    Lengths are in samples and centred; Exit Pupil MTF sets their scale. `clear` and `half_moon` (x
+    ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar over the full height,
+    `cassegrain_slit` the same bar on an annulus, `spider` an annulus with vanes at 360°/n from +x.
+
+    The wavefront error is in waves at the band's mean wavelength, on the disc of the aperture's
+    radius. For a file this disc is the smallest circle around all samples above 1 % of the largest,
+    centred on the array if that makes it at most a sample larger; a `radius` that you enter is
+    centred on the array. The read-out `aperture_radius` gives the radius used. A wavefront map
+    (picture, FITS, `.npy`, text, Zemax's listing) adds to these: it is NaN outside the aperture, or
+    zero from its border on, and the pupil is opaque where the map is unknown. A map in waves uses
+    its own wavelength; a path in µm is the same at all wavelengths. A complex `.npy` as `path`
+    holds amplitude and phase at its own wavelength only. Row 0 is at the top. W enters as
+    exp(2πiW), so a W that rises to the right moves the picture to the left. Sources: Tantalo 1996,
+    section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
     """
 
     formulas = (

@@ -42,19 +42,21 @@ Curves = dict[str, tuple[Column, Column]]
 
 
 class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics"):
-    """Blur by the MTF of a file: measured, of a data sheet, or of a lens design.
+    """Blur by the MTF in a file: measured, from a data sheet, or from a lens design.
 
     The file is a CSV table whose first line names its columns: frequency with its unit, as in
-    `frequency (cyc/mm)`, then `mtf`, or `mtf_x` and `mtf_y` (either may be alone), or `radial`;
-    and `phase`, or `phase_x` and `phase_y`, in rad, or `(deg)`, if known. The text of Zemax's MTF
-    against frequency is read too, its tangential curve along y. `direction` is that of a column
-    `mtf`, or takes one curve of several; radial is round the axis. Between points the curve is a
-    monotone cubic (PCHIP); a table that begins above 0 gets MTF 1 at 0; beyond the last point the
-    MTF is 0, never extrapolated. A phase is odd in frequency, and taken to go from point to point
-    the shorter way. Frequencies are at the focal plane (cyc/mm, by the focal length), in angle, or
-    by the pixel (by pitch and focal length). `imagechain measure --csv` writes such a table of the
-    pictures of a camera; it holds the pixel's average too. Without a file nothing is changed.
-    Source: Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
+    `frequency (cyc/mm)`, then `mtf`, or `mtf_x` and `mtf_y` (one is enough), or `radial`; and, if
+    known, `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`. Zemax's text of MTF against
+    frequency is read too, with its tangential curve along y. `direction` says which direction a
+    column `mtf` has, or chooses one of several curves; radial means around the axis. Between points
+    the curve is a monotone cubic (PCHIP). A table that begins above 0 gets MTF 1 at 0. Beyond the
+    last point the MTF is 0; it is never extrapolated. A phase is odd in frequency and takes the
+    shorter way from point to point.
+
+    Frequencies refer to the focal plane (cyc/mm, converted by the focal length), to angle, or to
+    the pixel (by pitch and focal length). `imagechain measure --csv` writes such a table from a
+    camera's pictures; it includes the pixel's average. Without a file nothing changes. Source:
+    Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
     """
 
     formulas = (

@@ -28,14 +28,13 @@ Array = NDArray[Any]
 
 
 class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", group="Optics"):
-    """Add the noise of photons that arrive one by one.
+    """Add photon noise to the picture, as in 1996 or by counting photons.
 
     `published`: a percentage of the Gaussian-weighted local mean is the mean of a Poisson deviate,
-    which is added. `photon`: radiance becomes a number of photons, and a Poisson deviate takes its
-    place. The way of 1996 has no scale of photons: of a radiance in other units its noise is
-    another share of the picture, and it stands before the optics that would collect the light. The
-    shot noise of a detector is part of Focal Plane. Source: Tantalo 1996, section 4.3.4, after
-    Frieden 1991.
+    which is added. `photon`: radiance is converted to a number of photons and replaced by a Poisson
+    deviate. The 1996 method has no scale of photons: in another radiance unit its noise is another
+    share of the picture, and it is added before the optics that collect the light. For the shot
+    noise of a detector use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
     """
 
     formulas = (

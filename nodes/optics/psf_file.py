@@ -27,17 +27,17 @@ COARSE = 0.02  # MTF at the samples' Nyquist frequency, likewise
 
 
 class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics"):
-    """Blur by a point spread function from a picture: measured, or of a lens design.
+    """Blur by a point spread function from a picture: measured, or from a lens design.
 
-    The picture of every point becomes that of the file: row 0 is at the top, and a tail to the
-    right in the file is one to the right in the picture. Formats are those of Read Image, `.npy`,
-    text, and the listing of Zemax, whose spacing is taken where `sample_pitch` is empty. Samples
-    are divided by their sum. With `centroid` kept the point is at the middle of the file, between
-    samples (n − 1)/2 of even sizes, and a centroid beside it shifts the picture; removed, nothing
-    is shifted. The OTF is the exact sum over the samples at the picture's own frequencies,
-    whatever their pitch, and 0 beyond the Nyquist frequency of the file. A detector's pixel is in
-    a PSF measured with it: leave Detector MTF out then. Without a file nothing is changed. Source:
-    Goodman 2005, Introduction to Fourier Optics, section 6.3.
+    Every point of the picture becomes the picture in the file. Row 0 is at the top, and a tail to
+    the right in the file is a tail to the right in the picture. Formats are those of Read Image,
+    `.npy`, text, and Zemax's listing, whose spacing is used if `sample_pitch` is empty. Samples are
+    divided by their sum. With `centroid` kept, the point is at the middle of the file (for even
+    sizes between samples, at (n − 1)/2), and a centroid elsewhere shifts the picture; with
+    `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the picture's
+    own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF that was
+    measured with a detector includes its pixel: leave out Detector MTF. Without a file nothing
+    changes. Source: Goodman 2005, Introduction to Fourier Optics, section 6.3.
     """
 
     formulas = (

@@ -10,10 +10,10 @@ from nodes.shared.module_ports import ImageOutput
 
 
 class BackTransform(Module, key="back_transform", title="Back Transform", group="Transform"):
-    """Make the image of a magnitude and a phase.
+    """Compute the image from a magnitude and a phase.
 
-    The two may stem from different images of one size: then |A|·exp(i·∠B) is taken, periodically.
-    Source: Tantalo 1996, section 4.1.
+    The two may come from different images of one size: the result is then |A|·exp(i·∠B), with
+    periodic edges. Source: Tantalo 1996, section 4.1.
     """
 
     formulas = (

@@ -31,12 +31,11 @@ class InitOutputs(NamedTuple):
 
 
 class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform"):
-    """Take the image to magnitude and phase, and give every other module the sensor's geometry.
+    """Transform the image to magnitude and phase, and give other modules the geometry.
 
-    An empty field of view, focal length or band is taken from the image's own header; what a
-    Camera before it has, from that, a fill factor of 1 too: 1 and empty are the same here. What is
-    given here counts, and what differs is warned of.
-    Source: Tantalo 1996, section 4.1.
+    Empty parameters are taken from a Camera before it, else from the image's header. A fill factor
+    of 1 counts as empty. Values entered here take priority; a warning says if they differ. Source:
+    Tantalo 1996, section 4.1.
     """
 
     formulas = (

@@ -36,13 +36,13 @@ _BLOCK_SAMPLES = 1 << 18  # 512² are done sooner in one block than by two threa
 class Interpolate(Module, key="interpolate", title="Interpolate", group="Transform"):
     """Resample the picture to another size over the same field of view.
 
-    Sample centres lie half an interval from the frame's edges. Beyond the edges a picture from Back
-    Transform goes on as Init & Trans has it: a mirrored frame is mirrored, and a periodic frame
-    wraps round. Of any other picture, and of one cropped since, the outermost samples go on (edges
-    clamped). Nothing is filtered: making a picture smaller aliases, as in a frame grabber. Order 0
-    takes the nearest sample, of two as near the later; 1 is bilinear, 3 cubic convolution. Equal
-    sizes pass the picture on.
-    Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
+    Sample centres lie half an interval from the frame's edges. Beyond the edges, a picture from
+    Back Transform continues as Init & Trans defines: a mirrored frame is mirrored, a periodic frame
+    wraps round. Any other picture, or one cropped since, continues with its outermost samples.
+    Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order 0 takes the nearest
+    sample (the later one of two equally near), 1 is bilinear, 3 is cubic convolution. An equal size
+    changes nothing. Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a =
+    −1/2).
     """
 
     formulas = (

@@ -21,16 +21,16 @@ _LEAST = 1e-3
 
 
 class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Transform"):
-    """Keep one sample for each pixel, where Detector MTF has averaged over the pixel already.
+    """Keep one sample for each pixel, after Detector MTF has averaged over the pixel.
 
-    Combine Pixels averages over the pixel once more: with Detector MTF before it the contrast at
-    Nyquist is 0.64 times what it should be. The samples lie in the middles of the pixels, so that
-    the picture does not move. Between samples, for ratios that are even or no whole numbers, the
-    picture is the sum of its waves: exact to rounding, mirrored or periodic at the frame's edges as
-    in Back Transform. Nothing is filtered: what lies beyond the pixels' Nyquist frequency folds
-    back, as in a camera. Pixels that do not fit the frame whole, at the right and the bottom, are
-    dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average
-    over the pixel and its sampling are two stages).
+    Combine Pixels would average over the pixel again: with Detector MTF before it, the contrast at
+    Nyquist would be 0.64 times what it should be. The samples lie at the centres of the pixels, so
+    the picture does not move. Between samples (ratios that are even or not whole), the picture is
+    the sum of its waves: exact to rounding, with edges mirrored or periodic as in Back Transform.
+    Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as in a camera.
+    Pixels that do not fit completely into the frame, at the right and the bottom, are dropped.
+    Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average over the
+    pixel and its sampling are two stages).
     """
 
     formulas = (

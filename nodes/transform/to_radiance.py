@@ -12,12 +12,12 @@ from nodes.transform.radiometry_steps import Radiometry, radiance_of_temperature
 
 
 class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Transform"):
-    """Make radiance of a picture of temperatures, by Planck's law in the band.
+    """Convert a picture of temperatures to radiance, by Planck's law in the band.
 
-    ε·L(T) + (1 − ε)·L(surroundings); without surroundings nothing is reflected. The picture's unit
-    must be one of temperature (K, °C, °F, mK), as Read Image has it: counts, and what is radiance
-    already, are refused. An image of emissivities takes the place of the number. Sources: Planck's
-    and Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
+    The radiance is ε·L(T) + (1 − ε)·L(surroundings); without surroundings nothing is reflected. The
+    picture's unit must be a temperature (K, °C, °F, mK), as Read Image gives it: digital numbers
+    and radiance are refused. An image of emissivities can replace the number. Sources: Planck's and
+    Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
     """
 
     formulas = (

@@ -13,13 +13,13 @@ from nodes.transform.radiometry_steps import Radiometry, temperature_of_radiance
 
 
 class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", group="Transform"):
-    """Make temperatures, in kelvin, of a picture of band radiance.
+    """Convert a picture of band radiance to temperatures in kelvin.
 
-    The inverse of To Radiance: T of (L − (1 − ε)·L(surroundings))/ε by Planck's law in the band;
-    with an emissivity of 1 the apparent, or brightness, temperature. The picture's unit must be a
-    radiance of the band in watts (W/m²/sr, mW/cm²/sr, …): temperatures, counts, photons and
-    spectral radiance are refused. An image of emissivities takes the place of the number. Sources:
-    as To Radiance.
+    This is the inverse of To Radiance: the temperature T of (L − (1 − ε)·L(surroundings))/ε by
+    Planck's law in the band. With an emissivity of 1 it is the apparent, or brightness,
+    temperature. The picture's unit must be band radiance in watts (W/m²/sr, mW/cm²/sr, …):
+    temperatures, digital numbers, photons and spectral radiance are refused. An image of
+    emissivities can replace the number. Sources: as To Radiance.
     """
 
     formulas = (
