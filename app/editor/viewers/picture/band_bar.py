@@ -69,10 +69,6 @@ class BandBar(QWidget):
         self._colour()
         self.hide()
 
-    @property
-    def has_bands(self) -> bool:
-        return self._bands is not None
-
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
         if event.type() == QEvent.Type.PaletteChange:

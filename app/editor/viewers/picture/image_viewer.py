@@ -17,13 +17,17 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.viewers.network_ports import PICTURE_TYPES, ports_by_node
 from app.editor.viewers.picture.band_bar import BandBar
-from app.editor.viewers.picture.picture_bands import PictureBands
 from app.editor.viewers.picture.picture_bar import PictureBar
 from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
 from app.editor.viewers.picture.picture_probe import PictureProbe, save_picture, shown_png
 from app.editor.viewers.picture.region_tool import RegionTool
 from app.editor.viewers.pixels.grey_levels import NAMES, colour_table
-from app.editor.viewers.pixels.picture_choices import AUTOMATIC_LEVELS, Choices, numbers_of
+from app.editor.viewers.pixels.picture_choices import (
+    AUTOMATIC_LEVELS,
+    Choices,
+    bands_of,
+    numbers_of,
+)
 from app.editor.viewers.pixels.picture_facts import Facts, laid_over
 from app.editor.viewers.pixels.picture_query import KeptPicture, Picture, PictureQuery
 from app.editor.viewers.pixels.probing import facts_text
@@ -198,19 +202,19 @@ class ImageViewer(Viewer):
 
     def queries(self) -> tuple[Query, ...]:
         query = self._query
-        return () if query is None else (query, *self.bands.queries)
+        return () if query is None else (query, *self.canvas.spectra.queries)
 
     def accepts(self, query: Query) -> bool:
         """Whether it is what is chosen; while levels or bands are dragged, also with others."""
         chosen = self._query
         if chosen is None or not isinstance(query, PictureQuery):
-            return chosen is not None and self.bands.accepts(query)
+            return chosen is not None and self.canvas.spectra.accepts(query)
         alike = query.bands.shown == chosen.bands.shown
         return alike and replace(query, levels=chosen.levels, bands=chosen.bands) == chosen
 
     def take(self, answer: Answer) -> None:
         """Show a picture, or the last one faintly with the reason why there is none."""
-        if self.bands.take(answer):
+        if self.canvas.spectra.take(answer):
             return
         self._failed = answer.error is not None
         if isinstance(answer.value, Picture):
@@ -268,19 +272,18 @@ class ImageViewer(Viewer):
 
     def _build(self) -> None:
         self.bar = PictureBar(self.session, self.owner, self)
-        band_bar = BandBar(self.owner, self)  # before the canvas in the order of Tab
+        self.band_bar = BandBar(self.owner, self)  # before the canvas in the order of Tab
         self.canvas = PictureCanvas(self)
         self.canvas.setObjectName(f"{self.owner}.canvas")
         self.links = ZoomLinks(self.canvas)
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
         self.probe = PictureProbe(self.canvas, self.status)
         self.region = RegionTool(self.session, self.evaluator, self.canvas, self.bar.region)
-        self.bands = PictureBands(band_bar, self.canvas.make_spectra, self)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
         layout.addWidget(self.bar)
-        layout.addWidget(band_bar)
+        layout.addWidget(self.band_bar)
         self._hint = centred_hint(
             "Choose a wire above, or show a selected node by its number", self
         )
@@ -302,13 +305,14 @@ class ImageViewer(Viewer):
         bar.display.shape.toggled.connect(canvas.show_true_shape)
         bar.display.histogram.toggled.connect(canvas.show_histogram)
         bar.display.profile.toggled.connect(self._toggle_profile)
-        bar.display.spectra.toggled.connect(self.bands.show_spectra)
-        self.bands.bar.chosen.connect(self._choose_bands)
-        self.bands.bar.noted.connect(self._note)
-        self.bands.wanted.connect(self.ask)
-        self.probe.placed.connect(self.bands.point_at)
+        bar.display.spectra.toggled.connect(canvas.spectra.switch)
+        self.band_bar.chosen.connect(self._choose_bands)
+        self.band_bar.noted.connect(self._note)
+        canvas.spectra.wanted.connect(self.ask)
+        canvas.spectra.dragged.connect(self.band_bar.take_line)
+        self.probe.placed.connect(canvas.spectra.point_at)
         canvas.sigDeviceRangeChanged.connect(self._fit_spectra)
-        canvas.band_stepped.connect(self.bands.bar.step)
+        canvas.band_stepped.connect(self.band_bar.step)
         bar.compare.mode.chosen.connect(self._choose_mode)
         bar.compare.other_chosen.connect(self._choose_other)
         bar.compare.linked.connect(self._choose_link)
@@ -337,8 +341,10 @@ class ImageViewer(Viewer):
         self._choose(mode=name)
 
     def _show_bands(self, picture: Picture | None) -> None:
-        self.bands.show_picture(picture, self.choices.port, self.choices.bands)
-        self.bar.display.spectra.setEnabled(self.bands.bar.has_bands)
+        bands = bands_of(picture.value) if picture is not None else None
+        self.band_bar.show_bands(bands, self.choices.bands)
+        self.canvas.spectra.show_picture(picture, self.choices.port, self.choices.bands)
+        self.bar.display.spectra.setEnabled(bands is not None)
 
     def _choose_bands(self, choice: Any) -> None:
         self._choose(bands=choice)
@@ -371,7 +377,7 @@ class ImageViewer(Viewer):
 
     def _fit_spectra(self, *_: object) -> None:
         """Where there is little height, the picture has all of it."""
-        self.bands.fit(self.canvas.height() - self.canvas.profile.height)
+        self.canvas.spectra.fit(self.canvas.height() - self.canvas.profile.height)
 
     def _follow_choices(self) -> None:
         """Show on the controls what is chosen, and post its queries."""

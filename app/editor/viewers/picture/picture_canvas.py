@@ -11,9 +11,8 @@ from PySide6.QtWidgets import QGraphicsView, QLabel, QWidget
 
 from app.editor.theme import RAISED, Theme, theme_of
 from app.editor.viewers.picture.levels_bar import LevelsBar
-from app.editor.viewers.picture.profile_line import ProfileLine
+from app.editor.viewers.picture.plots_below import ProfileLine, Spectra
 from app.editor.viewers.picture.region_overlay import RegionOverlay
-from app.editor.viewers.picture.spectrum_plot import SpectrumPlot
 from app.editor.viewers.pixels.grey_levels import Table, colour_table
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import bare, paint_axes
@@ -64,8 +63,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.levels = LevelsBar()
         self.addItem(self.levels, row=0, col=1)
         self.profile = ProfileLine(self.plot, self.ci, self)
+        self.spectra = Spectra(self.ci, self)
         self.region = RegionOverlay(self.view, self)
-        self.spectra: SpectrumPlot | None = None
         self.fitted = True
         self._picture: Picture | None = None
         self._place = QRectF()
@@ -83,12 +82,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._take_colours()
         self.clear_picture()
 
-    def make_spectra(self) -> SpectrumPlot:
-        """Make the plot of spectra, which only a picture with bands has."""
-        self.spectra = SpectrumPlot(self.ci, self)
-        self.spectra.set_theme(theme_of(self))
-        return self.spectra
-
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
         if self.theme not in (None, theme_of(self)):
@@ -99,8 +92,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.setBackground(theme.base)
         paint_axes(self.plot, theme)
         for part in (self.levels, self.profile, self.region, self.spectra):
-            if part is not None:
-                part.set_theme(theme)
+            part.set_theme(theme)
         self.wipe.setPen(theme.accent, width=2)
         self.wipe.setHoverPen(theme.changed, width=3)
         self.cross.setPen(theme.accent, width=2)

@@ -183,7 +183,7 @@ def test_difference(bench, viewer):
 def test_plots_below_a_picture_are_made_when_there_is_something_to_plot(viewer):
     """No profile is wanted, and the picture has no bands."""
     assert not any(isinstance(item, pg.ROI) for item in viewer.canvas.scene().items())
-    assert viewer.bands._plot is None
+    assert viewer.canvas.spectra._plot is None
 
 
 def test_line_profile(bench, viewer):

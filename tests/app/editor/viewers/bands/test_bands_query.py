@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app.editor.evaluation.queries import Passing
-from app.editor.viewers.picture.picture_bands import MeanSpectrumQuery, SampleSpectrumQuery
+from app.editor.viewers.picture.plots_below import MeanSpectrumQuery, SampleSpectrumQuery
 from app.editor.viewers.pixels.picture_choices import ALL, BandChoice, Choices, evenly_spaced
 from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.pixels.probing import facts_text, sample_text

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QImage
 
 from app.editor.viewers.picture.image_viewer import ImageViewer
-from app.editor.viewers.picture.spectrum_plot import MEAN, NO_SAMPLE
+from app.editor.viewers.picture.plots_below import MEAN, NO_SAMPLE
 from core.editing.document import Document
 from core.editing.operations import Together, set_parameter
 from core.errors import UsageError
@@ -40,7 +40,7 @@ def viewer(image_viewer):
 
 
 def choose(viewer, bench, shown):
-    bar = viewer.bands.bar
+    bar = viewer.band_bar
     bar.shown.setCurrentIndex(bar.shown.findData(shown))
     bar.shown.activated.emit(bar.shown.currentIndex())
     bench.settle()
@@ -54,12 +54,12 @@ def point_at(viewer, bench, qtbot, row, column):
 
 
 def names(viewer):
-    return [label.text for _, label in viewer.bands.plot.legend.items]
+    return [label.text for _, label in viewer.canvas.spectra.legend.items]
 
 
 def test_all_bands_at_first(viewer, cube):
     samples, _, width = cube
-    bar = viewer.bands.bar
+    bar = viewer.band_bar
     assert bar.isVisible()
     assert bar.shown.currentText() == "All bands: sum"
     assert bar.about.text() == "12 bands, 3 to 5 µm"
@@ -71,13 +71,13 @@ def test_a_picture_without_bands_has_no_controls_for_them(viewer, bench):
     choose(viewer, bench, "one")
     viewer.look_at(PLAIN)
     bench.settle()
-    assert not viewer.bands.bar.isVisible()
-    assert not viewer.bands.plot.is_shown
+    assert not viewer.band_bar.isVisible()
+    assert not viewer.canvas.spectra.shown
     assert not viewer.bar.display.spectra.isEnabled()
     assert len(viewer.queries()) == 1
     viewer.look_at(READ)
     bench.settle()
-    assert viewer.bands.bar.isVisible()
+    assert viewer.band_bar.isVisible()
     assert viewer.bar.display.spectra.isEnabled()
     assert viewer.picture.facts.wavelengths_um
 
@@ -85,7 +85,7 @@ def test_a_picture_without_bands_has_no_controls_for_them(viewer, bench):
 def test_one_band_by_slider_wavelength_and_keys(viewer, bench, qtbot, cube):
     samples, wavelengths, _ = cube
     choose(viewer, bench, "one")
-    bar = viewer.bands.bar
+    bar = viewer.band_bar
     assert bar.slider.value() == bar.one.value() == BANDS // 2
     assert viewer.picture.samples == pytest.approx(samples[BANDS // 2], rel=1e-6)
     bar.slider.setFocus()
@@ -122,14 +122,14 @@ def test_from_all_bands_the_keys_lead_to_the_first_or_the_last(viewer, bench, qt
         choose(viewer, bench, "all")
         qtbot.keyClick(viewer.canvas, key)
         bench.settle()
-        assert viewer.bands.bar.shown.currentText() == "One band"
+        assert viewer.band_bar.shown.currentText() == "One band"
         assert viewer.picture.samples == pytest.approx(samples[place], rel=1e-6)
 
 
 def test_a_wavelength_outside_the_bands_is_noted(viewer, bench, qtbot):
     """The cube goes from 3 to 5 µm; its outermost centres lie half a band further in."""
     choose(viewer, bench, "one")
-    spin, noted = viewer.bands.bar.one, []
+    spin, noted = viewer.band_bar.one, []
     bench.session.message.connect(lambda kind, text: noted.append((kind, text)))
 
     def type_in(text):
@@ -155,7 +155,7 @@ def test_tab_leads_from_the_wire_through_the_bands_to_the_picture(viewer, bench)
     while widget is not viewer.canvas and len(order) < 40:
         widget = widget.nextInFocusChain()
         order.append(widget)
-    bar = viewer.bands.bar
+    bar = viewer.band_bar
     assert viewer.canvas in order
     assert order.index(bar.shown) < order.index(bar.slider) < order.index(bar.one)
 
@@ -163,7 +163,7 @@ def test_tab_leads_from_the_wire_through_the_bands_to_the_picture(viewer, bench)
 def test_a_dragged_line_chooses_the_band_and_rests_on_it(viewer, bench, cube):
     samples, wavelengths, _ = cube
     choose(viewer, bench, "one")
-    plot = viewer.bands.plot
+    plot = viewer.canvas.spectra
     line = plot.lines[0]
     assert line.value() == pytest.approx(wavelengths[BANDS // 2])
     line.setValue(3.3)
@@ -178,15 +178,15 @@ def test_a_dragged_line_chooses_the_band_and_rests_on_it(viewer, bench, cube):
 def test_colours(viewer, bench, cube):
     samples, wavelengths, _ = cube
     choose(viewer, bench, "colours")
-    bar = viewer.bands.bar
+    bar = viewer.band_bar
     assert [spin.value() for spin in bar.colours] == [10, 6, 2]
     assert not bar.even.isEnabled()
     assert viewer.canvas.first.image.shape == (*SIZE, 3)
     bar.colours[1].setValue(5)
     bench.settle()
     assert viewer.picture.channels[1].samples == pytest.approx(samples[5], rel=1e-6)
-    assert [line.isVisible() for line in viewer.bands.plot.lines] == [True] * 3
-    assert viewer.bands.plot.lines[1].value() == pytest.approx(wavelengths[5])
+    assert [line.isVisible() for line in viewer.canvas.spectra.lines] == [True] * 3
+    assert viewer.canvas.spectra.lines[1].value() == pytest.approx(wavelengths[5])
     bar.even.click()
     bench.settle()
     assert [spin.value() for spin in bar.colours] == [10, 6, 2]
@@ -247,7 +247,7 @@ def test_the_profile_of_colours_has_three_lines(viewer, bench):
 
 def test_spectra_of_the_mean_and_of_the_probed_sample(viewer, bench, qtbot, cube):
     samples, wavelengths, _ = cube
-    plot = viewer.bands.plot
+    plot = viewer.canvas.spectra
     qtbot.waitUntil(lambda: plot.mean.getData()[0] is not None)
     x, y = plot.mean.getData()
     assert x == pytest.approx(wavelengths)
@@ -265,7 +265,7 @@ def test_spectra_of_the_mean_and_of_the_probed_sample(viewer, bench, qtbot, cube
 
 
 def test_the_ordinate_of_spectra_only_grows(viewer, bench, qtbot, cube):
-    plot = viewer.bands.plot
+    plot = viewer.canvas.spectra
     samples = cube[0]
     brightest = np.unravel_index(samples[-1].argmax(), SIZE)
     point_at(viewer, bench, qtbot, *map(float, brightest))
@@ -281,7 +281,7 @@ def test_the_ordinate_of_spectra_only_grows(viewer, bench, qtbot, cube):
 def test_curves_stay_until_there_are_newer_ones_and_the_ordinate_follows(
     viewer, bench, qtbot, cube
 ):
-    plot, mean = viewer.bands.plot, cube[0].mean(axis=(1, 2))
+    plot, mean = viewer.canvas.spectra, cube[0].mean(axis=(1, 2))
     qtbot.waitUntil(lambda: plot.mean.getData()[0] is not None)
     seen = plot.plot.viewRange()[1]
     drawn = []
@@ -302,16 +302,16 @@ def test_behind_a_filter_the_plot_says_where_to_look(viewer, bench, qtbot):
 def test_without_height_for_both_the_picture_has_all_of_it(viewer, bench, qtbot):
     line = viewer.fontMetrics().height()
     viewer.resize(640, 18 * line)
-    qtbot.waitUntil(lambda: not viewer.bands.plot.is_shown)
+    qtbot.waitUntil(lambda: not viewer.canvas.spectra.shown)
     qtbot.waitUntil(lambda: viewer.canvas.view.height() > 5 * line)
     qtbot.wait(60)
     assert len(viewer.queries()) == 1
     viewer.resize(640, 32 * line)
-    qtbot.waitUntil(lambda: viewer.bands.plot.is_shown)
+    qtbot.waitUntil(lambda: viewer.canvas.spectra.shown)
     viewer.bar.display.profile.setChecked(True)  # takes eight lines
-    assert not viewer.bands.plot.is_shown
+    assert not viewer.canvas.spectra.shown
     viewer.bar.display.profile.setChecked(False)
-    assert viewer.bands.plot.is_shown
+    assert viewer.canvas.spectra.shown
 
 
 def test_why_there_is_no_mean_stands_in_its_place(viewer, bench, qtbot, cube, tmp_path):
@@ -332,37 +332,37 @@ def test_why_there_is_no_mean_stands_in_its_place(viewer, bench, qtbot, cube, tm
 def test_the_row_fits_a_narrow_viewer(viewer, bench, shown):
     choose(viewer, bench, shown)
     letter = viewer.fontMetrics().averageCharWidth()
-    assert viewer.bands.bar.minimumSizeHint().width() < 60 * letter
+    assert viewer.band_bar.minimumSizeHint().width() < 60 * letter
 
 
 def test_the_plot_of_spectra_can_be_put_away(viewer, bench, qtbot):
     viewer.bar.display.spectra.setChecked(False)
-    assert not viewer.bands.plot.is_shown
+    assert not viewer.canvas.spectra.shown
     qtbot.wait(60)
     assert len(viewer.queries()) == 1
 
 
 def test_what_is_chosen_is_remembered(viewer, bench, cube):
     choose(viewer, bench, "one")
-    viewer.bands.bar.slider.setValue(3)
+    viewer.band_bar.slider.setValue(3)
     viewer.bar.display.spectra.setChecked(False)
     state = json.loads(json.dumps(viewer.state()))
     other = ImageViewer(bench.session, bench.evaluator, 2)
     other.restore(state)
     bench.show(other)
-    assert other.bands.bar.slider.value() == 3
-    assert not other.bands.plot.is_shown
+    assert other.band_bar.slider.value() == 3
+    assert not other.canvas.spectra.shown
     assert other.picture.samples == pytest.approx(cube[0][3], rel=1e-6)
 
 
 def test_a_narrower_filter_keeps_the_wavelength(viewer, bench, cube):
     wavelengths = cube[1]
     choose(viewer, bench, "one")
-    viewer.bands.bar.slider.setValue(8)
+    viewer.band_bar.slider.setValue(8)
     bench.settle()
     ends = (set_parameter("read", "cut_on_um", 4.0), set_parameter("read", "cut_off_um", 5.0))
     bench.do(Together(ends, "Narrow the band"))
-    assert viewer.bands.bar.slider.maximum() == BANDS // 2 - 1
+    assert viewer.band_bar.slider.maximum() == BANDS // 2 - 1
     assert viewer.picture.facts.wavelengths_um == pytest.approx((wavelengths[8],))
 
 
