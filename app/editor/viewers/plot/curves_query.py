@@ -17,7 +17,7 @@ from app.run.output import sound_part
 from app.run.responses import LineStageResponse, responses_along
 from app.run.transfer_chain import Chain, Stage, find_chain
 from core.chain.engine import Plan
-from core.chain.results import CurveData, TableData
+from core.chain.results import CurveData, CurveMark, TableData
 from core.chain.wires import Curve, Table
 from core.errors import NetworkError
 from core.transfer.factors import Grid, Planar
@@ -44,18 +44,6 @@ class TransferCurve:
         return bool((self.mtf != 1).any() or self.ptf.any())
 
 
-@dataclass(frozen=True)
-class Mark:
-    """A frequency along the line that is marked.
-
-    "Nyquist" is that of the spectrum's samples, called so where the pixels', of a coarser pitch or
-    once samples are combined, is marked beside it.
-    """
-
-    text: str
-    frequency: float
-
-
 @dataclass(frozen=True, eq=False)
 class TransferCurves:
     """What is plotted of a chain."""
@@ -63,7 +51,10 @@ class TransferCurves:
     angle_deg: float  # direction of the line
     frequency: Vector  # cycles/mrad along the line
     curves: tuple[TransferCurve, ...]  # the stages and products
-    marks: tuple[Mark, ...]  # Nyquist frequencies, and the cutoff of the optics
+    # frequencies along the line: the cutoff of the optics and Nyquist, which is that of the
+    # spectrum's samples, called so where the pixels', of a coarser pitch or once samples are
+    # combined, is marked beside it
+    marks: tuple[CurveMark, ...]
     # what cannot be planned or computed, and why, in one line; empty where all can
     trouble: str = ""
     missing: str = ""  # why there is no total, in one line; empty where there is one
@@ -147,15 +138,15 @@ class PortDataQuery(Query):
 _ALIKE = 0.999  # of one another, where one mark is enough
 
 
-def _marks(chain: Chain, grid: Grid, line: Line) -> tuple[Mark, ...]:
+def _marks(chain: Chain, grid: Grid, line: Line) -> tuple[CurveMark, ...]:
     nyquist = line.end(grid.nyquist_x, grid.nyquist_y)
     pixels = line.end(*(math.inf if end is None else end for end in chain.pixel_nyquist))
-    marks = [Mark("Nyquist", nyquist)]
+    marks = [CurveMark("Nyquist", nyquist)]
     if pixels < _ALIKE * nyquist:
-        marks = [Mark("samples' Nyquist", nyquist), Mark("pixels' Nyquist", pixels)]
+        marks = [CurveMark("samples' Nyquist", nyquist), CurveMark("pixels' Nyquist", pixels)]
     cutoffs = [cutoff for cutoff in map(_cutoff_along(line), _planar(chain.stages)) if cutoff]
     if cutoffs:
-        marks.append(Mark("optics cutoff", min(cutoffs)))
+        marks.append(CurveMark("optics cutoff", min(cutoffs)))
     return tuple(marks)
 
 

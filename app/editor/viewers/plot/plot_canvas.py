@@ -183,7 +183,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         marks = [
             mark
             for mark in self.drawing.marks
-            if along is not None and along[0] <= mark.frequency <= along[1] * (1 + 1e-9)
+            if along is not None and along[0] <= mark.x <= along[1] * (1 + 1e-9)
         ]
         while self._plots and len(self._marks) < len(marks):
             self._marks.append(PlotMark(self._plots, theme_of(self), self._small))
@@ -191,7 +191,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             if mark is None:
                 item.hide()
             else:
-                item.show_at(mark.frequency, f"{mark.text} {mark.frequency:.4g}")
+                item.show_at(mark.x, f"{mark.text} {mark.x:.4g}")
 
     def _show_line(self, row: int, line: Line) -> None:
         """Draw a line, unless it is there: of a chain's curves an edit changes one or two."""

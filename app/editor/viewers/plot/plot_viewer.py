@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
-from PySide6.QtCore import QSize, Qt
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QResizeEvent
 from PySide6.QtWidgets import (
+    QAbstractButton,
     QBoxLayout,
+    QButtonGroup,
+    QComboBox,
+    QDoubleSpinBox,
     QHBoxLayout,
     QHeaderView,
     QStackedWidget,
@@ -20,28 +23,25 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.editor.declared_text import label_of
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
-from app.editor.viewers.network_ports import followed
+from app.editor.viewers.network_ports import PLOT_TYPES, PortChoice, followed, ports_by_node
 from app.editor.viewers.plot.bar_chart import BarChart
 from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery, TransferCurves
-from app.editor.viewers.plot.plot_bar import PlotBar
 from app.editor.viewers.plot.plot_canvas import PlotCanvas
 from app.editor.viewers.plot.plot_export import Data, export
 from app.editor.viewers.plot.plotted_lines import (
     Drawing,
-    Entry,
-    Line,
-    Panel,
     Parts,
     curve_drawing,
-    same_points,
     transfer_drawing,
+    with_kept,
 )
 from app.editor.viewers.viewer import StatusLine, Viewer
-from app.editor.widgets import CopiedTable
+from app.editor.widgets import CopiedTable, Toggle, toggle_button, tool_button
 from app.run.readout_tables import number_text
 from core.chain.results import CurveData, TableData, TableRow
 from core.errors import UsageError
@@ -322,70 +322,9 @@ class PlotViewer(Viewer):
             self.status.show_text(f"no Total: {curves.missing}")
             return
         end = curves.frequency[-1]
-        beyond = [mark for mark in curves.marks if mark.frequency > end * (1 + 1e-9)]
-        texts = [f"{mark.text} at {mark.frequency:.4g} cyc/mrad" for mark in beyond]
+        beyond = [mark for mark in curves.marks if mark.x > end * (1 + 1e-9)]
+        texts = [f"{mark.text} at {mark.x:.4g} cyc/mrad" for mark in beyond]
         self.status.show_text(f"beyond the plot: {', '.join(texts)}" if texts else "")
-
-
-# The curves of a kept state, A, drawn beside those of the present one, B.
-
-MARK = "A "
-"""What the names of kept curves begin with."""
-
-
-def with_kept(drawing: Drawing, kept: Drawing, name: str) -> Drawing:
-    """The drawing with the kept curves that differ from the present ones of the same title.
-
-    They stand behind the present ones in the legend, and are drawn dashed in their colours. Where
-    the two have other axes, only a note says so, with the kept state's name.
-    """
-    if not kept.panels or not drawing.panels:
-        return drawing
-    if drawing.bars or kept.bars:
-        return _noted(drawing, f"A {name}: bars are not drawn beside others")
-    axes = [(d.x_label, d.log_x) for d in (kept, drawing)]
-    if axes[0] != axes[1]:
-        return _noted(drawing, f"A {name} is not drawn: it is over {kept.x_label}")
-    old, new = _titles(kept), _titles(drawing)
-    panels, differing = [], set()
-    for panel in drawing.panels:
-        of = next((other for other in kept.panels if other.y_label == panel.y_label), None)
-        lines = () if of is None else _differing(panel, of, new, old)
-        differing |= {line.name for line in lines}
-        panels.append(replace(panel, lines=(*panel.lines, *lines)))
-    drawn = {panel.y_label for panel in kept.panels} & {panel.y_label for panel in drawing.panels}
-    if not drawn:
-        units = ", ".join(panel.y_label for panel in kept.panels)
-        return _noted(drawing, f"A {name} is not drawn: it is {units}")
-    entries = tuple(
-        Entry(MARK + entry.name, f"A: {entry.title}", entry.total, entry.shown, of=entry.name)
-        for entry in drawing.entries
-        if MARK + entry.name in differing
-    )
-    return replace(drawing, entries=(*drawing.entries, *entries), panels=tuple(panels))
-
-
-def _titles(drawing: Drawing) -> Mapping[str, str]:
-    return {entry.title: entry.name for entry in drawing.entries}
-
-
-def _differing(
-    panel: Panel, kept: Panel, titles: Mapping[str, str], kept_titles: Mapping[str, str]
-) -> tuple[Line, ...]:
-    """Lines of the kept panel that are not as in the present one, under their names there."""
-    now = {line.name: line for line in panel.lines}
-    before = {line.name: line for line in kept.lines}
-    lines = []
-    for title, name in titles.items():
-        old = before.get(kept_titles.get(title, ""))
-        new = now.get(name)
-        if old is not None and (new is None or not same_points((old.x, old.y), (new.x, new.y))):
-            lines.append(Line(MARK + name, old.x, old.y))
-    return tuple(lines)
-
-
-def _noted(drawing: Drawing, note: str) -> Drawing:
-    return replace(drawing, note=f"{drawing.note}; {note}" if drawing.note else note)
 
 
 # Named figures as a table.
@@ -444,3 +383,137 @@ def _exact(figure: TableRow) -> str:
     if figure.value is None:
         return ""
     return figure.value if isinstance(figure.value, str) else repr(figure.value)
+
+
+# The controls above a plot.
+
+PARTS = {"mtf": "MTF", "ptf": "PTF", "both": "MTF, PTF"}
+
+
+class PlotBar(QWidget):
+    """What is plotted; of the chain along which line and which part, of a node which output."""
+
+    angle_chosen = Signal(float)  # degrees: another direction of the line
+    parts_chosen = Signal(str)  # name: "mtf", "ptf" or "both"
+    log_chosen = Signal(bool)  # on: whether the ordinate is logarithmic
+
+    def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.ports = PortChoice(session, PLOT_TYPES, "Chain's transfer functions", self)
+        self.ports.setObjectName(f"{owner}.port")
+        self.ports.setAccessibleName("What is plotted")
+        self.outputs = OutputButtons(session, owner, self)
+        self._x = tool_button(f"{owner}.x", "x", "Along ξ, across the picture", self)
+        self._y = tool_button(f"{owner}.y", "y", "Along η, down the picture", self)
+        self.angle = QDoubleSpinBox(self)
+        self.angle.setObjectName(f"{owner}.angle")
+        self.angle.setAccessibleName("Direction of the line, degrees")
+        self.angle.setToolTip("Direction of the line: 0 across, 90 down the picture")
+        self.angle.setRange(-360.0, 360.0)
+        self.angle.setDecimals(1)
+        self.angle.setSingleStep(5.0)
+        self.angle.setSuffix("°")
+        self.angle.setKeyboardTracking(False)
+        self.parts = QComboBox(self)
+        self.parts.setObjectName(f"{owner}.parts")
+        self.parts.setAccessibleName("MTF, PTF or both")
+        for name, text in PARTS.items():
+            self.parts.addItem(text, name)
+        self.log = toggle_button(f"{owner}.log", "Log", "Logarithmic ordinate", self)
+        self.fit = tool_button(f"{owner}.fit", "Fit", "Show all of the curves (F or 0)", self)
+        self._of_chain = (self._x, self._y, self.angle, self.parts)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(2, 2, 2, 0)
+        layout.setSpacing(3)
+        layout.addWidget(self.ports, 1)
+        layout.addWidget(self.outputs, 0)
+        for widget in (*self._of_chain, self.log, self.fit):
+            layout.addWidget(widget, 0)
+        self._x.clicked.connect(self._choose_x)
+        self._y.clicked.connect(self._choose_y)
+        self.angle.valueChanged.connect(self.angle_chosen)
+        self.parts.activated.connect(self._choose_parts)
+        self.log.clicked.connect(self._choose_log)
+
+    def show_choices(self, port: str | None, angle_deg: float, parts: str) -> None:
+        """Show what is chosen, without a signal."""
+        self.ports.choose(port)
+        self.angle.blockSignals(True)
+        self.angle.setValue(angle_deg)
+        self.angle.blockSignals(False)
+        self.parts.setCurrentIndex(self.parts.findData(parts))
+        for widget in self._of_chain:
+            widget.setEnabled(port is None)
+            widget.setVisible(port is None)
+        self.outputs.show_port(port)
+
+    def _choose_x(self) -> None:
+        self.angle.setValue(0.0)
+
+    def _choose_y(self) -> None:
+        self.angle.setValue(90.0)
+
+    def _choose_log(self) -> None:
+        self.log_chosen.emit(self.log.isChecked())
+
+    def _choose_parts(self, index: int) -> None:
+        self.parts_chosen.emit(str(self.parts.itemData(index)))
+
+
+# Buttons of all that one node has to plot, beside the list of all nodes.
+
+
+class OutputButtons(QWidget):
+    """One button for each output of the node that is shown; none where it has but one."""
+
+    chosen = Signal(str)  # port: the person has chosen one, ``NODE.PORT``
+
+    def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setAccessibleName("Outputs of the node that is plotted")
+        self._session = session
+        self._owner = owner
+        self.buttons: dict[str, Toggle] = {}
+        self._group = QButtonGroup(self)
+        self._group.buttonClicked.connect(self._clicked)
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(0, 0, 0, 0)
+        self._row.setSpacing(1)
+
+    def show_port(self, port: str | None) -> None:
+        """Show a port as chosen beside the others of its node, without a signal."""
+        ports = self._beside(port)
+        if ports != tuple(self.buttons):
+            self._make(ports)
+        if port in self.buttons:
+            self.buttons[port].setChecked(True)
+        self.setVisible(bool(ports))
+
+    def _beside(self, port: str | None) -> tuple[str, ...]:
+        if port is None:
+            return ()
+        for group in ports_by_node(self._session.network, self._session.library, PLOT_TYPES):
+            if port in group.ports:
+                return group.ports if len(group.ports) > 1 else ()
+        return ()
+
+    def _make(self, ports: tuple[str, ...]) -> None:
+        for button in self.buttons.values():
+            self._group.removeButton(button)
+            self._row.removeWidget(button)
+            button.hide()
+            button.deleteLater()
+        self.buttons = {port: self._button(port) for port in ports}
+
+    def _button(self, port: str) -> Toggle:
+        name = port.rpartition(".")[2]
+        button = toggle_button(f"{self._owner}.output.{name}", label_of(name), f"Show {port}", self)
+        self._group.addButton(button)
+        self._row.addWidget(button)
+        return button
+
+    def _clicked(self, clicked: QAbstractButton) -> None:
+        for port, button in self.buttons.items():
+            if button is clicked:
+                self.chosen.emit(port)
+                return

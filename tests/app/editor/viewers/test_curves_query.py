@@ -75,14 +75,14 @@ def test_along_the_axes_they_are_those_of_the_reports(bench, angle, axis):
 
 
 def test_marks(bench):
-    marks = {mark.text: mark.frequency for mark in curves(bench).marks}
+    marks = {mark.text: mark.x for mark in curves(bench).marks}
     interval = 30.0 * math.pi / 180 * 1000 / 512
     assert marks["samples' Nyquist"] == pytest.approx(1 / (2 * interval), rel=1e-9)
     assert marks["pixels' Nyquist"] == pytest.approx(1 / (6 * interval), rel=1e-9)
     # Aperture over the shortest wavelength: 26.4 mm and 10 µm.
     cutoff = 4.5056e1 * 300 / 512 / 10.0
     assert marks["optics cutoff"] == pytest.approx(cutoff, rel=1e-6)
-    slanted = {mark.text: mark.frequency for mark in curves(bench, 30.0).marks}
+    slanted = {mark.text: mark.x for mark in curves(bench, 30.0).marks}
     assert slanted["samples' Nyquist"] == pytest.approx(
         marks["samples' Nyquist"] / math.cos(math.pi / 6)
     )

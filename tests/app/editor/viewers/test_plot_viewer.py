@@ -66,17 +66,17 @@ def test_an_edit_draws_only_what_it_changes(bench, viewer):
 def test_a_mark_moves_without_the_plot_being_made_anew(bench, viewer):
     plot = viewer.canvas._plots[0]
     (mark,) = curves(bench).marks[:1]
-    assert mark.frequency in marks_of(plot)
+    assert mark.x in marks_of(plot)
     drawing = viewer.canvas.drawing
-    moved = replace(drawing, marks=(replace(mark, frequency=mark.frequency / 2),))
+    moved = replace(drawing, marks=(replace(mark, x=mark.x / 2),))
     viewer.canvas.show_drawing(moved, viewer.canvas.shown)
     assert viewer.canvas._plots[0] is plot
-    assert marks_of(plot) == {mark.frequency / 2: f"{mark.text} {mark.frequency / 2:.4g}"}
+    assert marks_of(plot) == {mark.x / 2: f"{mark.text} {mark.x / 2:.4g}"}
     viewer.canvas.show_drawing(replace(drawing, marks=()), viewer.canvas.shown)
     assert marks_of(plot) == {}
     viewer.canvas.show_drawing(drawing, viewer.canvas.shown)
     assert viewer.canvas._plots[0] is plot
-    assert marks_of(plot)[mark.frequency] == f"{mark.text} {mark.frequency:.4g}"
+    assert marks_of(plot)[mark.x] == f"{mark.text} {mark.x:.4g}"
 
 
 def marks_of(plot):

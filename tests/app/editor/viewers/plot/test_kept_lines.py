@@ -6,8 +6,7 @@ from PySide6.QtCore import Qt
 
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.plot.plot_looks import entry_pens
-from app.editor.viewers.plot.plot_viewer import with_kept
-from app.editor.viewers.plot.plotted_lines import curve_drawing
+from app.editor.viewers.plot.plotted_lines import curve_drawing, with_kept
 from core.chain.results import CurveData, Series
 
 X = np.linspace(0.0, 1.0, 11)
