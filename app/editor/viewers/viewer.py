@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from PySide6.QtCore import Signal
-from PySide6.QtGui import QCloseEvent, QHideEvent, QShowEvent
+from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
@@ -83,14 +83,6 @@ class Viewer(QWidget):
     def hideEvent(self, event: QHideEvent) -> None:
         """Withdraw the queries."""
         super().hideEvent(event)
-        self._release()
-
-    def closeEvent(self, event: QCloseEvent) -> None:
-        """Withdraw the queries."""
-        super().closeEvent(event)
-        self._release()
-
-    def _release(self) -> None:
         if self._active:
             self._active = False
             self._posted = ()

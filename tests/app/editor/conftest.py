@@ -18,6 +18,7 @@ os.environ.setdefault(
 from PySide6.QtCore import QCoreApplication, QEvent
 
 from app.editor.canvas.canvas import Canvas
+from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
 from app.editor.theme import DARK
 from app.editor.window.documents.recent_files import Settings
@@ -95,6 +96,15 @@ def opened(session, library):
         return session
 
     return open_network
+
+
+@pytest.fixture
+def evaluator(session):
+    """A worker behind the session."""
+    made = Evaluator(session)
+    yield made
+    made.close()
+    made.deleteLater()
 
 
 @pytest.fixture

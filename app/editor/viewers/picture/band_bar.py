@@ -65,7 +65,7 @@ class BandBar(QWidget):
         for spin in self.colours:
             spin.valueChanged.connect(self._colours_chosen)
         for spin in (self.one, *self.colours):
-            spin.typed.connect(self._wavelength_typed)
+            spin.noted.connect(self.noted)
         self._colour()
         self.hide()
 
@@ -94,7 +94,7 @@ class BandBar(QWidget):
         self.slider.setValue(place)
         places = (place, *replace(choice, shown="colours").places(bands))
         for spin, at in zip((self.one, *self.colours), places, strict=True):
-            spin.set_centres(bands.centres_um)
+            spin.set_bands(bands)
             spin.setValue(at)
         self._writing = False
         of_one: tuple[QWidget, ...] = (self.slider, self.one)
@@ -145,16 +145,6 @@ class BandBar(QWidget):
         if self._bands is not None and not self._writing:
             self._choose(replace(self.choice, one_um=self._bands.centres_um[place]))
 
-    def _wavelength_typed(self, wavelength_um: float) -> None:
-        if self._bands is None:
-            return
-        low, high = self._bands.band_um
-        if not low <= wavelength_um <= high:
-            self.noted.emit(
-                f"{wavelength_um:.4g} µm is outside the bands, {low:.4g} to {high:.4g} µm: "
-                "the nearest one is shown"
-            )
-
     def _colours_chosen(self, _place: int) -> None:
         if not self._writing:
             self._choose_colours([spin.value() for spin in self.colours], {})
@@ -194,10 +184,11 @@ _UNITS = {UNIT: 1.0, "μm": 1.0, "um": 1.0, "nm": 1e-3}  # micro sign, Greek mu
 class WavelengthSpin(QSpinBox):
     """Its value is the place of a band; a wavelength typed in µm or nm gives the nearest."""
 
-    typed = Signal(float)  # wavelength: the person has typed a wavelength, in µm, and finished it
+    noted = Signal(str)  # text: a line for the person: a typed wavelength is none of the picture's
 
     _centres: tuple[float, ...] = (0.0,)  # Qt measures texts while it makes the widget
     _decimals = _FEWEST
+    _ends = (-math.inf, math.inf)
 
     def __init__(self, name: str, description: str, parent: QWidget) -> None:
         super().__init__(parent)
@@ -210,8 +201,9 @@ class WavelengthSpin(QSpinBox):
         self.lineEdit().textEdited.connect(self._note)
         self.editingFinished.connect(self._finish)
 
-    def set_centres(self, centres_um: tuple[float, ...]) -> None:
-        """Step through these wavelengths."""
+    def set_bands(self, bands: BandStack) -> None:
+        """Step through the wavelengths of these bands."""
+        self._ends, centres_um = bands.band_um, bands.centres_um
         if centres_um == self._centres:
             return
         self._centres = centres_um
@@ -240,8 +232,12 @@ class WavelengthSpin(QSpinBox):
     def _finish(self) -> None:
         text, self._text = self._text, ""
         wavelength = _number(text)
-        if wavelength is not None:
-            self.typed.emit(wavelength)
+        low, high = self._ends
+        if wavelength is not None and not low <= wavelength <= high:
+            self.noted.emit(
+                f"{wavelength:.4g} µm is outside the bands, {low:.4g} to {high:.4g} µm: "
+                "the nearest one is shown"
+            )
 
 
 def decimals_of(centres_um: tuple[float, ...]) -> int:

@@ -150,7 +150,9 @@ def _pixel_shape(image: Image) -> float:
 def spectrum_facts(image: Image) -> Facts:
     """Of an image's spectrum: frequencies where the sampling is known, else samples."""
     known = image.interval_x_mrad and image.interval_y_mrad
-    axes = _frequencies(image.grid()) if known else _counted(image.rows, image.columns)
+    axes = (
+        _frequencies(image.grid()) if known else _axes(image.rows, image.columns, 1, 1, "samples")
+    )
     return Facts("plane", image.rows, image.columns, "modulus", image.unit, *axes)
 
 
@@ -179,12 +181,10 @@ def _frequencies(grid: Grid) -> tuple[Axis, Axis]:
     return _axes(grid.rows, grid.columns, grid.frequency_interval_x, grid.frequency_interval_y)
 
 
-def _axes(rows: int, columns: int, step_x: float, step_y: float) -> tuple[Axis, Axis]:
+def _axes(
+    rows: int, columns: int, step_x: float, step_y: float, unit: str = "cyc/mrad"
+) -> tuple[Axis, Axis]:
     return (
-        Axis(-(columns // 2) * step_x, step_x, "ξ", "cyc/mrad"),
-        Axis(-(rows // 2) * step_y, step_y, "η", "cyc/mrad"),
+        Axis(-(columns // 2) * step_x, step_x, "ξ", unit),
+        Axis(-(rows // 2) * step_y, step_y, "η", unit),
     )
-
-
-def _counted(rows: int, columns: int) -> tuple[Axis, Axis]:
-    return Axis(-(columns // 2), 1, "ξ", "samples"), Axis(-(rows // 2), 1, "η", "samples")

@@ -513,7 +513,4 @@ class OutputButtons(QWidget):
         return button
 
     def _clicked(self, clicked: QAbstractButton) -> None:
-        for port, button in self.buttons.items():
-            if button is clicked:
-                self.chosen.emit(port)
-                return
+        self.chosen.emit(next(port for port, each in self.buttons.items() if each is clicked))

@@ -13,7 +13,7 @@ import pytest
 from app.editor.evaluation import evaluator as evaluator_module
 from app.editor.evaluation import pace as pace_module
 from app.editor.evaluation import runner as runner_module
-from app.editor.evaluation.evaluator import Evaluator
+from app.editor.evaluation.evaluator import Evaluator, OwnedQueries
 from app.editor.evaluation.queries import Answer
 from child_process import PATIENCE_S
 from core.chain.engine import Engine, PlannedNode
@@ -25,14 +25,6 @@ from editor_queries import Asking, Gate, Readouts, Samples
 from scripted_drag import drag
 
 FINAL = Samples("frame_grabber.image")
-
-
-@pytest.fixture
-def evaluator(session):
-    made = Evaluator(session)
-    yield made
-    made.close()
-    made.deleteLater()
 
 
 @pytest.fixture
@@ -346,3 +338,28 @@ def test_a_want_whose_key_fails_is_answered_by_that_error(evaluator, answers, sm
     small.do(set_parameter("electronics", "amplifier_snr", 77.0))
     settled()
     assert [answer.query for answer in answers] == [FINAL]  # the same error is not told again
+
+
+def answer_of(owner, generation):
+    return Answer(generation, owner, "picture", None, None, 1)
+
+
+def test_answers_of_use():
+    queries = OwnedQueries()
+    assert not queries.accept(answer_of("viewer", 7))
+    queries.post("viewer", ["picture"], 3)
+    assert [queries.accept(answer_of("viewer", number)) for number in (2, 3, 5, 5, 4, 6)] == [
+        *(False, True, True, True, False, True)
+    ]
+    queries.drop("viewer")
+    assert not queries.accept(answer_of("viewer", 9))
+
+
+def test_an_owner_that_comes_again_begins_anew():
+    queries = OwnedQueries()
+    queries.post("viewer", ["picture"], 3)
+    assert queries.accept(answer_of("viewer", 8))
+    queries.drop("viewer")
+    queries.post("viewer", ["picture"], 6)
+    assert not queries.accept(answer_of("viewer", 5))
+    assert queries.accept(answer_of("viewer", 6))

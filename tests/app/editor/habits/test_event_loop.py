@@ -11,7 +11,6 @@ import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 
-from app.editor.evaluation.evaluator import Evaluator
 from core.editing.operations import set_parameter
 from editor_queries import Asking, Gate, Readouts, Samples
 from scripted_drag import drag
@@ -27,14 +26,6 @@ DRAGS = [
     ("aberration", "sigma_x_mrad", 0.05, 0.5),
     ("scene", "temperature_K", 285.0, 300.0),
 ]
-
-
-@pytest.fixture
-def evaluator(session):
-    made = Evaluator(session)
-    yield made
-    made.close()
-    made.deleteLater()
 
 
 def edits(node, name, low, high):

@@ -10,7 +10,7 @@ from PySide6.QtGui import QFontMetricsF, QKeySequence, QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
-from app.editor.evaluation.evaluator import OLD_AFTER_MS, Evaluator
+from app.editor.evaluation.evaluator import OLD_AFTER_MS
 from app.editor.panels.readouts import ReadoutsQuery
 from app.editor.theme import DARK
 from app.run.write_rules import read_record
@@ -65,14 +65,6 @@ PARAMS = {
         "bits": 8,
     },
 }
-
-
-@pytest.fixture
-def evaluator(session):
-    made = Evaluator(session)
-    yield made
-    made.close()
-    made.deleteLater()
 
 
 # What a module needs to see to have anything to tell.

@@ -89,13 +89,6 @@ def test_marks(bench):
     assert slanted["optics cutoff"] == pytest.approx(cutoff, rel=1e-6)
 
 
-def test_curves_have_their_nodes_names(bench):
-    titles = [curve.title for curve in curves(bench).curves]
-    assert "jitter" in titles
-    assert "Total with electronics" in titles
-    assert len(set(titles)) == len(titles)
-
-
 def test_the_key_tells_whether_curves_would_change(bench):
     engine, plan, _ = bench.truth()
     key = CurvesQuery().key(plan)
