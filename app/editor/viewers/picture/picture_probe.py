@@ -128,11 +128,20 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
 
 def shown_png(picture: Picture, table: Table, split: float = 0.5) -> bytes:
     """Encode what is shown, in its colours and levels, both sides of a wipe."""
-    levels = wiped(picture, split, table)
-    return _colour_png(levels) if levels.ndim == 3 else _png(levels, table)
+    levels = np.ascontiguousarray(_wiped(picture, split, table))
+    rows, columns = levels.shape[:2]
+    formats = QImage.Format
+    kind = formats.Format_RGB888 if levels.ndim == 3 else formats.Format_Indexed8
+    image = QImage(levels.data, columns, rows, levels.strides[0], kind)
+    if kind is formats.Format_Indexed8:
+        image.setColorTable([0xFF000000 | int(r) << 16 | int(g) << 8 | int(b) for r, g, b in table])
+    buffer = QBuffer()
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    image.save(buffer, "PNG")  # type: ignore[call-overload]
+    return bytes(buffer.data().data())
 
 
-def wiped(picture: Picture, split: float, table: Table | None = None) -> Levels:
+def _wiped(picture: Picture, split: float, table: Table) -> Levels:
     """The levels on both sides of a wipe; the second picture's nearest ones if it is not as large.
 
     Without a second one, those of the picture. Where one side has colours of its own, both are
@@ -142,7 +151,7 @@ def wiped(picture: Picture, split: float, table: Table | None = None) -> Levels:
     if other is None:
         return levels
     others = other.grey
-    if levels.ndim != others.ndim and table is not None:
+    if levels.ndim != others.ndim:
         levels, others = (table[one] if one.ndim == 2 else one for one in (levels, others))
     rows, columns = levels.shape[:2]
     start = round(split * columns)
@@ -151,24 +160,3 @@ def wiped(picture: Picture, split: float, table: Table | None = None) -> Levels:
     both = levels.copy()
     both[:, start:] = others[np.ix_(down.astype(np.intp), right.astype(np.intp))]
     return both
-
-
-def _png(shown: Levels, table: Table) -> bytes:
-    levels = np.ascontiguousarray(shown)
-    rows, columns = levels.shape
-    image = QImage(levels.data, columns, rows, columns, QImage.Format.Format_Indexed8)
-    image.setColorTable([0xFF000000 | int(r) << 16 | int(g) << 8 | int(b) for r, g, b in table])
-    return _encoded(image)
-
-
-def _colour_png(shown: Levels) -> bytes:
-    levels = np.ascontiguousarray(shown)
-    rows, columns, _ = levels.shape
-    return _encoded(QImage(levels.data, columns, rows, 3 * columns, QImage.Format.Format_RGB888))
-
-
-def _encoded(image: QImage) -> bytes:
-    buffer = QBuffer()
-    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    image.save(buffer, "PNG")  # type: ignore[call-overload]
-    return bytes(buffer.data().data())
