@@ -1,4 +1,4 @@
-"""The README's session runs as written, and its pictures are those that the script makes."""
+"""The README's session runs as written; its and the handbook's pictures are the script's."""
 
 import re
 
@@ -10,7 +10,15 @@ from child_process import ROOT
 from clip_frames import CAPTION_HEIGHT, gif
 from readme_pictures import CLIP, CLIP_SIZE, STILLS, make_clip
 
-SHOWN = set(re.findall(r"\(networks/pictures/(\S+)\)", (ROOT / "README.md").read_text("utf-8")))
+TEXTS = [
+    file.read_text("utf-8")
+    for file in (ROOT / "README.md", *(ROOT / "app" / "handbook" / "pages").glob("*.md"))
+]
+SHOWN = {
+    name
+    for text in TEXTS
+    for name in re.findall(r"(?:\(networks/pictures/|^shipped )([^\s)]+)", text, re.MULTILINE)
+}
 PLAYED_S = 18, 25
 MOST_BYTES = 3_000_000
 
@@ -57,8 +65,9 @@ def test_the_clip_that_is_shown_is_small_and_endless():
     assert seen[0].shape == (CLIP_SIZE[1] + CAPTION_HEIGHT, CLIP_SIZE[0], 3)
 
 
-def test_every_picture_of_the_editor_in_the_readme_is_made_by_the_script():
-    assert {name for name in SHOWN if not name.startswith("bench_")} == {CLIP, *STILLS}
+def test_every_picture_of_the_editor_that_is_shown_is_made_by_the_script():
+    made = {name for name in SHOWN if not name.startswith(("bench_", "thumbnail_"))}
+    assert made == {CLIP, *STILLS}
     assert all((ROOT / "networks" / "pictures" / name).is_file() for name in SHOWN)
 
 
