@@ -203,7 +203,7 @@ def test_the_tooltips_say_what_there_is(opened, canvas):
     assert optics.ports["input", "pupil"].toolTip() == "pupil: input, pupil, required"
     picture = canvas.content.nodes["picture"]
     assert "image or magnitude" in picture.ports["input", "image"].toolTip()
-    assert "Take the image to magnitude and phase" in canvas.content.nodes["init"].toolTip()
+    assert "Transform the image to magnitude and phase" in canvas.content.nodes["init"].toolTip()
 
 
 def test_sizes_leave_room_on_the_grid_of_the_layouts(opened, canvas):
