@@ -15,8 +15,8 @@ from PySide6.QtWidgets import QApplication, QGraphicsView
 from app.editor.evaluation.queries import Answer
 from app.editor.lean_imports import nothing_collected
 from app.editor.viewers.picture.image_viewer import ImageViewer
-from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow
+from app.editor.window.recent_files import Settings
 from app.editor.window.start import application, settle
 from nodes.library import standard_library
 

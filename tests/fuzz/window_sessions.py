@@ -29,8 +29,8 @@ from PySide6.QtTest import QTest  # noqa: E402
 from PySide6.QtWidgets import QApplication  # noqa: E402
 from window_actions import NewerActions  # noqa: E402
 
-from app.editor.window.documents.recent_files import Settings  # noqa: E402
 from app.editor.window.main_window import MainWindow  # noqa: E402
+from app.editor.window.recent_files import Settings  # noqa: E402
 from app.editor.window.start import application  # noqa: E402
 from core.network.file import format_network, read_network  # noqa: E402
 from nodes.library import standard_library  # noqa: E402

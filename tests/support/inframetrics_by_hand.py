@@ -20,8 +20,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow
+from app.editor.window.recent_files import Settings
 from app.editor.window.start import application
 from app.run.shipped import shipped_networks
 from core.modules.declaration import declaration

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from PySide6.QtCore import QPoint
 
-from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow
+from app.editor.window.recent_files import Settings
 from app.editor.window.start import application
 from hands import Hands, centre, process_events, wait_until
 from nodes.library import standard_library

@@ -31,7 +31,7 @@ _FILES = {
     "app/editor/viewers/test_curves_query.py",
     "app/editor/evaluation/test_evaluator_badges.py",
     "app/editor/library/test_library_view.py",
-    "app/editor/window/documents/test_opening.py",
+    "app/editor/window/test_opening.py",
     "app/editor/viewers/test_picture_query.py",
     "app/command/test_bad_networks.py",
     "app/run/test_transfer_chain.py",

@@ -26,15 +26,20 @@ from app.editor.session import Session
 from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.viewers.plot.figures_strip import FiguresStrip
-from app.editor.window.actions.action_specs import CANVAS_MENU, NODE_MENU
-from app.editor.window.actions.edit_commands import EditCommands
-from app.editor.window.actions.help import Help
-from app.editor.window.actions.menu_actions import Actions
-from app.editor.window.docks.background_runs import BackgroundRuns
-from app.editor.window.docks.first_views import FirstViews
-from app.editor.window.docks.full_screen import FullScreen
-from app.editor.window.docks.history_list import HistoryList
-from app.editor.window.docks.viewer_docks import (
+from app.editor.window.actions import CANVAS_MENU, NODE_MENU, Actions
+from app.editor.window.background_runs import BackgroundRuns
+from app.editor.window.drops import Drops
+from app.editor.window.edit_commands import EditCommands
+from app.editor.window.files import Files
+from app.editor.window.first_views import FirstViews
+from app.editor.window.help import Help
+from app.editor.window.history_list import HistoryList
+from app.editor.window.opening import Opened
+from app.editor.window.preset_shelf import PresetShelf
+from app.editor.window.recent_files import RecentMenu, Settings
+from app.editor.window.status_bar import StatusBar
+from app.editor.window.viewer_docks import (
+    FullScreen,
     ViewerDocks,
     add_dock,
     bring_forward,
@@ -42,19 +47,14 @@ from app.editor.window.docks.viewer_docks import (
     stand_behind,
     toggle_dock,
 )
-from app.editor.window.docks.window_layout import (
+from app.editor.window.welcome import WelcomePage
+from app.editor.window.window_layout import (
     DEFAULT,
     LayoutName,
+    Pages,
     WindowLayout,
     first_size,
 )
-from app.editor.window.documents.drops import Drops
-from app.editor.window.documents.files import Files
-from app.editor.window.documents.opening import Opened
-from app.editor.window.documents.preset_shelf import PresetShelf
-from app.editor.window.documents.recent_files import RecentMenu, Settings
-from app.editor.window.documents.welcome import WelcomePage
-from app.editor.window.pages import Pages, StatusBar
 from core.editing.layout import EDGES, WAYS
 from core.errors import ImagechainError
 from core.modules.declaration import Library

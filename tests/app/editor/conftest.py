@@ -21,8 +21,8 @@ from app.editor.canvas.canvas import Canvas
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
 from app.editor.theme import DARK
-from app.editor.window.documents.recent_files import Settings
 from app.editor.window.main_window import MainWindow
+from app.editor.window.recent_files import Settings
 from app.run.shipped import shipped_networks
 from canvas_hands import CanvasHands
 from core.editing.document import Document

@@ -49,7 +49,7 @@ import sys
 from pathlib import Path
 from app.editor.window.main_window import MainWindow
 from app.editor.window.start import application
-from app.editor.window.documents.recent_files import Settings
+from app.editor.window.recent_files import Settings
 from nodes.library import standard_library
 app = application()
 folder = Path(sys.argv[1])
@@ -153,7 +153,7 @@ def test_without_the_package_a_line_names_it(network, tmp_path):
 
 
 def test_without_it_the_network_opens_and_is_saved_as_it_is(network, tmp_path):
-    from app.editor.window.documents.opening import open_network_file
+    from app.editor.window.opening import open_network_file
 
     opened = open_network_file(network, library=standard_library())
     assert "imagechain_glare, which is not installed here" in opened.remark

@@ -2,6 +2,7 @@
 
 import pytest
 
+from snapshot_hands import PORT, Person
 from window_hands import WindowHands, show_small
 
 
@@ -21,3 +22,14 @@ def kodak(window, idle):
     window.activateWindow()
     window.canvas.setFocus()
     return window
+
+
+@pytest.fixture
+def person(window, idle):
+    """A person who keeps snapshots of the first network."""
+    window.files.open_now("first_steps")
+    idle(window)
+    window.activateWindow()
+    made = Person(window, idle)
+    assert made.viewer.choices.port == PORT
+    return made

@@ -7,7 +7,7 @@ from PySide6.QtCore import QObject, Qt, QUrl, Slot
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtTest import QTest
 
-from app.editor.window.actions.help import ModuleText
+from app.editor.window.help import ModuleText
 from app.handbook.written_pages import MARK, content_mark
 from nodes.library import standard_library
 from window_hands import add

@@ -12,10 +12,10 @@ from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QPushButton, QW
 
 from app.editor.recovery_files import DELAY_MS
 from app.editor.theme import DARK, LIGHT
-from app.editor.window.actions.action_specs import ACTIONS
-from app.editor.window.actions.shortcut_list import OR, shortcuts_of
-from app.editor.window.documents.recent_files import Settings
+from app.editor.window.actions import ACTIONS
 from app.editor.window.main_window import MainWindow
+from app.editor.window.recent_files import Settings
+from app.editor.window.shortcut_list import OR, shortcuts_of
 from app.editor.window.start import built
 from app.options.command_options import Options
 from core.editing.operations import set_parameter

@@ -14,7 +14,7 @@ from app.editor.docks.add_run import AddRun
 from app.editor.docks.run_queue import RunQueue, job_of
 from app.editor.docks.runs_view import ReportStatus, RunsView, failures_text
 from app.editor.session import Session
-from app.editor.window.docks.viewer_docks import add_dock, bring_forward
+from app.editor.window.viewer_docks import add_dock, bring_forward
 from app.options.option_values import REPORTS
 from core.errors import ImagechainError
 from core.names import shown

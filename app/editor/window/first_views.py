@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
-from app.editor.window.docks.viewer_docks import ViewerDocks
+from app.editor.window.viewer_docks import ViewerDocks
 from app.run.output import ANALYSIS, find_output, source_images
 from core.chain.engine import Plan
 from core.chain.wires import Curve, Image, Table

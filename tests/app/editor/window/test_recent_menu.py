@@ -7,7 +7,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMessageBox, QPushButton
 
-from app.editor.window.documents.recent_files import Settings, folder_text
+from app.editor.window.recent_files import Settings, folder_text
 from app.run.shipped import shipped_networks
 from window_hands import KEY, add, answer
 

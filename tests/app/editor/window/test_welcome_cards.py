@@ -7,8 +7,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QWidget
 
-from app.editor.window.documents.welcome import NetworkCard
 from app.editor.window.main_window import MainWindow
+from app.editor.window.welcome import NetworkCard
 from app.run.shipped import shipped_networks
 
 

@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.gestures import without_argument
 from app.editor.recovery_files import Recovered
-from app.editor.window.documents.recent_files import folder_text
+from app.editor.window.recent_files import folder_text
 from app.run.shipped import shipped_networks
 from core.errors import ImagechainError
 from core.modules.declaration import Library

@@ -7,7 +7,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QToolButton, QWidget
 
-from app.editor.window.actions.help import ModuleText
+from app.editor.window.help import ModuleText
 from app.editor.window.start import _select_node_with_figures
 from app.run.shipped import shipped_networks
 from window_hands import give_focus

@@ -21,8 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.widgets import centred_hint
-from app.editor.window.actions.action_specs import ACTIONS
-from app.editor.window.actions.menu_actions import Actions
+from app.editor.window.actions import ACTIONS, Actions
 
 _KEY = Qt.Key
 _NATIVE = QKeySequence.SequenceFormat.NativeText

@@ -25,9 +25,9 @@ from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot import plot_export
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from app.editor.window.actions.menu_actions import Actions
-from app.editor.window.actions.shortcut_list import ShortcutList
-from app.editor.window.docks.viewer_docks import ViewerDocks
+from app.editor.window.actions import Actions
+from app.editor.window.shortcut_list import ShortcutList
+from app.editor.window.viewer_docks import ViewerDocks
 from app.options.command_options import version
 from app.run.shipped import command
 from core.errors import ImagechainError

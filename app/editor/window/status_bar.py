@@ -1,85 +1,14 @@
-"""The pages of the window: the first page, beside which there are no docks, and the network."""
+"""The status bar: messages, and what is being computed."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QByteArray, Qt, Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import (
-    QDockWidget,
-    QLabel,
-    QMainWindow,
-    QProgressBar,
-    QPushButton,
-    QStackedWidget,
-    QStatusBar,
-    QWidget,
-)
+from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QStatusBar, QWidget
 
-from app.editor.gestures import SecondClick
 from app.editor.theme import CHANGED, ERROR
-from app.editor.window.docks.window_layout import LayoutName, WindowLayout
-
-
-class Pages(QStackedWidget):
-    """Shows one of both. The docks get their sizes with the network that is shown first."""
-
-    def __init__(
-        self, first: QWidget, work: QWidget, layout: WindowLayout, window: QMainWindow
-    ) -> None:
-        super().__init__(window)
-        self._first, self._work = first, work
-        self._layout = layout
-        self._window = window
-        self._docks: QByteArray | None = None  # as they were before the first page hid them
-        self._second_click = SecondClick(self)
-        self._sized = False
-        self.sizes_remembered = False
-        """Whether the docks have the sizes of the last window, to be kept."""
-        self.addWidget(first)
-        self.addWidget(work)
-
-    @property
-    def at_first(self) -> bool:
-        return self.currentWidget() is self._first
-
-    def show_first(self) -> None:
-        self.setCurrentWidget(self._first)
-        self._hide_docks()
-
-    def show_work(self) -> None:
-        if self.at_first:
-            self._second_click.drop()
-        self.setCurrentWidget(self._work)
-        self.show_docks()
-        if not self._sized:
-            self._sized = True
-            (self._layout.keep if self.sizes_remembered else self._layout.begin)()
-
-    def show_docks(self) -> None:
-        docks, self._docks = self._docks, None
-        if docks is not None:
-            with self._layout.placing():
-                self._window.restoreState(docks)
-
-    def _hide_docks(self) -> None:
-        if self._docks is None:
-            self._docks = self._window.saveState()
-            for dock in self._window.findChildren(QDockWidget):
-                if not dock.isFloating():
-                    dock.hide()
-
-    def choose_layout(self, name: LayoutName) -> None:
-        """Place the docks by a named layout; beside the first page they stay hidden until later."""
-        self.show_docks()
-        self._layout.choose(name)
-        if self.at_first:
-            self._hide_docks()
-            self.sizes_remembered = self._sized = False
-
-
-# The status bar: messages, and what is being computed.
 
 _ELIDE = Qt.TextElideMode.ElideRight
 NOTE_MS = 8000

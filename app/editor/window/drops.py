@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QWidget
 from app.editor.canvas.canvas import Canvas
 from app.editor.gestures import accept_copy
 from app.editor.level import Level
-from app.editor.window.documents.files import Files
-from app.editor.window.documents.opening import is_network_file
+from app.editor.window.files import Files
+from app.editor.window.opening import is_network_file
 from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
 from core.chain.engine import Engine
 from core.editing.operations import Operation, Restored, Together, set_parameter

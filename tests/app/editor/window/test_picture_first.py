@@ -6,7 +6,7 @@ from PySide6.QtGui import QContextMenuEvent, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QMessageBox
 
-from app.editor.window.docks import window_layout
+from app.editor.window import window_layout
 from core.editing.operations import set_parameter
 from window_hands import show_small
 

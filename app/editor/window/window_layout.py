@@ -8,9 +8,16 @@ from contextlib import contextmanager
 from itertools import pairwise
 from typing import Literal, get_args
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QStyle
+from PySide6.QtCore import QByteArray, QEvent, QObject, QSize, Qt, QTimer
+from PySide6.QtWidgets import (
+    QDockWidget,
+    QMainWindow,
+    QStackedWidget,
+    QStyle,
+    QWidget,
+)
 
+from app.editor.gestures import SecondClick
 from app.editor.viewers.picture.image_viewer import ImageViewer
 
 _PREFERRED = QSize(1600, 900)  # of a first window, where the screen has room for it
@@ -150,8 +157,7 @@ class WindowLayout(QObject):
 # Named layouts: where the docks stand, and what share of the window each has.
 #
 # The picture comes first: by default its viewer has at least two fifths of the window, at any
-# size,
-# with the chain as a band above it.
+# size, with the chain as a band above it.
 
 LayoutName = Literal["picture_below", "picture_beside", "canvas_first"]
 DEFAULT: LayoutName = "picture_below"
@@ -255,3 +261,63 @@ def _height_of_bars(dock: QDockWidget, viewer: ImageViewer) -> int:
     title: int = dock.style().pixelMetric(QStyle.PixelMetric.PM_TitleBarHeight, None, dock)
     tabs = 2 * dock.fontMetrics().height()
     return bars + title + tabs
+
+
+# The pages of the window: the first page, beside which there are no docks, and the network.
+
+
+class Pages(QStackedWidget):
+    """Shows one of both. The docks get their sizes with the network that is shown first."""
+
+    def __init__(
+        self, first: QWidget, work: QWidget, layout: WindowLayout, window: QMainWindow
+    ) -> None:
+        super().__init__(window)
+        self._first, self._work = first, work
+        self._layout = layout
+        self._window = window
+        self._docks: QByteArray | None = None  # as they were before the first page hid them
+        self._second_click = SecondClick(self)
+        self._sized = False
+        self.sizes_remembered = False
+        """Whether the docks have the sizes of the last window, to be kept."""
+        self.addWidget(first)
+        self.addWidget(work)
+
+    @property
+    def at_first(self) -> bool:
+        return self.currentWidget() is self._first
+
+    def show_first(self) -> None:
+        self.setCurrentWidget(self._first)
+        self._hide_docks()
+
+    def show_work(self) -> None:
+        if self.at_first:
+            self._second_click.drop()
+        self.setCurrentWidget(self._work)
+        self.show_docks()
+        if not self._sized:
+            self._sized = True
+            (self._layout.keep if self.sizes_remembered else self._layout.begin)()
+
+    def show_docks(self) -> None:
+        docks, self._docks = self._docks, None
+        if docks is not None:
+            with self._layout.placing():
+                self._window.restoreState(docks)
+
+    def _hide_docks(self) -> None:
+        if self._docks is None:
+            self._docks = self._window.saveState()
+            for dock in self._window.findChildren(QDockWidget):
+                if not dock.isFloating():
+                    dock.hide()
+
+    def choose_layout(self, name: LayoutName) -> None:
+        """Place the docks by a named layout; beside the first page they stay hidden until later."""
+        self.show_docks()
+        self._layout.choose(name)
+        if self.at_first:
+            self._hide_docks()
+            self.sizes_remembered = self._sized = False

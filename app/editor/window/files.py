@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from app.editor.dialogs import ROLE, Question, SaveDialog, drop_dialogs, show_beside
 from app.editor.session import Session
-from app.editor.window.documents.opening import NETWORK_SUFFIX, Opened, open_named
-from app.editor.window.documents.recent_files import Settings
+from app.editor.window.opening import NETWORK_SUFFIX, Opened, open_named
+from app.editor.window.recent_files import Settings
 from core.editing.document import Document, rebased
 from core.errors import ImagechainError
 from core.network.network import Network

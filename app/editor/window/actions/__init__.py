@@ -1,1 +1,0 @@
-"""Every action of the window: its menu, its keys, what it does."""

@@ -1,1 +1,0 @@
-"""Opening, saving, recovering and leaving documents, and the first page."""
