@@ -22,6 +22,7 @@ from core.editing.room import GAP_X, free_places, made_way
 from core.editing.wiring import Candidate, End, Side, continued, fitting, new_node, wired_to
 from core.errors import ImagechainError
 from core.modules.declaration import Library, Port, declaration, local_key
+from core.network.macro import declared_node
 from core.network.network import Link, Network, Node, reached
 
 
@@ -230,10 +231,9 @@ def _between(
 
 
 def _ports(network: Network, library: Library, name: str, side: str) -> tuple[Port, ...]:
-    module = library.get(network.nodes[name].module)
-    if module is None:
+    known = declared_node(network.nodes[name], library)
+    if known is None:
         return ()
-    known = declaration(module)
     return known.inputs if side == "input" else known.outputs
 
 

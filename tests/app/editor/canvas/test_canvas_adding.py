@@ -1,5 +1,7 @@
 """Nodes and wires added by the lists that float on the canvas, and by what is dropped on it."""
 
+from dataclasses import replace
+
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QAction, QDragEnterEvent, QDragLeaveEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
@@ -8,6 +10,7 @@ from PySide6.QtWidgets import QApplication
 from app.editor.canvas.hands.adding import possible_links
 from app.editor.canvas.view.choice_popup import Choice, matching
 from app.editor.library_view import module_data
+from core.editing.grouping import group
 from core.network.network import Link
 from linked_network import linked_network
 
@@ -197,6 +200,15 @@ def test_wires_into_empty_inputs_that_need_one_come_first(library):
         ("init.magnitude → optional.magnitude", "instead of other.magnitude"),
         ("init.context → needing.context", "instead of other.context"),
     ]
+
+
+def test_a_macro_is_wired_by_the_ports_that_it_shows(opened, library):
+    plain = opened("kodak_kir310").network
+    name, step = group(plain, library, ["charge"], "lines")
+    network = step.apply(plain)
+    links = [link for link in network.links if name in (link.source, link.target)]
+    bare = replace(network, links=tuple(link for link in network.links if link not in links))
+    assert set(links) <= set(possible_links(bare, library, [name]))
 
 
 def test_of_several_nodes_only_wires_among_them(opened, library):
