@@ -47,18 +47,16 @@ def engine():
     return Engine(LIBRARY)
 
 
-def answer(query, network, folder=None):
-    """What a want is answered."""
+def passing(network, folder=None):
+    """One pass over a network."""
     made = engine()
-    plan = made.plan(network, folder=folder)
     work = made.work(Policy("double", threads=1))
-    query.key(plan)
-    return query.answer(Passing(made, plan, work))
+    return Passing(made, made.plan(network, folder=folder), work)
 
 
 def previewed(network, node="node", folder=None):
     """The preview that a node's module makes."""
-    return answer(PreviewQuery(node), network, folder)
+    return PreviewQuery(node).answer(passing(network, folder))
 
 
 def grey_pixels(widget):

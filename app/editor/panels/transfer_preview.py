@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -55,31 +54,9 @@ class TransferLine:
     cutoff: float | None
 
 
-@dataclass(frozen=True, eq=False)
-class TransferLines:
-    """A transfer function across (x) and along (y).
-
-    `turn` is a frequency, cycles/mrad, that a logarithmic axis is needed to see.
-    """
-
-    part: Part
-    x: TransferLine
-    y: TransferLine
-    turn: float | None = None
-
-    @cached_property
-    def alike(self) -> bool:
-        """Whether both axes have the same curve."""
-        return (
-            self.x.values.shape == self.y.values.shape
-            and np.allclose(self.x.frequency, self.y.frequency, rtol=1e-6, atol=0)
-            and np.allclose(self.x.values, self.y.values, rtol=0, atol=1e-6)
-        )
-
-
 @dataclass(frozen=True)
-class TransferQuery(Query):
-    """The node's own MTF, or PTF, from 0 to the image's Nyquist frequency or a cutoff."""
+class TransferPreviewQuery(Query):
+    """The node's own MTF, or PTF, up to the image's Nyquist frequency or, further, a cutoff."""
 
     urgency: ClassVar[int] = 1
 
@@ -90,25 +67,29 @@ class TransferQuery(Query):
         transfer: Transfer = plan.output(f"{self.node}.{self.part}")
         return transfer.key, plan.node(self.node).node.disabled
 
-    def answer(self, passing: Passing) -> TransferLines | None:
-        planned, work = passing.plan.node(self.node), passing.work
-        transfer: Transfer = passing.plan.output(f"{self.node}.{self.part}")
-        if planned.node.disabled:
+    def answer(self, passing: Passing) -> Preview | None:
+        if passing.plan.node(self.node).node.disabled:
             return None
-        cutoffs = tuple(_cutoff(planned, axis, work) for axis in ("x", "y"))
-        if transfer.own is not None:
-            return _sampled(transfer, cutoffs, work)
-        turn = _turn(planned)
-        grid = transfer.grid
-        lines = []
-        places: tuple[tuple[Direction, float], ...] = (("x", grid.nyquist_x), ("y", grid.nyquist_y))
-        for (axis, nyquist), cutoff in zip(places, cutoffs, strict=True):
-            frequency = _frequencies(max(nyquist, cutoff or 0.0), turn)
-            asked = np.append(frequency, nyquist)
-            sampled = response(work, transfer.factors, asked, axis)
-            values = sampled.mtf if self.part == "mtf" else sampled.ptf
-            lines.append(_line(frequency, values[:-1], nyquist, values[-1], cutoff, self.part))
-        return TransferLines(self.part, lines[0], lines[1], turn)
+        x, y = transfer_lines(passing, self.node, self.part)
+        return _preview(self.part, x, y, _turn(passing.plan.node(self.node)))
+
+
+def transfer_lines(passing: Passing, node: str, part: Part) -> tuple[TransferLine, TransferLine]:
+    """A node's own MTF or PTF across (x) and along (y)."""
+    planned, work = passing.plan.node(node), passing.work
+    transfer: Transfer = passing.plan.output(f"{node}.{part}")
+    cutoffs = tuple(_cutoff(planned, axis, work) for axis in ("x", "y"))
+    if transfer.own is not None:
+        return _sampled(transfer, cutoffs, work)
+    turn, grid = _turn(planned), transfer.grid
+
+    def line(axis: Direction, nyquist: float, cutoff: float | None) -> TransferLine:
+        frequency = _frequencies(max(nyquist, cutoff or 0.0), turn)
+        sampled = response(work, transfer.factors, np.append(frequency, nyquist), axis)
+        values = sampled.mtf if part == "mtf" else sampled.ptf
+        return _line(frequency, values[:-1], nyquist, values[-1], cutoff, part)
+
+    return line("x", grid.nyquist_x, cutoffs[0]), line("y", grid.nyquist_y, cutoffs[1])
 
 
 def _frequencies(end: float, turn: float | None) -> Vector:
@@ -139,7 +120,9 @@ def half_contrast(frequency: Vector, values: Vector) -> float | None:
     return float(frequency[last - 1] + share * (frequency[last] - frequency[last - 1]))
 
 
-def _sampled(transfer: Transfer, cutoffs: tuple[float | None, ...], work: Work) -> TransferLines:
+def _sampled(
+    transfer: Transfer, cutoffs: tuple[float | None, ...], work: Work
+) -> tuple[TransferLine, TransferLine]:
     """Of a function with frequencies of its own: its first row and column, in FFT order."""
     assert transfer.own is not None
     own = work.value(transfer.own)
@@ -156,7 +139,7 @@ def _sampled(transfer: Transfer, cutoffs: tuple[float | None, ...], work: Work) 
         frequency, shown = frequency[reach], np.asarray(values[reach], np.float64)
         at = float(np.interp(nyquist, frequency, shown, right=np.nan))
         lines.append(_line(frequency, shown, nyquist, at, cutoff, transfer.part))
-    return TransferLines(transfer.part, lines[0], lines[1])
+    return lines[0], lines[1]
 
 
 def _cutoff(planned: PlannedNode, axis: str, work: Work) -> float | None:
@@ -177,45 +160,42 @@ def _turn(planned: PlannedNode) -> float | None:
     return float(module.turbidity_cutoff_cyc_per_mrad)
 
 
-@dataclass(frozen=True)
-class TransferPreviewQuery(TransferQuery):
-    """The curves up to the image's Nyquist frequency, or further, to where an aperture ends."""
+def _alike(x: TransferLine, y: TransferLine) -> bool:
+    """Whether both axes have the same curve."""
+    return (
+        x.values.shape == y.values.shape
+        and np.allclose(x.frequency, y.frequency, rtol=1e-6, atol=0)
+        and np.allclose(x.values, y.values, rtol=0, atol=1e-6)
+    )
 
-    def answer(self, passing: Passing) -> Any:
-        lines = super().answer(passing)
-        return None if lines is None else _preview(lines)
 
-
-def _preview(lines: TransferLines) -> Preview:
-    named = [(lines.x, "x = y", 0)] if lines.alike else [(lines.x, "x", 0), (lines.y, "y", 1)]
+def _preview(part: Part, x: TransferLine, y: TransferLine, turn: float | None) -> Preview:
+    """Both curves; a frequency `turn` needs a logarithmic axis to be seen."""
+    alike = _alike(x, y)
+    named = [(x, "x = y", 0)] if alike else [(x, "x", 0), (y, "y", 1)]
     curves: list[Curve] = []
     marks: list[Mark] = []
     for line, name, number in named:
         style: Style = "dashed" if number else "solid"
         curves.append(Curve(line.frequency, line.values, number, style, name))
-        if lines.part == "mtf" and line.values.min() < 0:
+        if part == "mtf" and line.values.min() < 0:
             modulus = np.where(line.values < 0, -line.values, np.nan)
             curves.append(Curve(line.frequency, modulus, number, "dotted", width=1.2))
         if line.half is not None:
-            which = "" if lines.alike else f" ({name})"
+            which = "" if alike else f" ({name})"
             marks.append(Mark(line.half, 0.5, f"½ at {brief(line.half)}{which}", number, number))
-    return Preview(
-        _in_words(lines),
-        (
-            Plot(
-                _across(lines),
-                _up(lines),
-                curves=tuple(curves),
-                marks=tuple(marks),
-                uprights=tuple(_uprights(lines)),
-                levels=(0.5,) if lines.part == "mtf" else (),
-            ),
-        ),
+    chart = Plot(
+        _across(x, y, turn),
+        _up(part, np.concatenate([x.values, y.values])),
+        curves=tuple(curves),
+        marks=tuple(marks),
+        uprights=tuple(_uprights(x, y)),
+        levels=(0.5,) if part == "mtf" else (),
     )
+    return Preview(_in_words(part, x, y), (chart,))
 
 
-def _uprights(lines: TransferLines) -> Iterator[Upright]:
-    x, y = lines.x, lines.y
+def _uprights(x: TransferLine, y: TransferLine) -> Iterator[Upright]:
     if brief(x.nyquist) == brief(y.nyquist):
         yield Upright(x.nyquist, f"Nyquist {brief(x.nyquist)}")
     else:
@@ -228,11 +208,10 @@ def _uprights(lines: TransferLines) -> Iterator[Upright]:
         yield Upright(line.cutoff, f"cutoff{which} {brief(line.cutoff)}", 2 + number)
 
 
-def _in_words(lines: TransferLines) -> str:
+def _in_words(part: Part, x: TransferLine, y: TransferLine) -> str:
     """The essential numbers."""
-    x, y = lines.x, lines.y
-    unit = "" if lines.part == "mtf" else " rad"
-    text = f"{lines.part.upper()} at the Nyquist frequency {pair(x.nyquist, y.nyquist)} cyc/mrad: "
+    unit = "" if part == "mtf" else " rad"
+    text = f"{part.upper()} at the Nyquist frequency {pair(x.nyquist, y.nyquist)} cyc/mrad: "
     text += _both(x.at_nyquist, y.at_nyquist, unit)
     if x.half is not None or y.half is not None:
         text += f"; half contrast at {_both(x.half, y.half, ' cyc/mrad')}"
@@ -251,19 +230,17 @@ def _clean(value: float) -> float:
     return 0.0 if abs(value) < _NOTHING else value
 
 
-def _across(lines: TransferLines) -> Axis:
+def _across(x: TransferLine, y: TransferLine, turn: float | None) -> Axis:
     title = "spatial frequency (cyc/mrad)"
-    end = max(line.frequency[-1] for line in (lines.x, lines.y))
-    end = max(end, lines.x.nyquist, lines.y.nyquist)
-    if lines.turn is None:
+    end = max(x.frequency[-1], y.frequency[-1], x.nyquist, y.nyquist)
+    if turn is None:
         return Axis(0.0, end * 1.03, title)
-    return Axis(min(lines.turn, end) * LOWEST_SHARE**0.5, end * 1.2, title, log=True)
+    return Axis(min(turn, end) * LOWEST_SHARE**0.5, end * 1.2, title, log=True)
 
 
-def _up(lines: TransferLines) -> Axis:
-    values = np.concatenate([lines.x.values, lines.y.values])
+def _up(part: Part, values: Vector) -> Axis:
     least, most = float(values.min()), float(values.max())
-    if lines.part == "ptf":
+    if part == "ptf":
         size = max(abs(least), abs(most))
         step = round_step(size / 2) if size > 0 else 0.5
         low = -2 * step if least < 0 else 0.0

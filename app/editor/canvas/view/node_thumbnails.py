@@ -18,7 +18,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.level import Level
 from app.editor.panels.shrinking import shrunk
-from app.editor.panels.transfer_preview import TransferQuery
+from app.editor.panels.transfer_preview import transfer_lines
 from app.editor.session import Session
 from app.editor.viewers.pixels.grey_levels import between_ends, grey_levels
 from core.chain.engine import Plan
@@ -26,6 +26,7 @@ from core.chain.wires import Image, Pupil
 from core.editing.operations import picture_node
 from core.errors import ImagechainError, NetworkError
 from core.evaluation.recipes import number_bits
+from core.transfer.factors import Part
 
 _OWNER = "canvas.thumbnails"
 
@@ -301,9 +302,7 @@ class NodeThumbnailQuery(Query):
         if isinstance(value, Pupil):
             samples = np.abs(np.asarray(passing.work.value(value.samples)))
             return _shown(samples, 1.0, 1.0)
-        if port in ("mtf", "ptf"):
-            return _small_curve(passing, self.node, port)
-        return None
+        return _small_curve(passing, self.node, "mtf" if port == "mtf" else "ptf") if port else None
 
 
 def _drawn(plan: Plan, node: str) -> tuple[str, Any]:
@@ -340,11 +339,8 @@ def _shown(
     return SmallPicture(grey_levels(small, *between_ends(low, high, bits)), width, height)
 
 
-def _small_curve(passing: Passing, node: str, port: str) -> SmallCurve | None:
-    lines = TransferQuery(node, "mtf" if port == "mtf" else "ptf").answer(passing)
-    if lines is None:
-        return None
-    line = lines.x
+def _small_curve(passing: Passing, node: str, port: Part) -> SmallCurve:
+    line, _ = transfer_lines(passing, node, port)
     end = float(line.nyquist) or 1.0
     places = np.linspace(0.0, 1.0, _POINTS)
     values = np.interp(places * end, line.frequency, line.values)
