@@ -2,6 +2,7 @@
 
 import math
 import re
+from functools import lru_cache
 
 import mpmath
 import pytest
@@ -24,6 +25,7 @@ BANDS_UM = {
 }
 
 
+@lru_cache
 def photon_radiance(kelvin):
     """Photons of a black body in the band, per m² s sr."""
     h, c, k = constants.h, constants.c, constants.k
