@@ -62,13 +62,6 @@ _figure = partial(table_figure, table=_without_saturated)
 class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group="Detector"):
     """Convert the picture's photons to electrons, add the camera's noise, and digitize the signal.
 
-    N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
-    electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
-    pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² + 1) the
-    projected solid angle of the optics at F-number F; τ optics_transmission; η
-    cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
-    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07.
-
     The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
     which stay from frame to frame; nonlinearity towards the full well; read noise; the full well;
     gain, offset, and rounding to whole numbers. PRNU multiplies all electrons by 1 + p·deviate,
@@ -82,6 +75,13 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     `frames_averaged` reduces shot and read noise with the square root of the number of frames, and
     the average is rounded once. `saturated` is 1 where the well is full or the converter has
     clipped.
+
+    N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
+    electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
+    pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² + 1) the
+    projected solid angle of the optics at F-number F; τ optics_transmission; η
+    cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
+    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288; Tennant et al.
     2008 (Rule 07).
