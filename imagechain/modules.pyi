@@ -414,7 +414,7 @@ def anti_alias(
 
     Notes
     -----
-    Anti-Aliaser, of the group Transform.
+    Anti-alias Filter, of the group Transform.
     Inputs: image.
     Outputs: image.
     Read-outs: new_nyquist_x (cyc/mrad), new_nyquist_y (cyc/mrad).
@@ -1168,47 +1168,6 @@ def psf_file(
     centre_x_mrad (mrad), centre_y_mrad (mrad), sum_of_samples, file_nyquist_x (cyc/mrad).
     """
 
-def poisson_noise(
-    *,
-    seed_mode: Literal['automatic', 'typed'] = 'automatic',
-    seed: int | Expression = 0,
-    width_px: float | Expression = 5.0,
-    percent: float | Expression = 1.0,
-    photons_per_unit: float | Expression | None = None,
-    mode: Literal['published', 'photon'] = 'published',
-) -> Part:
-    """Add photon noise to the picture, as in 1996 or by counting photons.
-
-    `published`: a percentage of the Gaussian-weighted local mean is the mean of a Poisson deviate,
-    which is added. `photon`: radiance is converted to a number of photons and replaced by a Poisson
-    deviate. The 1996 method has no scale of photons: in another radiance unit its noise is another
-    share of the picture, and it is added before the optics that collect the light. For the shot
-    noise of a detector use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
-
-    Parameters
-    ----------
-    seed_mode : Literal['automatic', 'typed']
-        seed from the network's seed and this node's name, or the one typed in: one of automatic,
-        typed; default 'automatic'
-    seed : int | Expression
-        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
-    width_px : float | Expression
-        standard deviation of the local mean's weights [px]: a number of at least 0; default 5.0
-    percent : float | Expression
-        share of the local mean [%]: a number of at least 0; default 1.0
-    photons_per_unit : float | Expression | None
-        photons per unit of radiance, for `photon`: a number of at least 0 or empty; default empty
-    mode : Literal['published', 'photon']
-        add a deviate, or replace by one: one of published, photon; default 'published'
-
-    Notes
-    -----
-    Poisson Noise, of the group Optics.
-    Inputs: image.
-    Outputs: image, noise.
-    Read-outs: noise_mean (W/m²/sr), noise_sigma (W/m²/sr).
-    """
-
 def crosstrack_mtf(
     *,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
@@ -1510,7 +1469,7 @@ def charge_eff_mtf(
 
     Notes
     -----
-    Charge Eff MTF, of the group Detector.
+    Charge Transfer MTF, of the group Detector.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y.
@@ -1548,7 +1507,7 @@ def charge_eff_phase(
 
     Notes
     -----
-    Charge Eff Phase, of the group Detector.
+    Charge Transfer Phase, of the group Detector.
     Inputs: context, phase.
     Outputs: phase, ptf.
     Read-outs: ptf_at_nyquist_x (rad), ptf_at_pixel_nyquist_x (rad).
@@ -1924,6 +1883,47 @@ def nuc(
     Inputs: image.
     Outputs: image, gain, offset, table.
     Read-outs: pattern_low, pattern_high, response_per_kelvin, weak_pixels.
+    """
+
+def poisson_noise(
+    *,
+    seed_mode: Literal['automatic', 'typed'] = 'automatic',
+    seed: int | Expression = 0,
+    width_px: float | Expression = 5.0,
+    percent: float | Expression = 1.0,
+    photons_per_unit: float | Expression | None = None,
+    mode: Literal['published', 'photon'] = 'published',
+) -> Part:
+    """Add photon noise to the picture, as in 1996 or by counting photons.
+
+    `published`: a percentage of the Gaussian-weighted local mean is the mean of a Poisson deviate,
+    which is added. `photon`: radiance is converted to a number of photons and replaced by a Poisson
+    deviate. The 1996 method has no scale of photons: in another radiance unit its noise is another
+    share of the picture, and it is added before the optics that collect the light. For the shot
+    noise of a detector use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+
+    Parameters
+    ----------
+    seed_mode : Literal['automatic', 'typed']
+        seed from the network's seed and this node's name, or the one typed in: one of automatic,
+        typed; default 'automatic'
+    seed : int | Expression
+        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+    width_px : float | Expression
+        standard deviation of the local mean's weights [px]: a number of at least 0; default 5.0
+    percent : float | Expression
+        share of the local mean [%]: a number of at least 0; default 1.0
+    photons_per_unit : float | Expression | None
+        photons per unit of radiance, for `photon`: a number of at least 0 or empty; default empty
+    mode : Literal['published', 'photon']
+        add a deviate, or replace by one: one of published, photon; default 'published'
+
+    Notes
+    -----
+    Poisson Noise, of the group Electronics & Noise.
+    Inputs: image.
+    Outputs: image, noise.
+    Read-outs: noise_mean (W/m²/sr), noise_sigma (W/m²/sr).
     """
 
 def electronics_noise(

@@ -9,7 +9,12 @@ from pathlib import Path
 
 from app.command.results import show
 from app.handbook.module_examples import PARTS
-from app.handbook.written_pages import cached_handbook, find_page, write_handbook
+from app.handbook.written_pages import (
+    cached_handbook,
+    find_page,
+    readable_handbook,
+    write_handbook,
+)
 from app.options.command_options import Options
 from app.options.progress import Progress
 from app.options.stopping import Stop, Stopped
@@ -37,15 +42,19 @@ def carry_out(options: Options, stop: Stop) -> None:
                 raise Stopped
             progress(title)
 
+        opened = options.html is None and not options.path
         if options.html is not None:
             write_handbook(options.html, library, made_next)
             folder = options.html
+        elif opened:
+            folder = readable_handbook(library)
         else:
             folder = cached_handbook(library, made_next)
-    page = folder.resolve() / str(address)
-    show(options, lambda: {"page": str(page)}, str(page))
-    if options.html is None and not options.path:
-        open_page(page)
+        page = folder.resolve() / str(address)
+        show(options, lambda: {"page": str(page)}, str(page))
+        if opened:
+            open_page(page)
+            cached_handbook(library, made_next)
 
 
 def open_page(page: Path) -> bool:

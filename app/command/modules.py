@@ -34,7 +34,7 @@ def carry_out(options: Options, _stop: object) -> None:
         declared = [
             entry
             for entry in declared
-            if any(word in text.casefold() for text in (entry.key, entry.title, entry.summary))
+            if any(word in text.casefold() for text in (entry.key, entry.listed, entry.summary))
         ]
     elif key:
         declared = [entry for entry in declared if entry.key == key]
@@ -49,7 +49,7 @@ def carry_out(options: Options, _stop: object) -> None:
     groups = list(dict.fromkeys(entry.group for entry in declared))
     declared.sort(key=lambda entry: groups.index(entry.group))
     if found:
-        print(columns([(entry.key, entry.title, entry.summary) for entry in declared]))
+        print(columns([(entry.key, entry.listed, entry.summary) for entry in declared]))
         return
     for group, members in groupby(declared, key=lambda entry: entry.group):
         print(f"{group}\n{'=' * len(group)}\n")
@@ -110,7 +110,7 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
 def module_text(declared: Declaration, *, whole: bool = False) -> str:
     """A declaration as a few lines; `whole` with all of its text, the formulas' sources in it."""
     about = declared.text if whole else declared.summary
-    lines = [f"{declared.key} · {declared.title}", indent(about, "  ")]
+    lines = [f"{declared.key} · {declared.listed}", indent(about, "  ")]
     ways = [_ports(declared.inputs), _ports(declared.outputs)]
     lines.append(f"  ports: {' → '.join(ways).strip()}")
     rows = [

@@ -56,7 +56,7 @@ class ModuleTree(QTreeWidget):
         self.modules: dict[str, QTreeWidgetItem] = {}
         self.groups: dict[str, QTreeWidgetItem] = {}
         for key, declared in declarations(library).items():
-            item = QTreeWidgetItem(self._group(declared.group), [declared.title])
+            item = QTreeWidgetItem(self._group(declared.group), [declared.listed])
             item.setData(0, _KEY, key)
             self._texts[key] = found_by(declared)
             item.setToolTip(0, declared.text)
@@ -241,7 +241,7 @@ def found_by(declared: Declaration) -> tuple[str, str, str]:
     """Texts in which a typed word is looked for, those that count most first."""
     readouts = " ".join(readout.name.replace("_", " ") for readout in declared.readouts)
     texts = (
-        f"{declared.title}\n{declared.key}\n{declared.group}",
+        f"{declared.title}\n{declared.key}\n{declared.group}\n{declared.explained}",
         declared.summary,
         f"{_ALSO.get(declared.key, '')} {readouts}",
     )

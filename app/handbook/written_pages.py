@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.handbook.example_figures import curves, example_of, picture
+from app.handbook.example_figures import Example, curves, example_of, picture
 from app.handbook.markdown_text import FormulaError, anchor_of, formula_svg, rendered
 from app.handbook.module_examples import MODULES, PAGES, PARTS, REFERENCE, SHIPPED
 from app.options.option_values import assignment
@@ -37,6 +37,40 @@ from core.network.file import load_network
 TEMPLATES = Path(__file__).with_name("templates")
 MARK = "handbook.json"
 """A file that only a handbook's folder has."""
+DRAWN = "drawn.js"
+"""A file that a handbook's folder has once its figures are drawn."""
+_LATER = "The figures are being drawn; the page then shows them by itself."
+SYNONYMS: Mapping[str, str] = MappingProxyType(
+    {
+        "add-on": "plug-in",
+        "animation": "--frames",
+        "batch": "studies",
+        "calibrate": "fit",
+        "goal": "solve",
+        "gpu": "speed",
+        "hpc": "cluster",
+        "hyperspectral": "spectral",
+        "license": "licence",
+        "monte": "studies",
+        "movie": "--frames",
+        "multispectral": "spectral",
+        "nv-ipm": "figures of merit",
+        "nvipm": "figures of merit",
+        "nvtherm": "figures of merit",
+        "optimise": "solve",
+        "optimize": "solve",
+        "parametric": "studies",
+        "plugin": "plug-in",
+        "sfr": "iso 12233",
+        "slurm": "cluster",
+        "sweep": "studies",
+        "video": "--frames",
+        "w/cm2": "w/m²/sr",
+        "w/cm²": "w/m²/sr",
+        "w/m2": "w/m²/sr",
+    }
+)
+"""Words a reader may search for, and those under which the handbook has the subject."""
 
 
 def module_address(key: str) -> str:
@@ -87,24 +121,33 @@ def find_page(word: str, library: Library) -> tuple[str | None, list[str]]:
         ),
     )
     best = ranked[0]
+    if wanted in SYNONYMS and wanted not in titles[best].casefold():
+        return find_page(SYNONYMS[wanted], library)
     has = wanted in titles[best].casefold() or wanted in texts[best].casefold()
     return (best if wanted and has else None), list(names)
 
 
 def handbook_files(
-    library: Library, progress: Callable[[str], None] = lambda _: None
+    library: Library, progress: Callable[[str], None] = lambda _: None, *, drawn: bool = True
 ) -> Iterator[tuple[str, str]]:
-    """Every file of the handbook: its name from the handbook's folder, and its content."""
+    """Every file of the handbook: its name from the handbook's folder, and its content.
+
+    Pages that are not `drawn` leave out the figures and results of networks, which take long.
+    """
     declared = [declaration(module) for module in library.values()]
     groups = list(dict.fromkeys(entry.group for entry in declared))
     declared.sort(key=lambda entry: groups.index(entry.group))
-    frame = _Frame(declared)
+    frame = _Frame(declared, drawn=drawn)
     found = []
     engine = Engine(library)
+
+    def figure(words: str) -> str:
+        return page_figure(words, engine) if drawn else f"<p>{_LATER}</p>"
+
     for name, title in page_titles().items():
         progress(title)
         addresses = {entry.title: module_address(entry.key) for entry in declared}
-        page = rendered(_source(name), addresses, lambda words: page_figure(words, engine))
+        page = rendered(_source(name), addresses, figure)
         body = page.body + (reference(declared) if name == REFERENCE else "")
         address = f"{name}.html"
         yield address, frame.page(address, "page_frame.html", page.title, body=body)
@@ -120,7 +163,7 @@ def handbook_files(
                 "module_page.html",
                 entry.title,
                 page=shown,
-                example=example_of(entry, engine),
+                example=example_of(entry, engine) if drawn else Example(reason=_LATER),
                 inputs=ports(entry.inputs),
                 outputs=", ".join(port.name for port in entry.outputs),
                 group_anchor=anchor_of(entry.group),
@@ -128,9 +171,12 @@ def handbook_files(
             ),
         )
         found.append([address, entry.title, _plain(entry.summary), _plain(shown.words)])
-    yield "words.js", f"const WORDS = {json.dumps(found, ensure_ascii=False)};\n"
+    words, synonyms = (json.dumps(table, ensure_ascii=False) for table in (found, dict(SYNONYMS)))
+    yield "words.js", f"const WORDS = {words};\nconst SYNONYMS = {synonyms};\n"
     for name in ("handbook.css", "search.js"):
         yield name, (TEMPLATES / name).read_text(encoding="utf-8")
+    if drawn:
+        yield DRAWN, '"The figures are drawn.";\n'
 
 
 def reference(declared: list[Declaration]) -> str:
@@ -138,7 +184,7 @@ def reference(declared: list[Declaration]) -> str:
     parts = []
     for group, members in groupby(declared, key=lambda entry: entry.group):
         rows = "".join(
-            f'<li><a href="{module_address(entry.key)}">{html.escape(entry.title)}</a>'
+            f'<li><a href="{module_address(entry.key)}">{html.escape(entry.listed)}</a>'
             f"<small>{with_symbols(entry.summary, ())}</small></li>"
             for entry in members
         )
@@ -149,24 +195,35 @@ def reference(declared: list[Declaration]) -> str:
     return "".join(parts)
 
 
+def readable_handbook(library: Library) -> Path:
+    """The handbook's folder in the cache, at once: where no figures are drawn yet, without them."""
+    folder = _cached(library)
+    if not (folder / DRAWN).is_file():
+        write_handbook(folder, library, drawn=False)
+    return folder
+
+
 def cached_handbook(library: Library, progress: Callable[[str], None] = lambda _: None) -> Path:
     """The handbook's folder in the cache; its pages are made if they are not those of today.
 
     Today's are those of this version, its pages and the modules there are, plug-ins too.
     """
+    folder = _cached(library)
+    if not (folder / DRAWN).is_file():
+        write_handbook(folder, library, progress)
+        for other in folder.parent.glob("handbook-*"):
+            if other != folder:
+                shutil.rmtree(other, ignore_errors=True)
+    return folder
+
+
+def _cached(library: Library) -> Path:
     cache = cache_folder()
-    folder = cache / f"handbook-{content_mark(library)}"
-    if (folder / MARK).is_file():
-        return folder
     try:
         cache.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise FileError(f"cannot make the folder {cache}: {error.strerror or error}") from error
-    write_handbook(folder, library, progress)
-    for other in cache.glob("handbook-*"):
-        if other != folder:
-            shutil.rmtree(other, ignore_errors=True)
-    return folder
+    return cache / f"handbook-{content_mark(library)}"
 
 
 def content_mark(library: Library) -> str:
@@ -184,7 +241,11 @@ def content_mark(library: Library) -> str:
 
 
 def write_handbook(
-    folder: Path, library: Library, progress: Callable[[str], None] = lambda _: None
+    folder: Path,
+    library: Library,
+    progress: Callable[[str], None] = lambda _: None,
+    *,
+    drawn: bool = True,
 ) -> None:
     """Write all pages to a folder: new, empty, or one with a handbook, which is replaced."""
     target = folder.resolve()
@@ -202,7 +263,7 @@ def write_handbook(
             prefix=".handbook-", dir=target.parent, ignore_cleanup_errors=True
         ) as made:
             pages = Path(made) / "pages"
-            for name, content in handbook_files(library, progress):
+            for name, content in handbook_files(library, progress, drawn=drawn):
                 file = pages / name
                 file.parent.mkdir(parents=True, exist_ok=True)
                 file.write_text(content, encoding="utf-8", newline="\n")
@@ -227,7 +288,7 @@ def _may_be_replaced(folder: Path) -> bool:
 class _Frame:
     """What all pages have: contents, and the pages before and after."""
 
-    def __init__(self, declared: list[Declaration]) -> None:
+    def __init__(self, declared: list[Declaration], *, drawn: bool) -> None:
         from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
         self._environment = Environment(
@@ -237,12 +298,13 @@ class _Frame:
             lstrip_blocks=True,
             undefined=StrictUndefined,
         )
+        self._awaited = "" if drawn else DRAWN
         titles = page_titles()
         self._parts = [
             (part.title, [(f"{name}.html", titles[name]) for name in part.pages]) for part in PARTS
         ]
         for group, members in groupby(declared, key=lambda entry: entry.group):
-            entries = [(module_address(entry.key), entry.title) for entry in members]
+            entries = [(module_address(entry.key), entry.listed) for entry in members]
             self._parts.append((f"Modules: {group}", entries))
         self._order = [entry for _, entries in self._parts for entry in entries]
 
@@ -252,6 +314,7 @@ class _Frame:
             title=title,
             address=address,
             root="../" * address.count("/"),
+            awaited=self._awaited,
             parts=self._parts,
             before=self._order[place - 1] if place else None,
             after=self._order[place + 1] if place + 1 < len(self._order) else None,

@@ -385,7 +385,7 @@ def sample_pixels(
     pixels = PixelSamples(image.shape, ratio_x, ratio_y, offset_x, offset_y, edges)
     x, y = image.interval_x_mrad, image.interval_y_mrad
     if not (isinstance(recipe, Delivered) and recipe.plain and recipe.edges == edges):
-        # Anti-Aliaser, whose frame is mirrored, leaves a periodic one periodic for what follows.
+        # Anti-alias Filter mirrors its frame, and leaves a periodic one periodic for what follows.
         grid = Grid(*image.shape, x or 1.0, y or 1.0)
         magnitude, phase = Magnitude(image, grid, edges), Phase(image, grid, edges)
         recipe = Delivered(magnitude, phase, node=node)

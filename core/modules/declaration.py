@@ -115,6 +115,12 @@ class Declaration:
     panel: tuple[Section, ...]
     formulas: tuple[Formula, ...] = ()
     without_formula: str = ""
+    explained: str = ""
+
+    @property
+    def listed(self) -> str:
+        """The title as a list of modules shows it, explained where the name alone is not clear."""
+        return f"{self.title} ({self.explained})" if self.explained else self.title
 
     def parameter(self, name: str) -> Parameter | None:
         """The parameter of that name."""
@@ -172,11 +178,13 @@ class Module:
     does; others get their sum with a warning, or pass them on. Parameters that no section of
     `panel` names stand below them without a title. `preview`, a method given the planned node, the
     work and the `NodeContext`, makes a `Preview`, which is as high as `preview_lines` lines of
-    text. A module without `formulas` states in `without_formula` why there is none.
+    text. A module without `formulas` states in `without_formula` why there is none. Lists of
+    modules show what a title `explained` means behind it.
     """
 
     key: ClassVar[str] = ""
     title: ClassVar[str] = ""
+    explained: ClassVar[str] = ""
     group: ClassVar[str] = ""
     version: ClassVar[int] = 1
     replaces: ClassVar[tuple[str, ...]] = ()
@@ -200,9 +208,10 @@ class Module:
         version: int = 1,
         replaces: tuple[str, ...] = (),
         sink: bool = False,
+        explained: str = "",
     ) -> None:
         super().__init_subclass__()
-        cls.key, cls.title, cls.group = key, title, group
+        cls.key, cls.title, cls.explained, cls.group = key, title, explained, group
         cls.version, cls.replaces, cls.sink = version, replaces, sink
         dataclass(frozen=True, kw_only=True)(cls)
 
@@ -262,6 +271,7 @@ def _derive(module: Any) -> Declaration:
         panel=panel,
         formulas=module.formulas,
         without_formula=module.without_formula,
+        explained=module.explained,
     )
 
 

@@ -1,4 +1,4 @@
-"""Charge Eff MTF: contrast lost by incomplete charge transfer."""
+"""Charge Transfer MTF: contrast lost by incomplete charge transfer."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class ChargeEffMTF(
-    ChargeTransfer, MtfModule, key="charge_eff_mtf", title="Charge Eff MTF", group="Detector"
+    ChargeTransfer, MtfModule, key="charge_eff_mtf", title="Charge Transfer MTF", group="Detector"
 ):
     """Reduce contrast across by incomplete charge transfer.
 

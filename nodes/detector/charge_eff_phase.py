@@ -1,4 +1,4 @@
-"""Charge Eff Phase: delay by incomplete charge transfer."""
+"""Charge Transfer Phase: delay by incomplete charge transfer."""
 
 from __future__ import annotations
 
@@ -12,7 +12,11 @@ from nodes.shared.module_ports import PtfModule, PtfOutputs
 
 
 class ChargeEffPhase(
-    ChargeTransfer, PtfModule, key="charge_eff_phase", title="Charge Eff Phase", group="Detector"
+    ChargeTransfer,
+    PtfModule,
+    key="charge_eff_phase",
+    title="Charge Transfer Phase",
+    group="Detector",
 ):
     """Shift phases across by incomplete charge transfer.
 

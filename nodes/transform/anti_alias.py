@@ -1,4 +1,4 @@
-"""Anti-Aliaser: a low-pass before samples are dropped."""
+"""Anti-alias Filter: a low-pass before samples are dropped."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _LOBES = 3
 _SIGMA_SAMPLES = math.sqrt(2.0 * math.log(2.0)) / math.pi
 
 
-class AntiAlias(Module, key="anti_alias", title="Anti-Aliaser", group="Transform"):
+class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Transform"):
     """Remove what would alias if only every factor-th sample were kept; no sample is dropped.
 
     Use it for pictures that are decimated without a detector MTF, by Interpolate of order 0. `box`

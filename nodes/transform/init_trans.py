@@ -30,7 +30,13 @@ class InitOutputs(NamedTuple):
     phase: Phase
 
 
-class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform"):
+class InitTrans(
+    Module,
+    key="init_trans",
+    title="Init & Trans",
+    explained="Fourier transform",
+    group="Transform",
+):
     """Transform the image to magnitude and phase, and give other modules the geometry.
 
     Empty parameters are taken from a Camera before it, else from the image's header. A fill factor

@@ -34,7 +34,7 @@ def _size(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any]:
 
 
 def _factor(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any]:
-    """Anti-Aliaser: the nearest whole number of samples."""
+    """Anti-alias Filter: the nearest whole number of samples."""
     module: Any = planned.module
     return {"factor": max(1, round(module.factor / _mean(ratio)))}
 

@@ -1,6 +1,6 @@
 "use strict";
-// Finds pages by words of their titles and texts; WORDS comes from words.js, so that it works
-// without a server. The contents fold on a narrow screen only.
+// Finds pages by words of their titles and texts, or by their synonyms; WORDS and SYNONYMS come
+// from words.js, so that it works without a server. The contents fold on a narrow screen only.
 const root = document.body.dataset.root;
 const contents = document.getElementById("contents");
 const field = document.getElementById("search");
@@ -17,8 +17,15 @@ const pages = WORDS.map(([address, title, lead, text]) => (
   { address, title, lead, text, low: plain(text), heads: plain(title) }));
 
 function found(query) {
-  const words = plain(query).split(/\s+/).filter(Boolean);
-  if (!words.length) return [];
+  const typed = plain(query).split(/\s+/).filter(Boolean);
+  if (!typed.length) return [];
+  const others = typed.map(word => SYNONYMS[word] || word);
+  const ranked = [...having(others), ...having(typed)].sort((a, b) => b[0] - a[0]);
+  const seen = new Set();
+  return ranked.filter(([, page]) => !seen.has(page) && seen.add(page)).slice(0, 14);
+}
+
+function having(words) {
   const ranked = [];
   for (const page of pages) {
     let score = 0;
@@ -31,7 +38,7 @@ function found(query) {
     }
     if (score) ranked.push([score, page, words]);
   }
-  return ranked.sort((a, b) => b[0] - a[0]).slice(0, 14);
+  return ranked;
 }
 
 function excerpt(page, words) {
@@ -87,3 +94,15 @@ document.addEventListener("keydown", event => {
 document.addEventListener("click", event => { if (!event.target.closest("form")) hits.hidden = true; });
 const asked = new URLSearchParams(location.search).get("q");
 if (asked) { field.value = asked; show(); field.focus(); }
+
+// The file that is awaited is there once the figures are drawn; a script is what a page of a local
+// folder may look for.
+const awaited = document.body.dataset.awaited;
+function lookAgain() {
+  const script = document.createElement("script");
+  script.src = `${root}${awaited}?${Date.now()}`;
+  script.onload = () => { if (field.value.trim()) setTimeout(lookAgain, 2000); else location.reload(); };
+  script.onerror = () => { script.remove(); setTimeout(lookAgain, 2000); };
+  document.head.append(script);
+}
+if (awaited) setTimeout(lookAgain, 2000);

@@ -13,14 +13,18 @@ from app.handbook.example_figures import example_of
 from app.handbook.markdown_text import FormulaError, blocks_of, formula_svg, rendered
 from app.handbook.module_examples import PAGES, PARTS
 from app.handbook.written_pages import (
+    DRAWN,
     MARK,
+    SYNONYMS,
     cached_handbook,
     content_mark,
     find_page,
     module_page,
     parted,
+    readable_handbook,
     with_links,
     with_symbols,
+    write_handbook,
 )
 from command_line import run_here, run_process
 from core.chain.engine import Engine
@@ -122,7 +126,9 @@ def test_pages_need_nothing_from_outside(folder):
 
 def test_the_search_knows_every_page(folder, pages):
     text = (folder / "words.js").read_text(encoding="utf-8")
-    rows = json.loads(text.removeprefix("const WORDS = ").rstrip(";\n"))
+    listed, others = re.fullmatch("const WORDS = (.*);\nconst SYNONYMS = (.*);\n", text).groups()
+    assert json.loads(others) == SYNONYMS
+    rows = json.loads(listed)
     assert {row[0] for row in rows} == set(pages)
     assert all(title and lead and words for _, title, lead, words in rows)
 
@@ -201,7 +207,8 @@ def test_the_command_opens_the_page_in_the_browser(tmp_path):
     """A browser of our own, as the user's is named by BROWSER."""
     folder = tmp_path / "imagechain" / f"handbook-{content_mark(LIBRARY)}"
     folder.mkdir(parents=True)
-    (folder / MARK).write_text("{}")
+    for name in (MARK, DRAWN):
+        (folder / name).write_text("{}")
     browser = tmp_path / "browser"
     browser.write_text(f'#!/bin/sh\necho "$1" > {tmp_path}/opened\n')
     browser.chmod(0o755)
@@ -236,6 +243,9 @@ def test_a_word_finds_its_page():
     assert found("focal plane") == "modules/focal_plane.html"
     assert found("line of") == "modules/line_of_sight.html"
     assert found("koschmieder") == "modules/atmospheric_path.html"
+    assert found("sweep") == "studies.html"
+    assert found("NV-IPM")
+    assert found("license") == "glossary.html"
     assert found("xyzzy") is None
     assert found(" ") is None
 
@@ -247,15 +257,33 @@ def test_pages_are_made_once(folder, tmp_path, monkeypatch):
     few = {key: LIBRARY[key] for key in ("gaussian_mtf", "jitter_mtf")}
     monkeypatch.setattr(
         "app.handbook.written_pages.handbook_files",
-        lambda library, _: made.append(len(library)) or iter([("index.html", "x")]),
+        lambda library, _, drawn: (
+            made.append((len(library), drawn))
+            or iter([("index.html", "x"), *([(DRAWN, "")] if drawn else ())])
+        ),
     )
+    assert not (readable_handbook(few) / DRAWN).exists()
     first = cached_handbook(few)
     assert cached_handbook(few) == first
     assert content_mark(few) == first.name.removeprefix("handbook-")
-    assert sorted(path.name for path in first.iterdir()) == [MARK, "index.html"]
+    assert readable_handbook(few) == first
+    assert sorted(path.name for path in first.iterdir()) == [DRAWN, MARK, "index.html"]
     second = cached_handbook(LIBRARY)
-    assert made == [2, len(LIBRARY)]
+    assert made == [(2, False), (2, True), (len(LIBRARY), True)]
     assert list(first.parent.iterdir()) == [second]
+
+
+def test_pages_without_figures_have_everything_else(folder, tmp_path):
+    """They are read while the figures are drawn, and look for the file that says they are."""
+    few = {key: LIBRARY[key] for key in ("gaussian_mtf", "jitter_mtf")}
+    write_handbook(tmp_path / "at once", few, drawn=False)
+    text = (tmp_path / "at once" / "modules" / "gaussian_mtf.html").read_text(encoding="utf-8")
+    assert f'data-awaited="{DRAWN}"' in text
+    assert "<figure" not in text
+    assert 'class="formula"' in text
+    assert not (tmp_path / "at once" / DRAWN).exists()
+    assert (folder / DRAWN).is_file()
+    assert "data-awaited" not in (folder / "index.html").read_text(encoding="utf-8")
 
 
 def test_what_cannot_be_written_is_one_line(tmp_path, monkeypatch):

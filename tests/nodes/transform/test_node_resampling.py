@@ -1,4 +1,4 @@
-"""Interpolate and Anti-Aliaser against direct sums."""
+"""Interpolate and Anti-alias Filter against direct sums."""
 
 from __future__ import annotations
 

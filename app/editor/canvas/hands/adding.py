@@ -138,7 +138,7 @@ class Adding:
             text=known.title,
             value=value,
             detail=port or known.group,
-            words=f"{key} {known.group}",
+            words=f"{key} {known.group} {known.explained}",
             further=f"{summary} {further}",
             colour=self._group_colour(known.group),
             tip=known.summary,

@@ -76,7 +76,7 @@ def test_modules_are_found_by_title_key_and_group(session, canvas, hand):
         ("turbul", "Atmosphere MTF"),  # of its summary
         ("roi", "Measured MTF"),
         ("netd", "Figures of Merit"),
-        ("charge_eff_p", "Charge Eff Phase"),
+        ("charge_eff_p", "Charge Transfer Phase"),
         ("motion", "Jitter MTF"),
         ("Electronics &", "Electronics & Noise"),
     ):

@@ -40,7 +40,7 @@ def test_every_module_stands_under_its_group_in_the_librarys_order(view, library
     assert groups == list(dict.fromkeys(declaration(module).group for module in library.values()))
     for group, item in view.tree.groups.items():
         there = [item.child(row).text(0) for row in range(item.childCount())]
-        wanted = [declaration(m).title for m in library.values() if declaration(m).group == group]
+        wanted = [declaration(m).listed for m in library.values() if declaration(m).group == group]
         assert there == wanted
 
 

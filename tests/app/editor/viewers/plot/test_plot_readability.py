@@ -105,7 +105,7 @@ def test_limits_around_a_curve_have_its_colour_and_take_none(shown):
 
 
 def test_names_of_bars_are_not_shortened_where_there_is_room(shown, tmp_path):
-    names = ("Combined pixels", "Exit Pupil MTF", "Charge Eff MTF")
+    names = ("Combined pixels", "Exit Pupil MTF", "Charge Transfer MTF")
     series = (Series("a", np.arange(3.0), np.array([1.0, 2.0, 1.7917e-5])),)
     viewer = shown(CurveData("", "", "", series, names))
     viewer.export(tmp_path / "bars.svg")

@@ -27,7 +27,9 @@ from nodes.shared.steps import difference, even
 Array = NDArray[Any]
 
 
-class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", group="Optics"):
+class PoissonNoise(
+    SeededModule, key="poisson_noise", title="Poisson Noise", group="Electronics & Noise"
+):
     """Add photon noise to the picture, as in 1996 or by counting photons.
 
     `published`: a percentage of the Gaussian-weighted local mean is the mean of a Poisson deviate,
