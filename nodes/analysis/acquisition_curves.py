@@ -38,12 +38,12 @@ _POINTS = 201
 _LEAST = 0.1  # of the easiest task, where the curve ends by itself
 _MEANINGS = {
     "tvh": "random noise",
-    "vh": "fixed pattern of samples",
-    "v": "fixed pattern of rows",
-    "h": "fixed pattern of columns",
-    "t": "flicker of the frame",
-    "tv": "flicker of rows",
-    "th": "flicker of columns",
+    "vh": "fixed pattern, pixel by pixel",
+    "v": "fixed pattern, row by row",
+    "h": "fixed pattern, column by column",
+    "t": "frame-to-frame flicker",
+    "tv": "row flicker",
+    "th": "column flicker",
 }
 
 
@@ -275,11 +275,11 @@ def merit_table(
         return TableRow(name, values.get(name), unit, meaning, why)
 
     rows = [
-        row("snr", "", "mean over temporal noise"),
+        row("snr", "", "mean signal over temporal noise"),
         row("netd_K", "K", "temporal noise as a temperature difference"),
         row("ner", unit, "rms temporal noise"),
-        row("background_K", "K", "background that gives dL/dT"),
-        TableRow("frames_integrated", frames, "", "frames that the eye averages"),
+        row("background_K", "K", "background temperature at which dL/dT is taken"),
+        TableRow("frames_integrated", frames, "", "frames averaged by the eye"),
         *(row(f"sigma_{name}_K", "K", _MEANINGS[name]) for name in COMPONENTS),
     ]
     for share in (0.25, 0.5, 0.75):
@@ -290,8 +290,17 @@ def merit_table(
                 curve = thresholds.horizontal if axis == "x" else thresholds.vertical
                 values[name] = at_frequency(thresholds.frequency, curve, share * nyquist)
             rows.append(row(name, "K", f"MRTD along {axis} at {text}"))
-    rows += [row(f"{task}_range_km", "km", f"Johnson: half of {task}s succeed") for task in TASKS]
-    rows.append(row("ttp_range_km", "km", "TTP: half succeed"))
+    rows += [
+        row(
+            f"{task}_range_km",
+            "km",
+            f"range at which {task} has a probability of one half (Johnson)",
+        )
+        for task in TASKS
+    ]
+    rows.append(
+        row("ttp_range_km", "km", "range at which the task has a probability of one half (TTP)")
+    )
     return TableData(tuple(rows))
 
 

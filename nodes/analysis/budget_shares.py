@@ -259,12 +259,12 @@ def budget_table(
     rows = [row for share in noise.shares for row in _source_rows(share, unit)]
     if not noise.shares:
         what = "noise" if kind == "all" else f"{kind} noise"
-        rows.append(TableRow("noise", "none", "", f"there is no {what} in this picture"))
+        rows.append(TableRow("noise", "none", "", f"this picture has no {what}"))
     rows += [
         TableRow("sigma", noise.sigma, unit, "all noise"),
         TableRow("sigma_temporal", noise.temporal, unit, "all temporal noise"),
         TableRow("sigma_fixed", noise.fixed, unit, "all fixed patterns"),
-        TableRow("mean", noise.mean, unit, "mean of the picture without noise"),
+        TableRow("mean", noise.mean, unit, "mean of the noise-free picture"),
     ]
     rows += _blur_rows(blur)
     return TableData(tuple(rows))
@@ -292,13 +292,13 @@ def _blur_rows(blur: BlurShares) -> list[TableRow]:
             share = 100.0 * stage.share[axis]
             rows.append(TableRow(f"{name}.share_{direction}", share, "%", "share of −ln |MTF|"))
     if not rows:
-        rows.append(TableRow("blur", "none", "", "no transfer function other than 1 is known"))
+        rows.append(TableRow("blur", "none", "", "no stage has a transfer function other than 1"))
     for axis, direction, words in ((0, "x", "across"), (1, "y", "along")):
         rows.append(TableRow(f"mtf_{direction}", blur.mtf[axis], "", f"|MTF| of all, {words}"))
     for axis, name in ((0, "xi"), (1, "eta")):
-        rows.append(TableRow(name, blur.frequency[axis], "cyc/mrad", "where the MTFs are taken"))
+        rows.append(TableRow(name, blur.frequency[axis], "cyc/mrad", "frequency of the MTFs"))
     if blur.before is not None:
-        meaning = "what it does, and what is before it, is not known as transfer functions"
+        meaning = "the transfer functions of this stage and those before it are not known"
         rows.append(TableRow("blur_behind", blur.before, "", meaning))
     return rows
 

@@ -148,8 +148,8 @@ def geometry_table(
     if not laid.level:
         finer = _laid(camera, ground, FINER * strips)
         error = strips_error(scene=scene, laid=laid, finer=finer, between_samples=between_samples)
-    where = "ground seen, from the scene's middle"
-    samples = "the scene's samples to one of the middle's"
+    where = "ground seen, measured from the scene's middle"
+    samples = "scene samples across and along, per sample at the middle"
     rows: tuple[tuple[Any, ...], ...] = (
         ("swath_m", swath_m(camera), "m", "ground along the middle line"),
         ("left_m", bounds.left, "m", where),
@@ -158,12 +158,12 @@ def geometry_table(
         ("bottom_m", bounds.low, "m", where),
         ("scene_samples_x", middle.across_m / ground.interval_x_m, "", f"{samples}, across"),
         ("scene_samples_y", middle.along_m / ground.interval_y_m, "", f"{samples}, along"),
-        ("strips", laid.strips, "", "that a footprint is cut into"),
+        ("strips", laid.strips, "", "strips that each footprint is cut into"),
         (
             "footprint_error",
             error,
             "",
-            "largest change by four times as many strips, a share of the scene's range",
+            "largest change with four times as many strips, as a fraction of the scene's range",
         ),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
@@ -189,7 +189,7 @@ class Ground:
 
 class CameraSettings(Module):
     kind: Annotated[
-        Kind, Param("line scanner, pushbroom, or framing camera that takes all lines at once")
+        Kind, Param("line scanner, pushbroom, or framing camera, which exposes all lines at once")
     ] = "line"
     altitude_m: Annotated[
         float, Param("height above the ground", unit="m", low=0, above=True, slider=(100, 10000))
@@ -197,7 +197,7 @@ class CameraSettings(Module):
     ground_interval_m: Annotated[
         float | None,
         Param(
-            "the scene's sampling on the ground; empty: its angular interval × altitude",
+            "sampling interval of the scene on the ground; empty: its angular interval × altitude",
             unit="m",
             low=0,
             slider=(0.1, 10),
@@ -205,15 +205,15 @@ class CameraSettings(Module):
     ] = None
     ground_interval_y_m: Annotated[
         float | None,
-        Param("the scene's sampling down the picture; empty: as across", unit="m", low=0),
+        Param("the same interval down the picture; empty: as across", unit="m", low=0),
     ] = None
     columns: Annotated[
         int | None,
-        Param("samples across; empty: as the scene has", low=1, high=65536, slider=(16, 2048)),
+        Param("samples across; empty: as in the scene", low=1, high=65536, slider=(16, 2048)),
     ] = None
     rows: Annotated[
         int | None,
-        Param("lines along; empty: as the scene has", low=1, high=65536, slider=(16, 2048)),
+        Param("lines along; empty: as in the scene", low=1, high=65536, slider=(16, 2048)),
     ] = None
     fov_x_deg: Annotated[
         float | None,
@@ -226,35 +226,40 @@ class CameraSettings(Module):
         ),
     ] = 20.0
     pitch_x_um: Annotated[
-        float | None, Param("pitch of samples across", unit="µm", low=0, slider=(1, 1000))
+        float | None, Param("pixel pitch across", unit="µm", low=0, slider=(1, 1000))
     ] = None
     pitch_y_um: Annotated[
         float | None,
-        Param("pitch of samples along; empty: as across", unit="µm", low=0, slider=(1, 1000)),
+        Param("pixel pitch along; empty: as across", unit="µm", low=0, slider=(1, 1000)),
     ] = None
     focal_length_mm: Annotated[
         float | None, Param("focal length", unit="mm", low=0, slider=(10, 1000))
     ] = None
     velocity_m_per_s: Annotated[
-        float | None, Param("flight over the ground; empty: lines join at nadir", unit="m/s", low=0)
+        float | None,
+        Param("ground speed; empty: consecutive lines touch at nadir", unit="m/s", low=0),
     ] = None
     line_rate_Hz: Annotated[
-        float | None, Param("lines a second; empty: lines join at nadir", unit="Hz", low=0)
+        float | None,
+        Param("lines per second; empty: consecutive lines touch at nadir", unit="Hz", low=0),
     ] = None
     roll_deg: Annotated[
-        float, Param("view turned to the right", unit="deg", low=-89, high=89, slider=(-45, 45))
+        float, Param("look angle to the right", unit="deg", low=-89, high=89, slider=(-45, 45))
     ] = 0.0
     pitch_deg: Annotated[
-        float, Param("view turned ahead", unit="deg", low=-89, high=89, slider=(-45, 45))
+        float, Param("look angle ahead", unit="deg", low=-89, high=89, slider=(-45, 45))
     ] = 0.0
     yaw_deg: Annotated[
-        float, Param("heading, clockwise from down the picture", unit="deg", low=-180, high=180)
+        float,
+        Param("heading, clockwise from straight down the picture", unit="deg", low=-180, high=180),
     ] = 0.0
     offset_x_m: Annotated[
-        float, Param("camera right of the scene's middle", unit="m", slider=(-500, 500))
+        float,
+        Param("position of the camera, right of the scene's middle", unit="m", slider=(-500, 500)),
     ] = 0.0
     offset_y_m: Annotated[
-        float, Param("camera below the scene's middle", unit="m", slider=(-500, 500))
+        float,
+        Param("position of the camera, below the scene's middle", unit="m", slider=(-500, 500)),
     ] = 0.0
 
     def camera(self, image: Image) -> Camera:
@@ -300,8 +305,9 @@ class CameraSettings(Module):
             raise ParameterError(
                 "fov_x_deg",
                 self.fov_x_deg,
-                f"pitch_x_um / focal_length_mm makes samples of {of_pitch:.4g} mrad, this field "
-                f"{step:.4g} mrad: leave one of the three empty",
+                f"pixel pitch and focal length give samples of {of_pitch:.4g} mrad, but this "
+                f"field gives {step:.4g} mrad: leave pitch_x_um, focal_length_mm or the field "
+                "empty",
                 unit="deg",
             )
         return step
@@ -328,7 +334,7 @@ class CameraSettings(Module):
             raise ParameterError(
                 "ground_interval_m",
                 None,
-                "the scene does not say its angular interval: give how far its samples are apart",
+                "the scene has no angular interval: give its sampling interval on the ground",
                 unit="m",
             )
         for name, interval, samples in (
@@ -369,8 +375,8 @@ class CameraGeometry(
         Formula(
             r"x=h\,\tan\theta,\quad\frac{dx}{d\theta}=\frac{h}{\cos^2\theta},\quad\frac{dy}{d"
             r"\phi}=\frac{h}{\cos\theta}",
-            where="h: altitude; θ: view angle across; the samples of a line scanner grow so "
-            "across and along",
+            where="h: altitude; θ: view angle across; a line scanner's samples grow by these "
+            "factors across and along",
         ),
         Formula(
             r"L'_{jk}=\frac{1}{|A_{jk}|}\iint_{A_{jk}}L\,dx\,dy",
@@ -379,15 +385,19 @@ class CameraGeometry(
     )
 
     interpolation: Annotated[
-        Between, Param("between the scene's samples: level areas, straight, or parabolas")
+        Between,
+        Param(
+            "how the scene is taken between its samples: constant areas, straight "
+            "lines, or parabolas"
+        ),
     ] = "area"
     strips: Annotated[
-        int, Param("strips a footprint is cut into where it lies askew", low=1, high=64)
+        int, Param("strips that an oblique footprint is cut into", low=1, high=64)
     ] = 4
-    outside: Annotated[Literal["refuse", "fill"], Param("where the camera sees past the scene")] = (
-        "refuse"
-    )
-    fill_value: Annotated[float, Param("what is there, in the scene's unit")] = 0.0
+    outside: Annotated[
+        Literal["refuse", "fill"], Param("what the camera sees beyond the scene")
+    ] = "refuse"
+    fill_value: Annotated[float, Param("value beyond the scene, in the scene's unit")] = 0.0
 
     preview_lines = 10.5
     panel = (
@@ -489,8 +499,8 @@ class CameraGeometry(
         sides = ", ".join(f"{by:.4g} m past its {side}" for side, by in past.items())
         raise DataError(
             f"the scene of {2 * half_x:.5g} × {2 * half_y:.5g} m is too small: the camera sees "
-            f"{sides}; take a lower altitude_m, a smaller field, fewer rows, a larger "
-            "ground_interval_m, or outside = fill"
+            f"{sides}; lower altitude_m, narrow the field, use fewer rows, enlarge "
+            "ground_interval_m, or set outside = fill"
         )
 
     @readout("m")
@@ -547,7 +557,8 @@ class CameraGeometry(
     footprint_error = table_figure(
         "footprint_error",
         "",
-        "Largest change by four times as many strips, a share of the scene's range.",
+        "Largest change when footprints are cut into four times as many strips, as a fraction "
+        "of the scene's range.",
     )
 
 

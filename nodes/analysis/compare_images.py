@@ -50,22 +50,24 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
         ),
         Formula(
             r"R(f)=\frac{|\mathcal{F}(a)|}{|\mathcal{F}(b)|}",
-            where="MTF ratio; in rings the root of the ratio of powers",
+            where="MTF ratio; in rings, the square root of the ratio of the power spectra",
         ),
     )
 
     average: Annotated[
-        Literal["axes", "radial"], Param("MTF ratio on both frequency axes, or in rings")
+        Literal["axes", "radial"],
+        Param("MTF ratio along both frequency axes, or averaged in rings"),
     ] = "axes"
     edges: Annotated[
-        Edges, Param("frame mirrored without end, or repeated as the plain FFT sees it")
+        Edges,
+        Param("how the frame continues beyond its edges: mirrored, or repeated as in a plain FFT"),
     ] = "reflect"
 
     def run(self, image: Image, reference: Image, here: NodeContext) -> CompareOutputs:
         if image.shape != reference.shape:
             raise DataError(
                 f"the image is {image.columns} × {image.rows} samples and the reference "
-                f"{reference.columns} × {reference.rows}: only equal sizes compare"
+                f"{reference.columns} × {reference.rows}: both must have the same size"
             )
         pair = (image.recipe, reference.recipe)
         table = here.step(compared, *pair, unit=image.unit)
@@ -93,10 +95,11 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
     psnr_dB = table_figure(
         "psnr_dB",
         "dB",
-        "Peak signal to noise ratio; none for equal pictures or a constant reference.",
+        "Peak signal-to-noise ratio; left out if the pictures are equal or the reference is "
+        "constant.",
     )
     mean_difference = table_figure(
-        "mean_difference", "", "Mean of image less reference, in the image's unit."
+        "mean_difference", "", "Mean of image minus reference, in the image's unit."
     )
 
 
@@ -121,8 +124,8 @@ def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableD
         (
             TableRow("rmse", rmse, unit, "root mean square difference"),
             TableRow("max_error", largest, unit, "largest difference"),
-            TableRow("psnr_dB", psnr_dB, "dB", "reference's maximum less minimum over rmse"),
-            TableRow("mean_difference", mean, unit, "mean of image less reference"),
+            TableRow("psnr_dB", psnr_dB, "dB", "range of the reference over the rms difference"),
+            TableRow("mean_difference", mean, unit, "mean of image minus reference"),
         )
     )
 

@@ -99,13 +99,13 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     formulas = (
         Formula(
             r"\mathrm{MRTD}(f)=\frac{\pi^2}{8}\;\frac{\mathrm{SNR}_{th}\,\sigma_p(f)}{H(f)}",
-            where="σ_p: noise in K that is left after the eye has averaged over a bar (1/(2f) "
+            where="σ_p: noise in K that remains after the eye has averaged over a bar (1/(2f) "
             "by 7/(2f)) and over time; H: MTF of the chain",
         ),
         Formula(
             r"\mathrm{MDTD}(W)=\frac{\mathrm{SNR}_{th}\,\sigma_p(w)}{\overline{I}(W,w)}",
-            where="W: side of the square target; Ī: share of its difference that is left in a "
-            "window of side w",
+            where="W: side of the square target; Ī: fraction of its contrast that remains in "
+            "a window of side w",
         ),
         Formula(
             r"P=\frac{r^E}{1+r^E},\quad r=\frac{N}{N_{50}},\quad E=2.7+0.7\,r",
@@ -114,30 +114,37 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         ),
         Formula(
             r"V=\frac{\sqrt{A}}{R}\int\sqrt{\frac{C}{C_{th}(f)}}\;df",
-            where="A: area of the target; R: range; C: its contrast; C_th: threshold of sensor "
-            "and eye",
+            where="A: area of the target; R: range; C: its contrast; C_th: contrast threshold "
+            "of sensor and eye",
             when="TTP",
         ),
         Formula(r"P=\frac{r^E}{1+r^E},\quad r=\frac{V}{V_{50}},\quad E=1.51+0.24\,r", when="TTP"),
     )
 
     model: Annotated[
-        Model, Param("temporal noise alone, or three-dimensional noise and a limit by sampling")
+        Model, Param("temporal noise only, or three-dimensional noise with a sampling limit")
     ] = "flir92"
     scanning: Annotated[
         Scanning,
-        Param("automatic: as Init & Trans's platform, line serial, push parallel, array staring"),
+        Param(
+            "how the picture is scanned; automatic: from Init & Trans's platform (line: "
+            "serial, push: parallel, array: staring)"
+        ),
     ] = "automatic"
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
     background_K: Annotated[
         float | None,
-        Param("background; empty: brightness temperature of the mean", unit="K", low=0),
+        Param(
+            "background temperature; empty: brightness temperature of the picture's mean",
+            unit="K",
+            low=0,
+        ),
     ] = None
     snr_threshold: Annotated[
         float,
         Param(
-            "SNR at which half of the observers resolve or detect",
+            "SNR at which half of the observers resolve the bars or detect the target",
             low=0, high=1000, above=True, slider=(1, 5),
         ),
     ] = 2.5  # fmt: skip
@@ -150,29 +157,36 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         Param("time over which the eye averages frames", unit="s", low=0, high=10, above=True),
     ] = 0.2
     mdtd_window: Annotated[
-        Window, Param("MDTD: the eye averages over the target, or over its blurred image")
+        Window, Param("MDTD: whether the eye averages over the target or over its blurred image")
     ] = "target"
     eye_limit_mrad: Annotated[
         float | None,
         Param(
-            "MDTD: largest angle in the scene the eye averages over; empty: no limit",
+            "MDTD: largest angle in the scene over which the eye averages; empty: no limit",
             unit="mrad", low=0, slider=(0, 100),
         ),
     ] = None  # fmt: skip
     target_size_m: Annotated[
         float,
         Param(
-            "size of the target: the root of its area",
+            "size of the target: the square root of its area",
             unit="m", low=0, above=True, high=1e6, slider=(0.1, 10),
         ),
     ] = 2.3  # fmt: skip
     target_delta_K: Annotated[
-        float, Param("target less background", unit="K", low=-10000, high=10000, slider=(0, 10))
+        float,
+        Param(
+            "temperature difference between target and background",
+            unit="K",
+            low=-10000,
+            high=10000,
+            slider=(0, 10),
+        ),
     ] = 2.0
     extinction_per_km: Annotated[
         float,
         Param(
-            "extinction of the air in the band, where no Atmospheric Path gives it",
+            "extinction of the air in the band, used if there is no Atmospheric Path",
             unit="1/km",
             low=0,
             high=1e6,
@@ -182,38 +196,42 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     n50_detection: Annotated[
         float,
         Param(
-            "cycles at which half detect; 1 goes with one direction's MRTD",
+            "cycles for 50 % detection; 1 for the MRTD of one direction",
             low=0, above=True, high=1000, slider=(0.1, 10),
         ),
     ] = 0.75  # fmt: skip
     n50_recognition: Annotated[
         float,
         Param(
-            "cycles at which half recognize; 4 goes with one direction's MRTD",
+            "cycles for 50 % recognition; 4 for the MRTD of one direction",
             low=0, above=True, high=1000, slider=(0.1, 10),
         ),
     ] = 3.0  # fmt: skip
     n50_identification: Annotated[
         float,
         Param(
-            "cycles at which half identify; 6.4 goes with one direction's MRTD",
+            "cycles for 50 % identification; 6.4 for the MRTD of one direction",
             low=0, above=True, high=1000, slider=(0.1, 10),
         ),
     ] = 6.0  # fmt: skip
     ttp_threshold: Annotated[
-        TtpForm, Param("TTP: threshold of eye and MRTD, or the published one through MTF and noise")
+        TtpForm,
+        Param(
+            "TTP: contrast threshold from the eye and the MRTD, or the published "
+            "one from MTF and noise"
+        ),
     ] = "mrtd"
     v50: Annotated[
         float,
         Param(
-            "TTP value at which half succeed; published ones go with system_contrast_threshold",
+            "TTP value for 50 % success; published values belong to system_contrast_threshold",
             low=0, above=True, high=10000, slider=(1, 40),
         ),
     ] = 18.8  # fmt: skip
     scene_contrast_K: Annotated[
         float,
         Param(
-            "TTP: difference shown as the display's mean",
+            "TTP: temperature difference that the display shows as its mean luminance",
             unit="K", low=0, above=True, high=1e4, slider=(0.5, 20),
         ),
     ] = 5.0  # fmt: skip
@@ -227,21 +245,22 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     display_deg: Annotated[
         float,
         Param(
-            "TTP: side of the display at the eye",
+            "TTP: angle that the display fills at the eye",
             unit="deg", low=0, above=True, high=180, slider=(1, 60),
         ),
     ] = 15.0  # fmt: skip
     magnification: Annotated[
         float | None,
         Param(
-            "TTP: angle on the display over that in the scene; empty: it fills the display",
+            "TTP: angle on the display over angle in the scene; empty: the picture fills the "
+            "display",
             low=0, slider=(0, 20),
         ),
     ] = None  # fmt: skip
     range_max_km: Annotated[
         float | None,
         Param(
-            "end of the curve; empty: where detection is unlikely",
+            "longest range of the curve; empty: where detection becomes unlikely",
             unit="km", low=0, high=1e6, slider=(0, 20),
         ),
     ] = None  # fmt: skip
@@ -304,8 +323,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             return
         raise DataError(
             f"the band begins at {band_um[0]:g} µm, where a scene reflects light and shows no "
-            "temperature: NETD, MRTD, MDTD and the ranges made of them do not apply; take "
-            "image_quality, or give background_K of a scene that glows"
+            "temperature: NETD, MRTD, MDTD and the ranges from them do not apply; use Image "
+            "Quality, or give background_K for a scene that glows"
         )
 
     @warning
@@ -331,9 +350,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             if alike(self.extinction_per_km, of_path):
                 return None
         return Caution(
-            f"extinction_per_km = {self.extinction_per_km:g} 1/km is not used: the picture has "
-            "come through Atmospheric Path, whose transmission the ranges take",
-            "leave it out here, or correct it there",
+            f"extinction_per_km = {self.extinction_per_km:g} 1/km is not used: the ranges take "
+            "the transmission of the Atmospheric Path before this node",
+            "clear it here, or set it there",
         )
 
     def _frames(self) -> float:
@@ -377,25 +396,41 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             seconds_fixed=self.eye_integration_s if self.model == "flir92" else 0.0,
         )
 
-    snr = table_figure("snr", "", "Noise-free mean over temporal noise; none without noise.")
-    netd_K = table_figure("netd_K", "K", "Noise equivalent temperature difference, temporal.")
-    ner = table_figure("ner", "W/m²/sr", "Noise equivalent radiance: rms temporal noise.")
+    snr = table_figure(
+        "snr", "", "Noise-free mean signal over temporal noise; left out if there is no noise."
+    )
+    netd_K = table_figure(
+        "netd_K", "K", "Noise-equivalent temperature difference of the temporal noise."
+    )
+    ner = table_figure("ner", "W/m²/sr", "Noise-equivalent radiance: rms temporal noise.")
     mrtd_x_K = table_figure(
-        "mrtd_x_K", "K", "MRTD of upright bars at half of Nyquist, if resolved.",
+        "mrtd_x_K", "K", "MRTD for vertical bars at half the Nyquist frequency; left out if "
+                         "they are not resolved.",
         row="mrtd_x_50_percent_nyquist",
     )  # fmt: skip
     mrtd_y_K = table_figure(
-        "mrtd_y_K", "K", "MRTD of lying bars at half of Nyquist, if resolved.",
+        "mrtd_y_K", "K", "MRTD for horizontal bars at half the Nyquist frequency; left out if "
+                         "they are not resolved.",
         row="mrtd_y_50_percent_nyquist",
     )  # fmt: skip
-    detection_range_km = table_figure("detection_range_km", "km", "Where half detect (Johnson).")
+    detection_range_km = table_figure(
+        "detection_range_km",
+        "km",
+        "Range at which half of the observers detect the target (Johnson).",
+    )
     recognition_range_km = table_figure(
-        "recognition_range_km", "km", "Where half recognize (Johnson)."
+        "recognition_range_km",
+        "km",
+        "Range at which half of the observers recognize the target (Johnson).",
     )
     identification_range_km = table_figure(
-        "identification_range_km", "km", "Where half identify (Johnson)."
+        "identification_range_km",
+        "km",
+        "Range at which half of the observers identify the target (Johnson).",
     )
-    ttp_range_km = table_figure("ttp_range_km", "km", "Range at which half succeed (TTP).")
+    ttp_range_km = table_figure(
+        "ttp_range_km", "km", "Range at which half of the observers succeed (TTP)."
+    )
 
 
 def _air(image: Image, context: Context) -> tuple[AirPath, ...]:
@@ -405,7 +440,7 @@ def _air(image: Image, context: Context) -> tuple[AirPath, ...]:
     )
     if any(air.range_m is None for air in paths):
         raise DataError(
-            "the transmission of Atmospheric Path holds for a range that is not known, and gives "
-            "none at others: give range_m there, on Camera or on Init & Trans"
+            "Atmospheric Path has a transmission but no range, so the transmission at other ranges "
+            "is not known: give range_m there, on Camera or on Init & Trans"
         )
     return paths

@@ -96,21 +96,21 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
 
     range_m: Annotated[
-        float | None, Param("range to the ground; empty: that of Init & Trans", unit="m", low=0)
+        float | None, Param("range to the ground; empty: from Init & Trans", unit="m", low=0)
     ] = None
     off_nadir_deg: Annotated[
         float,
         Param(
-            "view off nadir along, which stretches the ground sample",
+            "look angle off nadir along the track, which stretches the ground sample",
             unit="deg", low=0, high=89, slider=(0, 60),
         ),
     ] = 0.0  # fmt: skip
     snr: Annotated[
-        float | None, Param("SNR typed in; empty: mean signal over temporal noise", low=0)
+        float | None, Param("SNR, if you know it; empty: mean signal over temporal noise", low=0)
     ] = None
     overshoot: Annotated[
         float | None,
-        Param("overshoot H typed in; empty: that of the chain", low=0, slider=(0.8, 2)),
+        Param("overshoot H, if you know it; empty: from the chain", low=0, slider=(0.8, 2)),
     ] = None
     noise_gain: Annotated[
         float, Param("noise gain G of the sharpening", low=0, high=1e6, slider=(0, 20))
@@ -152,9 +152,9 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         if band is None or band[0] < SHORTEST_THERMAL_UM:
             return None
         return Caution(
-            f"the picture's band, {band[0]:g} to {band[1]:g} µm, is thermal, and these equations "
-            "are fitted to visible pictures",
-            "take figures_of_merit, or NIIRS as a comparison of like cameras alone",
+            f"NIIRS may not apply: the picture's band, {band[0]:g} to {band[1]:g} µm, is "
+            "thermal, and these equations are fitted to visible pictures",
+            "use Figures of Merit, or use NIIRS only to compare similar cameras",
         )
 
     @warning
@@ -168,7 +168,9 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     gsd_m = table_figure("gsd_m", "m", "Ground sample distance, geometric mean.")
     rer = table_figure("rer", "", "Relative edge response, geometric mean.")
     overshoot_figure = table_figure("overshoot", "", "Edge overshoot, geometric mean.")
-    snr_figure = table_figure("snr", "", "Mean signal over temporal noise; none without noise.")
+    snr_figure = table_figure(
+        "snr", "", "Mean signal over temporal noise; left out if there is no noise."
+    )
 
 
 # What image quality equations take of a chain: its edge response, its signal over noise.
@@ -213,14 +215,16 @@ def signal_over_noise(
     """Mean of the scene's share of the picture over the temporal noise; infinite without noise."""
     seen.require_known()
     if gain is None:
-        raise DataError("gain_model literal scales the picture by the gain error; take per_pixel")
+        raise DataError("gain_model literal scales the picture by the gain error; use per_pixel")
     gain *= math.prod(level.gain for level in levels)
-    clipped = unseen(gain, levels, "it has no signal")
+    clipped = unseen(gain, levels, "the picture has no signal")
     if clipped is not None:
         return clipped
     mean = levels[0].signal / levels[0].gain / gain_before if levels else seen.mean / gain
     if not mean > 0.0:
-        raise DataError(f"the picture's signal is {mean:.6g}: its SNR needs one above zero")
+        raise DataError(
+            f"the picture's mean signal is {mean:.6g}: its SNR needs a signal above zero"
+        )
     noise = math.sqrt(max(seen.total.variances.temporal, 0.0)) / gain
     return mean / noise if noise > 0.0 else math.inf
 
@@ -250,7 +254,7 @@ def quality_table(
     gsd_m, rer = math.sqrt(across * along), _mean("relative edge response", edge.rer)
     overshoot = view.overshoot
     if overshoot is None:
-        overshoot = _mean("height beside the edge", edge.overshoot)
+        overshoot = _mean("largest edge height near the edge", edge.overshoot)
     gsd_inch = gsd_m / INCH_M
     why = snr.reason if isinstance(snr, Unseen) else ""
     fifth = fourth = third = shown_snr = None
@@ -261,9 +265,9 @@ def quality_table(
         fourth, third = (float(giqe(**known, **sharpened)) for giqe in (giqe_4, giqe_3))
         shown_snr = snr if math.isfinite(snr) else None
     rows: tuple[tuple[Any, ...], ...] = (
-        ("giqe5", fifth, "NIIRS", "GIQE 5, of the picture as it is", why),
-        ("giqe4", fourth, "NIIRS", "GIQE 4, with H and G", why),
-        ("giqe3", third, "NIIRS", "GIQE 3, with H and G", why),
+        ("giqe5", fifth, "NIIRS", "GIQE 5, for the picture as it is", why),
+        ("giqe4", fourth, "NIIRS", "GIQE 4, with overshoot H and noise gain G", why),
+        ("giqe3", third, "NIIRS", "GIQE 3, with overshoot H and noise gain G", why),
         ("gsd_m", gsd_m, "m", "ground sample distance, geometric mean"),
         ("gsd_across_m", across, "m", "across"),
         ("gsd_along_m", along, "m", "along"),
@@ -273,7 +277,7 @@ def quality_table(
         ("rer_y", edge.rer[1], "", "along"),
         ("overshoot", overshoot, "", "edge overshoot H, geometric mean"),
         ("noise_gain", view.noise_gain, "", "noise gain G of the sharpening"),
-        ("snr", shown_snr, "", "signal over temporal noise", why),
+        ("snr", shown_snr, "", "mean signal over temporal noise", why),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
 
@@ -282,8 +286,8 @@ def _mean(what: str, values: tuple[float, float]) -> float:
     if min(values) <= 0.0:
         across, along = values
         raise DataError(
-            f"the {what} is {across:.6g} across and {along:.6g} along: the image quality "
-            "equations need both above zero"
+            f"the {what} is {across:.6g} across and {along:.6g} along: both must be above zero "
+            "for the image quality equations"
         )
     return math.sqrt(values[0] * values[1])
 
@@ -307,5 +311,5 @@ def limits_caution(work: Work, table: TableData) -> Caution | None:
         return None
     return Caution(
         f"beyond the limits of the image quality equations: {', '.join(beyond)}",
-        "take NIIRS as an extrapolation there",
+        "treat NIIRS as an extrapolation",
     )

@@ -72,7 +72,7 @@ def by_view_angle(
     percent = _percent(_range(whole))
     angles = np.degrees(view_angles_rad)
     return CurveData(
-        "Line by line less whole image",
+        "Line by line minus whole image",
         "view angle from nadir (°)",
         "difference (% of range)",
         (Series("largest", angles, largest * percent), Series("rms", angles, rms * percent)),
@@ -99,20 +99,50 @@ def difference_table(
     scale = float(rms.max())
     total = scale * math.sqrt(float(np.mean((rms / scale) ** 2))) if scale > 0.0 else 0.0
     rows = (
-        ("rms_percent", total * percent, "%", "rms difference, of the picture's range"),
-        ("max_percent", float(largest[worst]) * percent, "%", "largest difference, of the range"),
+        (
+            "rms_percent",
+            total * percent,
+            "%",
+            "rms difference, as a fraction of the picture's range",
+        ),
+        (
+            "max_percent",
+            float(largest[worst]) * percent,
+            "%",
+            "largest difference, as a fraction of the range",
+        ),
         ("max_view_deg", float(degrees[worst]), "deg", "view angle of the largest difference"),
         ("rms_worst_percent", scale * percent, "%", "rms at the view angle where it is largest"),
-        ("rms_worst_view_deg", float(degrees[worst_rms]), "deg", "that view angle"),
-        ("rms_difference", total, unit, "line by line less whole image"),
-        ("max_difference", float(largest[worst]), unit, "largest modulus of it"),
-        ("view_first_deg", float(degrees[0]), "deg", "view angle of the first sample of a line"),
-        ("view_last_deg", float(degrees[-1]), "deg", "view angle of the last"),
-        ("interval_nadir_mrad", max(intervals_mrad), "mrad", "in flight, nearest nadir"),
-        ("interval_edge_mrad", min(intervals_mrad), "mrad", "in flight, farthest from nadir"),
-        ("scale_nodes", filtered.nodes, "", "intervals at which planar factors were taken"),
-        ("response_error", filtered.response_error, "", "of the transfer function, by blending"),
-        ("error_percent", filtered.picture_error * percent, "%", "estimated error of the blend"),
+        ("rms_worst_view_deg", float(degrees[worst_rms]), "deg", "view angle of that rms"),
+        ("rms_difference", total, unit, "line by line minus whole image"),
+        (
+            "max_difference",
+            float(largest[worst]),
+            unit,
+            "largest absolute value of this difference",
+        ),
+        ("view_first_deg", float(degrees[0]), "deg", "view angle of a line's first sample"),
+        ("view_last_deg", float(degrees[-1]), "deg", "view angle of a line's last sample"),
+        ("interval_nadir_mrad", max(intervals_mrad), "mrad", "along the flight, nearest nadir"),
+        (
+            "interval_edge_mrad",
+            min(intervals_mrad),
+            "mrad",
+            "along the flight, farthest from nadir",
+        ),
+        ("scale_nodes", filtered.nodes, "", "intervals at which planar factors were computed"),
+        (
+            "response_error",
+            filtered.response_error,
+            "",
+            "error of the transfer function by interpolation",
+        ),
+        (
+            "error_percent",
+            filtered.picture_error * percent,
+            "%",
+            "estimated error of the interpolation",
+        ),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
 
@@ -178,7 +208,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         Formula(
             r"L'(x,y)=\mathcal{F}^{-1}\left\{H\left(\xi,\;\frac{k}{N\,\Delta_y(\theta_x)}"
             r"\right)\mathcal{F}\{L\}\right\}(x,y)",
-            where="every column is filtered at its own interval; k: index of the frequency, N: "
+            where="each column is filtered at its own interval; k: index of the frequency, N: "
             "lines",
         ),
     )
@@ -198,7 +228,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     nadir_column: Annotated[
         float | None,
         Param(
-            "sample of a scan line that looks at nadir, from 0; empty: look angle",
+            "sample of a scan line that looks at nadir, counted from 0; empty: from the look angle",
             unit="px",
             low=-65536,
             high=131072,
@@ -209,8 +239,8 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     spacing: Annotated[
         Literal["frame", "flight", "typed"],
         Param(
-            "lines at nadir as far apart as the frame's interval, as velocity and scan rate of "
-            "Init & Trans make it (a line each turn), or as typed"
+            "spacing of lines at nadir: the frame's interval, one line per turn at Init & "
+            "Trans's velocity and scan rate, or the value below"
         ),
     ] = "frame"
     line_spacing_m: Annotated[
@@ -218,16 +248,23 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         Param("distance of scan lines on the ground", unit="m", low=0, slider=(0.1, 10)),
     ] = None
     altitude_m: Annotated[
-        float | None, Param("altitude; empty: of Init & Trans", unit="m", low=0, slider=(10, 10000))
+        float | None,
+        Param("altitude; empty: from Init & Trans", unit="m", low=0, slider=(10, 10000)),
     ] = None
     method: Annotated[
-        Method, Param("planar factors: blended from a few intervals, or summed for each")
+        Method,
+        Param("planar factors: interpolated between a few intervals, or summed exactly for each"),
     ] = "nodes"
     nodes: Annotated[
-        int | None, Param("intervals to blend; empty: by tolerance", low=0, high=MOST_NODES)
+        int | None,
+        Param(
+            "intervals to interpolate between; empty: as many as the tolerance needs",
+            low=0,
+            high=MOST_NODES,
+        ),
     ] = None
     tolerance: Annotated[
-        float, Param("largest error of the transfer function by blending", low=0, high=1)
+        float, Param("largest error of the transfer function by interpolation", low=0, high=1)
     ] = 1e-5
 
     panel = (
@@ -305,7 +342,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             raise ParameterError(
                 name,
                 value,
-                f"with a field of view of {field:g}° the scan reaches the horizon",
+                f"the scan reaches the horizon with a field of view of {field:g}°",
                 unit=unit,
             ) from error
         return tuple(angles.tolist())
@@ -332,7 +369,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         if self.spacing == "typed":
             if self.line_spacing_m is None:
                 raise ParameterError(
-                    "line_spacing_m", None, "give it, or another spacing", unit="m"
+                    "line_spacing_m", None, "give it, or choose another spacing", unit="m"
                 )
             return self.line_spacing_m
         velocity = abs(context.velocity_m_per_s)
@@ -343,37 +380,49 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         ):
             if value == 0.0:
                 raise ParameterError(
-                    name, None, "give it on Init & Trans, or another spacing", unit=unit
+                    name, None, "give it on Init & Trans, or choose another spacing", unit=unit
                 )
         return velocity / turns_per_s
 
     rms_percent = table_figure(
-        "rms_percent", "%", "Rms difference from the whole-image way, of the picture's range."
+        "rms_percent",
+        "%",
+        "Rms difference from the whole-image method, as a fraction of the picture's range.",
     )
     max_percent = table_figure(
-        "max_percent", "%", "Largest difference from the whole-image way, of the picture's range."
+        "max_percent",
+        "%",
+        "Largest difference from the whole-image method, as a fraction of the picture's range.",
     )
     max_view_deg = table_figure(
         "max_view_deg", "deg", "View angle from nadir at which the difference is largest."
     )
     interval_nadir_mrad = table_figure(
-        "interval_nadir_mrad", "mrad", "Largest interval in flight, nearest nadir."
+        "interval_nadir_mrad", "mrad", "Largest sampling interval along the flight, nearest nadir."
     )
     interval_edge_mrad = table_figure(
-        "interval_edge_mrad", "mrad", "Smallest interval in flight, farthest from nadir."
+        "interval_edge_mrad",
+        "mrad",
+        "Smallest sampling interval along the flight, farthest from nadir.",
     )
     scale_nodes = table_figure(
         "scale_nodes",
         "",
-        "Intervals at which planar factors were taken; 0 where all factors separate.",
+        "Intervals at which planar factors were computed; 0 if all factors separate.",
     )
     error_percent = table_figure(
-        "error_percent", "%", "Estimated error of the blend, of the picture's range."
+        "error_percent",
+        "%",
+        "Estimated error of the interpolation between intervals, as a "
+        "fraction of the picture's range.",
     )
 
 
 def _source(context: Context, magnitude: Magnitude, phase: Phase) -> Image:
     source = one_source(magnitude, phase, wanted="frame to scan", refusal="no scanner sees")
     if context.grid != magnitude.grid or context.edges != magnitude.edges:
-        raise DataError("context and magnitude stem from different Init & Trans: link the same")
+        raise DataError(
+            "context and magnitude come from different Init & Trans nodes: wire "
+            "both to the same one"
+        )
     return source

@@ -75,7 +75,7 @@ def table_of(
     def scaled(value: float | None) -> float | None:
         return None if value is None else value * factor
 
-    rows = [TableRow("direction", measured.direction, "", "across what the MTF is measured")]
+    rows = [TableRow("direction", measured.direction, "", "direction of the measurement")]
     rows.append(
         TableRow("edge_angle_deg", measured.angle_deg, "deg", "direction of the edge's normal")
     )
@@ -128,9 +128,11 @@ def _expected_rows(expected: Expected | None, factor: float, unit: str) -> list[
     return [
         TableRow("expected_mtf50", half, unit, "where the chain's own MTF falls to 0.5"),
         TableRow("expected_at_nyquist", at_nyquist, "", "the chain's own MTF at Nyquist"),
-        TableRow("largest_difference", largest, "", "measured from expected, up to Nyquist"),
+        TableRow("largest_difference", largest, "", "measured minus expected, up to Nyquist"),
         TableRow("largest_difference_at", at, unit, "frequency of the largest difference"),
-        TableRow("scene_blur", scene, "", "the scene's own, which counts as expected if known"),
+        TableRow(
+            "scene_blur", scene, "", "the scene's own blur; part of the expected MTF if it is known"
+        ),
     ]
 
 
@@ -194,27 +196,28 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         Formula(
             r"\mathrm{MTF}(f)=\frac{1}{\mathrm{sinc}(f/4)\,\mathrm{sinc}(f/2)}\;\left|\frac{"
             r"\sum_j w_j\,\ell_j\,e^{-2\pi ifx_j}}{\sum_j w_j\,\ell_j}\right|",
-            where="ℓ: line spread, the central difference of the edge in quarters of a sample; "
-            "w: window; f: cycles a sample along the edge's normal; the sincs are the "
-            "responses of quarters and difference",
+            where="ℓ: line spread, the central difference of the edge in quarters of a "
+            "sample; w: window; f: cycles per sample along the edge's normal; the sincs "
+            "correct for the quarter-sample bins and the difference",
             when="slanted_edge",
         ),
         Formula(
             r"\mathrm{MTF}(f)=\frac{|D(f)|}{\max|D|}",
-            where="D: transform of the difference of neighbours in the mean row",
+            where="D: Fourier transform of the difference between neighbours in the mean row",
             when="row_average",
         ),
     )
 
     method: Annotated[
         Literal["slanted_edge", "row_average"],
-        Param("ISO 12233's way for a slanted edge, or the thesis' way for an upright one"),
+        Param("ISO 12233 for a slanted edge, or the thesis's method for an upright edge"),
     ] = "slanted_edge"
-    target: Annotated[Target, Param("what is in the region; a line's width counts as blur")] = (
-        "edge"
-    )
+    target: Annotated[
+        Target, Param("what the region shows; the width of a line counts as blur")
+    ] = "edge"
     direction: Annotated[
-        Direction, Param("across (an upright edge), along, or whichever changes most")
+        Direction,
+        Param("across (an upright edge), along, or automatic: the direction of the larger change"),
     ] = "automatic"
     region_x: Annotated[
         int, Param("first column of the region", unit="px", low=0, slider=_PIXELS)
@@ -227,13 +230,13 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         int | None, Param("rows; empty: to the picture's end", unit="px", low=0, slider=_PIXELS)
     ] = None
     window: Annotated[
-        Window, Param("weight of the line spread; tukey: level over its middle half")
+        Window, Param("window on the line spread; tukey: flat over its middle half")
     ] = "tukey"
     samples: Annotated[int, Param("points of the curve", low=2, high=4096, slider=(32, 1024))] = 129
     clip_left_px: Annotated[
         int | None,
         Param(
-            "first sample across that is not level; empty: found",
+            "first sample of the edge across; empty: found automatically",
             unit="px",
             low=0,
             zero_is_empty=False,
@@ -242,14 +245,18 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     clip_right_px: Annotated[
         int | None,
         Param(
-            "last sample across that is not level; empty: found",
+            "last sample of the edge across; empty: found automatically",
             unit="px",
             low=0,
             zero_is_empty=False,
         ),
     ] = None
     axis: Annotated[
-        Axis, Param("unit of the frequency; without a sampling interval always per pixel")
+        Axis,
+        Param(
+            "unit of the frequency axis; always cycles per pixel if the picture has "
+            "no sampling interval"
+        ),
     ] = "cyc_per_mrad"
 
     panel = (
@@ -302,38 +309,48 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
             ("region_y", "region_height", self.region_y, self.region_height, image.rows),
         ):
             if start >= whole:
-                raise ParameterError(first, start, f"0 to {whole - 1}, inside the picture")
+                raise ParameterError(first, start, f"0 to {whole - 1}, within the picture")
             if length is not None and start + length > whole:
                 raise ParameterError(
-                    size, length, f"at most {whole - start} from {first} = {start}, in the picture"
+                    size,
+                    length,
+                    f"at most {whole - start} from {first} = {start}, within the picture",
                 )
             ends.append(whole - start if length is None else length)
         return Rectangle(self.region_x, self.region_y, ends[0], ends[1])
 
     mtf50 = _figure("mtf50", "cyc/mrad", "Frequency at which the MTF falls to one half.")
     mtf50_error = _figure(
-        "mtf50_error", "cyc/mrad", "Standard error of mtf50; of a slanted edge only."
+        "mtf50_error", "cyc/mrad", "Standard error of mtf50; only for a slanted edge."
     )
-    mtf50_per_pixel = _figure("mtf50_per_pixel", "cyc/pixel", "The same in cycles per pixel.")
-    mtf10 = _figure("mtf10", "cyc/mrad", "Frequency at which the MTF falls to a tenth.")
-    mtf10_per_pixel = _figure("mtf10_per_pixel", "cyc/pixel", "The same in cycles per pixel.")
+    mtf50_per_pixel = _figure(
+        "mtf50_per_pixel",
+        "cyc/pixel",
+        "Frequency at which the MTF falls to one half, in cycles per pixel.",
+    )
+    mtf10 = _figure("mtf10", "cyc/mrad", "Frequency at which the MTF falls to one tenth.")
+    mtf10_per_pixel = _figure(
+        "mtf10_per_pixel",
+        "cyc/pixel",
+        "Frequency at which the MTF falls to one tenth, in cycles per pixel.",
+    )
     at_nyquist = _figure("at_nyquist", "", "MTF at half a cycle per pixel.")
     at_nyquist_error = _figure("at_nyquist_error", "", "Standard error of at_nyquist.")
     expected_mtf50 = _expected_figure(
         "expected_mtf50",
         "cyc/mrad",
-        "Frequency at which the MTF of the chain behind the picture falls to one half.",
+        "Frequency at which the chain's own MTF falls to one half.",
     )
     expected_at_nyquist = _expected_figure(
-        "expected_at_nyquist", "", "MTF of the chain behind the picture at half a cycle per pixel."
+        "expected_at_nyquist", "", "The chain's own MTF at half a cycle per pixel."
     )
     largest_difference = _expected_figure(
         "largest_difference",
         "",
-        "Largest distance of the measured MTF from the expected one, up to Nyquist.",
+        "Largest difference between measured and expected MTF, up to Nyquist.",
     )
     edge_angle_deg = _figure(
         "edge_angle_deg",
         "deg",
-        "Direction of the edge's normal, along which the MTF is: 0 across, 90 along.",
+        "Direction in which the MTF is measured, normal to the edge: 0 across, 90 along.",
     )

@@ -25,7 +25,7 @@ from nodes.analysis.lineage.line_transfer import (
     stages_of,
 )
 
-SAMPLES, PIXELS = "samples' Nyquist", "pixels' Nyquist"
+SAMPLES, PIXELS = "Nyquist of the samples", "Nyquist of the pixels"
 _ALIKE = 0.999  # of one another, where one mark is enough
 
 
@@ -45,25 +45,25 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
     formulas = (
         Formula(
             r"M(f)=\prod_k M_k(f\cos\alpha,\,f\sin\alpha)",
-            where="M_k: MTF of a stage; α: angle of the line",
+            where="M_k: MTF of a stage; α: direction in the frequency plane",
         ),
     )
 
     direction: Annotated[
         Literal["horizontal", "vertical", "angle", "both"],
-        Param("line of frequencies; both: horizontal and vertical"),
+        Param("direction of the slice; both: horizontal and vertical"),
     ] = "horizontal"
     angle_deg: Annotated[
         float,
-        Param("direction of the line: 0 horizontal, 90 vertical", unit="deg", low=-360, high=360),
+        Param("angle of the slice: 0 horizontal, 90 vertical", unit="deg", low=-360, high=360),
     ] = 45.0
-    samples: Annotated[int, Param("points of each curve", low=2, high=65536, slider=(32, 1024))] = (
+    samples: Annotated[int, Param("points on each curve", low=2, high=65536, slider=(32, 1024))] = (
         257
     )
-    stages: Annotated[bool, Param("each stage too, not the total alone")] = True
+    stages: Annotated[bool, Param("show every stage, not only the total")] = True
 
     panel = (
-        Section("Line of frequencies", ("direction",)),
+        Section("Direction in the frequency plane", ("direction",)),
         Section("", ("angle_deg",), shown_when=("direction", ("angle",))),
         Section("Curves", ("stages", "samples")),
     )

@@ -43,7 +43,7 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     formulas = (
         Formula(
             r"\mathrm{share}_k=\frac{\sigma_k^2}{\sum_j\sigma_j^2}",
-            where="σ_k: standard deviation of a source's noise in the picture, behind all filters",
+            where="σ_k: standard deviation of one source's noise in the picture, after all filters",
         ),
         Formula(
             r"\mathrm{share}_k(f)=\frac{-\ln|M_k(f)|}{-\sum_j\ln|M_j(f)|}",
@@ -54,15 +54,18 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     frequency: Annotated[
         float,
         Param(
-            "frequency of the MTFs, as a share of the picture's Nyquist frequency",
+            "frequency of the MTFs, as a fraction of the picture's Nyquist frequency",
             unit="Nyquist", low=0, high=1, above=True, slider=(0.05, 1),
         ),
     ] = 0.5  # fmt: skip
-    noise: Annotated[Kind, Param("all noise, what changes from frame to frame, or what stays")] = (
-        "all"
-    )
+    noise: Annotated[
+        Kind, Param("all noise, noise that changes from frame to frame, or fixed patterns")
+    ] = "all"
     show: Annotated[
-        Show, Param("bars: share in percent, or amount: standard deviation, and −ln of the MTF")
+        Show,
+        Param(
+            "bars show the share in percent, or the amount: standard deviation, and −ln of the MTF"
+        ),
     ] = "share"
 
     panel = (Section("Noise and blur", ("noise", "frequency", "show")),)
@@ -83,10 +86,14 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
             Table(here.step(budget_table, noise, blur, **noise_kind)),
         )
 
-    sigma = table_figure("sigma", "", "All noise together.", unit_of="image")
-    sigma_temporal = table_figure("sigma_temporal", "", "All temporal noise.", unit_of="image")
-    sigma_fixed = table_figure("sigma_fixed", "", "All fixed patterns.", unit_of="image")
-    mtf_x = table_figure("mtf_x", "", "|MTF| of all stages across, at the frequency.")
-    mtf_y = table_figure("mtf_y", "", "|MTF| of all stages along, at the frequency.")
-    xi = table_figure("xi", "cyc/mrad", "The frequency across.")
-    eta = table_figure("eta", "cyc/mrad", "The frequency along.")
+    sigma = table_figure("sigma", "", "Standard deviation of all noise.", unit_of="image")
+    sigma_temporal = table_figure(
+        "sigma_temporal", "", "Standard deviation of all temporal noise.", unit_of="image"
+    )
+    sigma_fixed = table_figure(
+        "sigma_fixed", "", "Standard deviation of all fixed patterns.", unit_of="image"
+    )
+    mtf_x = table_figure("mtf_x", "", "MTF of all stages across, at the frequency of the budget.")
+    mtf_y = table_figure("mtf_y", "", "MTF of all stages along, at the frequency of the budget.")
+    xi = table_figure("xi", "cyc/mrad", "Frequency of the budget across.")
+    eta = table_figure("eta", "cyc/mrad", "Frequency of the budget along.")

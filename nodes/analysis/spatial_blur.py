@@ -62,20 +62,23 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
         ),
         Formula(
             r"|\Delta L|\leq\sum_{cut}|h|\;\max|L-\overline{L}|",
-            where="what a kernel cut short costs at most: `error_bound`",
+            where="upper bound of the error from truncated kernels: `error_bound`",
         ),
     )
 
     truncation: Annotated[
         Truncation,
-        Param("where kernels end: after `half_width_px`, as `error` allows, or with the frame"),
+        Param(
+            "where kernels are truncated: after `half_width_px`, where `error` allows, or "
+            "at the frame's size"
+        ),
     ] = "half_width"
     half_width_px: Annotated[
-        int, Param("samples kept on either side", unit="px", low=0, high=65536, slider=(0, 64))
+        int, Param("samples kept on each side", unit="px", low=0, high=65536, slider=(0, 64))
     ] = 16
     error: Annotated[
         float,
-        Param("largest error, as a share of the scene's departure from its mean", low=0, high=1),
+        Param("largest error, as a fraction of the scene's departure from its mean", low=0, high=1),
     ] = 0.001
 
     panel = (
@@ -109,11 +112,12 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
             Table(here.step(kernel_table, kernels)),
         )
 
-    taps = table_figure("taps", "", "Multiplications a sample.")
+    taps = table_figure("taps", "", "Multiplications per sample.")
     error_bound = table_figure(
         "error_bound",
         "",
-        "Largest error by cutting kernels short, a share of the departure from the mean.",
+        "Largest error from truncated kernels, as a fraction of the largest departure from "
+        "the mean.",
     )
 
 
@@ -131,8 +135,7 @@ def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges, plane: 
     if kernels.taps * image.size > MOST_MULTIPLICATIONS:
         raise DataError(
             f"{kernels.taps:,} taps on {image.size:,} samples would take too long (at most "
-            f"{MOST_MULTIPLICATIONS:g} multiplications): take a smaller half_width_px, or a "
-            "larger error"
+            f"{MOST_MULTIPLICATIONS:g} multiplications): lower half_width_px, or raise error"
         )
     return convolved(work, image, kernels, edges=edges)
 
@@ -167,15 +170,15 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
     along = sum(kernel.taps.size for kernel in lines if kernel.taps.shape[0] > 1)
     return TableData(
         (
-            TableRow("taps", kernels.taps, "", "multiplications a sample"),
-            TableRow("taps_x", across, "", "of the pass along x"),
-            TableRow("taps_y", along, "", "of the pass along y"),
-            TableRow("taps_plane", sum(_size(k) for k in planes), "", "of the plane kernel"),
+            TableRow("taps", kernels.taps, "", "multiplications per sample"),
+            TableRow("taps_x", across, "", "for the pass along x"),
+            TableRow("taps_y", along, "", "for the pass along y"),
+            TableRow("taps_plane", sum(_size(k) for k in planes), "", "for the planar kernel"),
             TableRow(
                 "error_bound",
                 kernels.error_bound,
                 "",
-                "largest error over the scene's largest departure from its mean",
+                "largest error, as a fraction of the scene's largest departure from its mean",
             ),
         )
     )

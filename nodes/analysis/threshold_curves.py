@@ -112,13 +112,13 @@ def sensitivity(
     band = {"cut_on_um": band_um[0], "cut_off_um": band_um[1]}
     if seen.unknown:
         raise DataError(
-            f"the noise before {', '.join(seen.unknown)} cannot be followed to this picture: "
+            f"the noise before {', '.join(seen.unknown)} cannot be computed at this picture: "
             "connect the sensor's own picture"
         )
     if gain is None:
         raise DataError(
-            "gain_model literal scales the picture by the gain error: its noise is no difference "
-            "in temperature; take per_pixel or published"
+            "gain_model literal scales the picture by the gain error, so its noise is not a "
+            "temperature difference: use per_pixel or published"
         )
     gain *= math.prod(level.gain for level in levels)
     clipped = unseen(gain, levels, "there is nothing to detect")
@@ -131,18 +131,21 @@ def sensitivity(
     if background_K is None:
         if not scene > 0.0:
             raise DataError(
-                f"the image's mean {seen.mean:.6g} is no radiance of a background: "
-                "give background_K"
+                f"the picture's mean {seen.mean:.6g} is not the radiance of a background: give "
+                "background_K"
             )
         background_K = float(brightness_temperature(radiance=scene, **band))
     slope = float(band_radiance_derivative(temperature_K=background_K, **band))
     if not slope > 0.0:
-        raise DataError(f"a background of {background_K:.6g} K emits nothing in the band")
+        raise DataError(
+            f"a background of {background_K:.6g} K emits nothing in this band: "
+            "give a warmer background_K"
+        )
     noise_figures = Sensitivity(mean, background_K, slope, noise, seen.spectrum)
     if not noise_figures.noise_K2.total < _MOST:
         raise DataError(
-            f"a background of {background_K:.6g} K emits next to nothing in the band: the noise is "
-            "no difference in temperature"
+            f"a background of {background_K:.6g} K emits almost nothing in this band, so the "
+            "noise cannot be given as a temperature difference: give a warmer background_K"
         )
     return noise_figures
 

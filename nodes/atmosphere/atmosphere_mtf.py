@@ -60,26 +60,25 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         Formula(
             r"H=\exp\left[-3.44\left(\frac{\lambda\rho}{r_0}\right)^{5/3}\left(1-\alpha\left("
             r"\frac{\lambda\rho}{D}\right)^{1/3}\right)\right]",
-            where="λρ: in mm; r₀: Fried's diameter; D: aperture; α: 0 for a long exposure; the "
-            "last bracket never below 0",
+            where="λρ: in mm; r₀: Fried's diameter; D: aperture; α: 0 for a long exposure; "
+            "the bracket at the end is at least 0",
             when="turbulence long_exposure, short_exposure",
         ),
         Formula(
             r"r_0=\left(0.423\,k^2\int C_n^2(z)\,w(z)\,dz\right)^{-3/5}",
-            where="k = 2π/λ; w: 1 for a plane wave, (z/L)^(5/3) from the target for a spherical "
-            "one",
+            where="k = 2π/λ; w: 1 for a plane wave, (z/L)^(5/3) for a spherical wave, z "
+            "measured from the target",
             when="r₀ from a Cn² profile",
         ),
         Formula(
             r"H=\exp\left[-\tau\,\min\left(1,\;\rho/\rho_c\right)^2\right]",
-            where="τ: optical depth of the scattering; ρ_c: radius of the particles over the "
-            "wavelength",
+            where="τ: scattering optical depth; ρ_c: particle radius over wavelength",
             when="turbidity",
         ),
     )
 
     turbulence: Annotated[
-        Literal["gaussian", "long_exposure", "short_exposure", "none"], Param("form of turbulence")
+        Literal["gaussian", "long_exposure", "short_exposure", "none"], Param("turbulence model")
     ] = "gaussian"
     fwhm_mrad: Annotated[
         float, Param("full width at half maximum of the blur", unit="mrad", low=0, slider=(0, 5))
@@ -89,44 +88,60 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     ] = None
     wavelength_um: Annotated[
         float | None,
-        Param("wavelength; empty: middle of the band, or of each band of a cube", unit="µm", low=0),
+        Param(
+            "wavelength; empty: the middle of the band, or of each band of a cube", unit="µm", low=0
+        ),
     ] = None
     r0_wavelength_um: Annotated[
         float | None,
-        Param("wavelength at which r0 holds, often 0.5; empty: that of the blur", unit="µm", low=0),
+        Param(
+            "wavelength for which r0 is given, often 0.5; empty: the wavelength of the blur",
+            unit="µm",
+            low=0,
+        ),
     ] = None
     aperture_mm: Annotated[
-        float | None, Param("aperture, for short exposure; empty: of Camera", unit="mm", low=0)
+        float | None, Param("aperture, for a short exposure; empty: from Camera", unit="mm", low=0)
     ] = None
-    alpha: Annotated[float, Param("short exposure: 1 near field, 0.5 far field", low=0, high=1)] = (
-        0.5
-    )
+    alpha: Annotated[
+        float, Param("short exposure: 1 in the near field, 0.5 in the far field", low=0, high=1)
+    ] = 0.5
     cn2: Annotated[
         float | None, Param("Cn² along a horizontal path, or at the ground", unit="m^(-2/3)", low=0)
     ] = None
     turbidity: Annotated[
         Literal["none", "low", "moderate", "high", "custom"],
-        Param("level of aerosols; custom: by τ or the coefficients below"),
+        Param("aerosol level; custom: optical depth τ or the coefficients below"),
     ] = "none"
     scatter_depth: Annotated[
-        float | None, Param("custom optical depth τ; empty: from coefficients", low=0)
+        float | None, Param("optical depth τ for custom; empty: from the coefficients", low=0)
     ] = None
     turbidity_cutoff_cyc_per_mrad: Annotated[
-        float, Param("cutoff, particle radius over wavelength", unit="cyc/mrad", low=0, above=True)
+        float,
+        Param(
+            "cutoff frequency: particle radius over wavelength", unit="cyc/mrad", low=0, above=True
+        ),
     ] = 0.001
     particle_radius_um: Annotated[
         float | None,
-        Param("radius of the particles; the cutoff is radius over wavelength; empty: as typed",
+        Param("particle radius, from which the cutoff follows (radius over wavelength); "
+              "empty: the cutoff above",
               unit="µm", low=0, high=1e6, slider=(0.1, 20)),
     ] = None  # fmt: skip
     view: Annotated[
         Literal["horizontal", "vertical", "up"],
-        Param("line of sight, for coefficients and Cn²; vertical: down from a height, up: to one"),
+        Param(
+            "line of sight, for coefficients and Cn²; vertical: looking down from a height; "
+            "up: looking up to one"
+        ),
     ] = "horizontal"
     absorption_per_km: Annotated[
         float,
         Param(
-            "of no effect: absorption dims and does not blur: Atmospheric Path", unit="1/km", low=0
+            "has no effect here: absorption dims the scene and does not blur it; use "
+            "Atmospheric Path",
+            unit="1/km",
+            low=0,
         ),
     ] = 0.0
     scattering_per_km: Annotated[
@@ -135,7 +150,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     scale_height_km: Annotated[
         float,
-        Param("scale height of the aerosol, looking down or up", unit="km", low=0, above=True),
+        Param("scale height of the aerosol, for looking down or up", unit="km", low=0, above=True),
     ] = 1.0
 
     panel = (
@@ -220,7 +235,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             return self.wavelength_um
         if context.band_um is None:
             raise ParameterError(
-                "wavelength_um", None, "the image does not say its band: give it here", unit="µm"
+                "wavelength_um", None, "the image has no band: give the wavelength here", unit="µm"
             )
         return sum(context.band_um) / 2
 
@@ -230,9 +245,10 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         if self.particle_radius_um is None or "turbidity_cutoff_cyc_per_mrad" not in given:
             return None
         return Caution(
-            f"turbidity_cutoff_cyc_per_mrad = {self.turbidity_cutoff_cyc_per_mrad:g} is not used: "
-            f"particle_radius_um = {self.particle_radius_um:g} µm gives the cutoff",
-            "leave one of both empty",
+            f"turbidity_cutoff_cyc_per_mrad = {self.turbidity_cutoff_cyc_per_mrad:g} is not "
+            f"used: the cutoff follows from particle_radius_um = {self.particle_radius_um:g} "
+            "µm",
+            "leave one of the two empty",
         )
 
     @warning
@@ -250,9 +266,9 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         if scattering + self.absorption_per_km <= extinction * (1 + NEAR):
             return None
         return Caution(
-            f"absorption_per_km and scattering_per_km are {scattering + self.absorption_per_km:g} "
-            f"1/km, and the extinction of Atmospheric Path is {extinction:.4g} 1/km at {middle:g} "
-            "µm: the air scatters more than it dims",
+            "the air scatters more light than it takes away: absorption_per_km and "
+            f"scattering_per_km add up to {scattering + self.absorption_per_km:g} 1/km, but "
+            f"the extinction of Atmospheric Path is {extinction:.4g} 1/km at {middle:g} µm",
             "make them agree",
         )
 

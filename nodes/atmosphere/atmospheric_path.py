@@ -72,11 +72,13 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     formulas = (
         Formula(
-            r"L'=\tau\,L+L_{path}", where="τ: transmission; L_path: radiance of the air, W/m²/sr"
+            r"L'=\tau\,L+L_{path}",
+            where="τ: transmission; L_path: path radiance of the air, W/m²/sr",
         ),
         Formula(
             r"\tau=e^{-\beta R},\quad L_{path}=(1-\tau)\,L_B(T_{air})",
-            where="β: extinction, 1/km; R: range, km; T_air: air_K, without which nothing is added",
+            where="β: extinction, 1/km; R: range, km; T_air: air_K; if it is empty, the air "
+            "adds nothing",
             when="models other than tables",
         ),
         Formula(
@@ -88,34 +90,48 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     model: Annotated[
         Literal["transmission", "extinction_per_km", "visibility_km", "modtran"],
-        Param("what is known of the air: a transmission, an extinction, a visibility, a file"),
+        Param("what describes the air: a transmission, an extinction, a visibility or a file"),
     ] = "transmission"
     transmission: Annotated[float, Param("transmission of the path", low=0, high=1)] = 1.0
     path: Annotated[
         Path | None,
-        Param("CSV of µm and transmission in place of the number; of modtran a tape7 or CSV"),
+        Param(
+            "CSV of µm and transmission, used instead of the number; for modtran a tape7 or a CSV"
+        ),
     ] = None
     extinction_per_km: Annotated[
         float,
-        Param("extinction: absorption and scattering", unit="1/km", low=0, high=1e6, slider=(0, 2)),
+        Param(
+            "extinction: the sum of absorption and scattering",
+            unit="1/km",
+            low=0,
+            high=1e6,
+            slider=(0, 2),
+        ),
     ] = 0.2
     visibility_km: Annotated[
         float,
-        Param("visibility, to 2 % of contrast", unit="km", low=0, above=True, high=1e6,
+        Param("visibility (2 % contrast)", unit="km", low=0, above=True, high=1e6,
               slider=(1, 50)),
     ] = 23.0  # fmt: skip
     angstrom_q: Annotated[
         float,
-        Param("extinction falls as the wavelength to this power", low=-5, high=5, slider=(0, 2)),
+        Param(
+            "exponent with which the extinction falls with wavelength",
+            low=-5,
+            high=5,
+            slider=(0, 2),
+        ),
     ] = 0.0
     range_m: Annotated[
         float | None,
-        Param("length of the path; empty: of Camera, or of Init & Trans by its context",
+        Param("length of the path; empty: from Camera, or from Init & Trans through its "
+              "context",
               unit="m", low=0, high=1e9, slider=(10, 20000)),
     ] = None  # fmt: skip
     air_K: Annotated[
         float | None,
-        Param("temperature of the air; empty: it adds no radiance", unit="K", low=0, high=1e4,
+        Param("temperature of the air; empty: the air adds no radiance", unit="K", low=0, high=1e4,
               slider=(230, 320)),
     ] = None  # fmt: skip
     source_K: WeightingSource = None
@@ -134,7 +150,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     def check(self) -> None:
         """Refuse a file's model without a file."""
         if self.model == "modtran" and self.path is None:
-            raise ParameterError("path", None, "a tape7 of MODTRAN, or a CSV of three columns")
+            raise ParameterError("path", None, "a MODTRAN tape7, or a CSV of three columns")
 
     def run(self, image: Image, here: NodeContext, context: Context | None = None) -> PathOutputs:
         factor = _factor(image.unit)
@@ -142,8 +158,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         band = image.band_um
         if band is None and not (air.is_grey and air.air_K is None and not air.radiance):
             raise DataError(
-                "the image does not say its band, over which the air's transmission and radiance "
-                "are summed: give cut_on_um and cut_off_um where it is read"
+                "the image has no band, over which the transmission and radiance of the air "
+                "could be summed: give cut_on_um and cut_off_um where it is read"
             )
         if band is not None:
             air.require_covered(*band)
@@ -241,12 +257,14 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             return None
         if self.model == "transmission" and "transmission" in given and self.transmission != 1.0:
             return Caution(
-                f"transmission = {self.transmission:g} is not used: path names a file of it",
-                "leave one of both empty",
+                f"transmission = {self.transmission:g} is not used: the transmission comes "
+                "from the file in path",
+                "leave one of the two empty",
             )
         if self.model == "modtran" and self.air_K is not None:
             return Caution(
-                f"air_K = {self.air_K:g} K is not used: the file of path has the path radiance",
+                f"air_K = {self.air_K:g} K is not used: the file in path contains the path "
+                "radiance",
                 "leave air_K empty",
             )
         if self.model in ("extinction_per_km", "visibility_km"):
@@ -264,8 +282,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         if image.band_um[0] < SHORTEST_THERMAL_UM or outputs.image.air == image.air:
             return None
         return Caution(
-            "the air dims a thermal scene and emits nothing, as air_K is empty: the scene looks "
-            "colder than it does through air",
+            "the scene will look colder than it does through real air: air_K is empty, so the "
+            "air dims a thermal scene and emits nothing",
             "give air_K, the temperature of the air",
         )
 
@@ -276,7 +294,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             return None
         return Caution(
             f"source_K = {self.source_K:g} K is not used: the picture has {image.bands.count} "
-            "bands, and each its own transmission",
+            "bands, each with its own transmission",
             "leave source_K empty",
         )
 
@@ -293,20 +311,23 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
                 apart_caution(
                     "range_m", own, before.range_m, unit="m",
                     where="on the Atmospheric Path before",
-                    remedy="two in a row are constituents of the same air: give both one range",
+                    remedy="two Atmospheric Paths in a row are constituents of the same air: "
+                           "give both the same range",
                 )
                 for before in image.air
             ),
         )  # fmt: skip
 
     transmission_figure = table_figure(
-        "transmission", "", "Mean transmission of the band, weighted by the light in it."
+        "transmission", "", "Mean transmission over the band, weighted by the light in it."
     )
     path_radiance = table_figure(
-        "path_radiance", "W/m²/sr", "Radiance that the air adds, of the band."
+        "path_radiance", "W/m²/sr", "Radiance that the air adds in the band."
     )
     optical_depth = table_figure(
-        "optical_depth", "", "−ln of the band's transmission; none where nothing passes."
+        "optical_depth",
+        "",
+        "Optical depth: −ln of the band's transmission; left out if nothing passes.",
     )
 
 
@@ -315,10 +336,10 @@ def _factor(unit: str) -> float:
     known = None if is_temperature(unit) or not unit.strip() else radiance_unit(unit)
     if known is None or known.photons or known.spectral:
         named = f"in {unit!r:.40}" if unit.strip() else "without a unit"
-        what = "a temperature" if is_temperature(unit) else "no radiance of a band in watts"
+        what = "a temperature" if is_temperature(unit) else "not the radiance of a band in watts"
         raise DataError(
-            f"the picture, {named}, is {what}: Atmospheric Path takes W/m²/sr, the unit on Read "
-            "Image; To Radiance makes it of temperatures"
+            f"the picture, {named}, is {what}: Atmospheric Path needs W/m²/sr; set the unit on "
+            "Read Image, or convert temperatures with To Radiance"
         )
     return known.factor
 
@@ -338,8 +359,8 @@ def scene_temperature(work: Work, samples: Array, *, factor: float, band_um: Ban
     mean = factor * float(np.mean(samples, dtype=np.float64))
     if not (math.isfinite(mean) and mean > 0.0):
         raise DataError(
-            f"a picture of mean radiance {mean:g} W/m²/sr has no brightness temperature to weight "
-            "the transmission by: give source_K"
+            f"a picture with mean radiance {mean:g} W/m²/sr has no brightness temperature by "
+            "which to weight the transmission: give source_K"
         )
     low, high = band_um
     return float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))
@@ -364,7 +385,7 @@ def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset
     light = np.maximum(means * np.array(weights), 0.0)
     total = float(light.sum())
     if not total > 0.0:
-        raise DataError("the picture has no light in its bands to weight the transmission by")
+        raise DataError("the picture's bands contain no light by which to weight the transmission")
     return PathBand(min(float(light @ np.array(gain)) / total, 1.0), added)
 
 
@@ -424,9 +445,9 @@ def path_table(
             "optical_depth",
             depth if math.isfinite(depth) else None,
             "",
-            "−ln of the transmission; none where nothing passes",
+            "−ln of the transmission; left out if nothing passes",
         ),
-        TableRow("range_m", air.range_m, "m", "for which this holds"),
+        TableRow("range_m", air.range_m, "m", "range for which the transmission holds"),
         TableRow("weighted_by_K", weighted_by, "K", "black body that weights the transmission"),
     ]
     places = np.empty(0) if band_um is None else np.linspace(*band_um, _LISTED)

@@ -61,23 +61,30 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         ),
         Formula(
             r"m=\frac{1}{\sin h+0.50572\,(h+6.07995)^{-1.6364}}",
-            where="h in degrees where it stands in the power (Kasten and Young)",
+            where="h in degrees in the power term (Kasten and Young)",
         ),
     )
 
     solar_irradiance: Annotated[
         float | None,
-        Param("sun above the air, facing it; empty: 5800 K", unit="W/m²/µm", low=0, high=1e12,
+        Param("solar irradiance above the air, normal to the sun; empty: a black body of 5800 "
+              "K", unit="W/m²/µm", low=0, high=1e12,
               slider=(0, 2500)),
     ] = None  # fmt: skip
     path: Annotated[
-        Path | None, Param("CSV of µm and W/m²/µm in place of the number, or empty")
+        Path | None, Param("CSV of µm and W/m²/µm, used instead of the number, or empty")
     ] = None
     sun_elevation_deg: Annotated[
-        float, Param("sun above the horizon", unit="deg", low=0, high=90)
+        float, Param("elevation of the sun above the horizon", unit="deg", low=0, high=90)
     ] = 45.0
     optical_depth: Annotated[
-        float, Param("of the air in the sun's way, from the zenith", low=0, high=1e3, slider=(0, 2))
+        float,
+        Param(
+            "optical depth of the air towards the sun, for a vertical path",
+            low=0,
+            high=1e3,
+            slider=(0, 2),
+        ),
     ] = 0.0
     sky: Annotated[
         float, Param("radiance of the sky", unit="W/m²/sr/µm", low=0, high=1e12, slider=(0, 200))
@@ -85,7 +92,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
     bands: Annotated[
-        int, Param("bands in which the radiance comes", low=1, high=10000, slider=(1, 60))
+        int, Param("bands into which the radiance is divided", low=1, high=10000, slider=(1, 60))
     ] = 1
 
     panel = (
@@ -151,16 +158,16 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         """A number beside a file, or a band beside those of a cube."""
         if self.path is not None and self.solar_irradiance is not None:
             return Caution(
-                f"solar_irradiance = {self.solar_irradiance:g} W/m²/µm is not used: path names a "
-                "file of it",
-                "leave one of both empty",
+                f"solar_irradiance = {self.solar_irradiance:g} W/m²/µm is not used: the "
+                "irradiance comes from the file in path",
+                "leave one of the two empty",
             )
         own = sorted({"bands", "cut_on_um", "cut_off_um"} & given)
         own = [name for name in own if getattr(self, name) not in (None, 1)]
         if image.bands is None or not own:
             return None
         return Caution(
-            f"{', '.join(own)} is not used: the picture comes in {image.bands.count} bands",
+            f"{', '.join(own)} is not used: the picture already has {image.bands.count} bands",
             "choose bands and wavelengths on Read Image",
         )
 
@@ -173,10 +180,10 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         return Step.of(bright_caution, image.recipe, share=share)
 
     air_mass = table_figure(
-        "air_mass", "", "The sun's way through the air, over that from the zenith."
+        "air_mass", "", "Air mass: the sun's path through the air, relative to a vertical path."
     )
     irradiance = table_figure(
-        "irradiance", "W/m²", "Sun and sky on a horizontal surface in the band."
+        "irradiance", "W/m²", "Irradiance of sun and sky on a horizontal surface, in the band."
     )
 
 
@@ -202,8 +209,8 @@ def _share(unit: str) -> float:
         elif is_temperature(unit):
             what = "a temperature"
         raise DataError(
-            f"the picture, in {unit!r:.40}, is {what}: Reflected Light takes 1, %, reflectance or "
-            "albedo, the unit on Read Image"
+            f"the picture, in {unit!r:.40}, is {what}: Reflected Light needs 1, %, reflectance "
+            "or albedo; set the unit on Read Image"
         )
     return share
 
@@ -238,7 +245,7 @@ def reflected(work: Work, image: Array, *, white: float) -> Array:
     """Radiance of reflectances; `white` is that of a surface that reflects everything."""
     least = float(image.min())
     if not least >= 0.0:
-        raise DataError(f"reflectance: the least of the samples is {least:g}, and has to be 0 to 1")
+        raise DataError(f"reflectance: the smallest sample is {least:g}; samples must be 0 to 1")
     return np.multiply(image, work.policy.dtype.type(white), dtype=work.policy.dtype)
 
 
@@ -295,7 +302,7 @@ def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
     looks = "; they look like percent" if share == 1.0 and float(np.mean(image)) > 1.0 else ""
     return Caution(
         f"reflectances go up to {most:.4g}, more than a matt surface reflects{looks}",
-        "give the unit of the samples on Read Image, % or 1, or a scale",
+        "set the unit of the samples on Read Image (% or 1), or a scale",
     )
 
 
@@ -303,13 +310,15 @@ def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
 def light_table(work: Work, *, light: Sunlight, band_um: tuple[float, float]) -> TableData:
     total = light.over_band(*band_um)
     rows = (
-        TableRow("irradiance", total, "W/m²", "sun and sky on a horizontal surface"),
-        TableRow("white_radiance", total / math.pi, "W/m²/sr", "of a surface that reflects all"),
+        TableRow("irradiance", total, "W/m²", "irradiance of sun and sky on a horizontal surface"),
+        TableRow(
+            "white_radiance", total / math.pi, "W/m²/sr", "radiance of a surface of reflectance 1"
+        ),
         TableRow(
             "air_mass",
             relative_air_mass(elevation_deg=light.elevation_deg),
             "",
-            "the sun's way through the air, over that from the zenith",
+            "the sun's path through the air, relative to a vertical path",
         ),
     )
     return TableData(rows)

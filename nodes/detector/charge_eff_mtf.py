@@ -24,8 +24,8 @@ class ChargeEffMTF(
         Formula(
             r"H=\left|\frac{\varepsilon}{1-(1-\varepsilon)\,e^{-iw}}\right|^N,\quad w=2\pi\,\xi"
             r"\,\Delta",
-            where="ε: efficiency of a transfer; N: transfers; Δ: interval of the image, or of "
-            "the detectors",
+            where="ε: charge transfer efficiency; N: transfers; Δ: sampling interval of the "
+            "image, or detector pitch",
             when="exact",
         ),
         Formula(r"H=e^{-N(1-\varepsilon)(1-\cos w)}", when="published, leading"),

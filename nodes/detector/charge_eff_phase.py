@@ -29,8 +29,8 @@ class ChargeEffPhase(
         Formula(
             r"\theta=-N\,\arctan\frac{(1-\varepsilon)\,\sin w}{1-(1-\varepsilon)\,\cos w},\quad "
             r"w=2\pi\,\xi\,\Delta",
-            where="ε: efficiency of a transfer; N: transfers; Δ: interval of the image, or of "
-            "the detectors",
+            where="ε: charge transfer efficiency; N: transfers; Δ: sampling interval of the "
+            "image, or detector pitch",
             when="exact",
         ),
         Formula(r"\theta=-N(1-\varepsilon)(w-\sin w)", when="published"),

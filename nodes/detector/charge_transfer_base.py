@@ -20,15 +20,15 @@ class ChargeTransfer(Module):
         int, Param("number of transfers", low=0, high=10**9, slider=(1, 4096))
     ] = 640
     efficiency: Annotated[
-        float, Param("share of the charge that each transfer moves on", low=0, high=1)
+        float, Param("fraction of the charge that each transfer moves on", low=0, high=1)
     ] = 0.99999
     model: Annotated[
         Literal["exact", "published", "leading"],
-        Param("product of all transfers, eqs. 4.57-4.58, or the leading term of the product"),
+        Param("the exact product over all transfers (eqs. 4.57-4.58), or its leading term"),
     ] = "exact"
     nyquist: Annotated[
         Literal["image", "detector"],
-        Param("charge packets are one image sample apart, or one detector pitch"),
+        Param("distance between charge packets: one image sample, or one detector pitch"),
     ] = "image"
 
     panel = (

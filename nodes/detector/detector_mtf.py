@@ -27,7 +27,7 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
         Formula(
             r"H(\xi,\eta)=\mathrm{sinc}\left(\frac{p_x\varphi_x}{f}\,\xi\right)\mathrm{sinc}"
             r"\left(\frac{p_y\varphi_y}{f}\,\eta\right)",
-            where="p: pitch, µm; φ: fill; f: focal length, mm; negative lobes are kept",
+            where="p: pitch, µm; φ: fill factor; f: focal length, mm; negative lobes are kept",
         ),
     )
 

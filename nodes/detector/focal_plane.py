@@ -90,14 +90,14 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     formulas = (
         Formula(
             r"N_s=t\,n\,A\varphi\,\mathrm{QE}\;\Omega\left[\tau L_q+(1-\tau)L_q(T_{opt})\right]",
-            where="electrons of scene and optics; t: integration_time_s; n: tdi_stages; Aφ: "
+            where="electrons from scene and optics; t: integration_time_s; n: tdi_stages; Aφ: "
             "sensitive area of the pixel; L_q: photons per s, m² and sr in the band; τ: "
             "optics_transmission",
         ),
         Formula(
             r"N=N_s+t\,n\,A\varphi\,\mathrm{QE}\,(\pi-\Omega)(1-\eta)\,L_q(T_{hou})+t\,n\,i",
-            where="those of the housing past the cold shield, of efficiency η, and the dark "
-            "current i",
+            where="electrons from the housing past a cold shield of efficiency η, and from "
+            "the dark current i",
         ),
         Formula(
             r"\Omega=\frac{\pi}{4F^2+1}",
@@ -106,8 +106,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         Formula(
             r"\sigma_t=\sqrt{N+\sigma_{read}^2+K^2/12},\quad\sigma_f=\sqrt{(pN)^2+\sigma_{"
             r"dsnu}^2}",
-            where="temporal noise of an exposure, and the fixed pattern, electrons; K: "
-            "electrons of a digital number; p: PRNU",
+            where="temporal noise of an exposure, and the fixed pattern, in electrons; K: "
+            "electrons per digital number; p: PRNU",
         ),
         Formula(
             r"\mathrm{NETD}=\frac{\sigma_t}{\partial N/\partial T},\quad\mathrm{DN}=\mathrm{"
@@ -246,8 +246,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         """What Rule 07 needs without it, or a number beside it: one of both does nothing."""
         if self.rule_07 and self.dark_current_e_per_s:
             return Caution(
-                f"dark_current_e_per_s = {self.dark_current_e_per_s:g} e-/s is not used: rule_07 "
-                "is on, and gives the dark current",
+                f"dark_current_e_per_s = {self.dark_current_e_per_s:g} e-/s is not used: "
+                "rule_07 is on and sets the dark current",
                 "switch rule_07 off, or set dark_current_e_per_s to 0",
             )
         if self.rule_07 or self.dark_current_e_per_s:
@@ -255,8 +255,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         if not (self.detector_K and self.material_cutoff_um):
             return None
         return Caution(
-            f"detector_K = {self.detector_K:g} K and material_cutoff_um = "
-            f"{self.material_cutoff_um:g} µm give no dark current: rule_07 is off, and "
+            f"the dark current is 0: detector_K = {self.detector_K:g} K and material_cutoff_um "
+            f"= {self.material_cutoff_um:g} µm are not used, because rule_07 is off and "
             "dark_current_e_per_s is 0",
             "switch rule_07 on, give dark_current_e_per_s, or leave detector_K empty",
         )
@@ -283,9 +283,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         if shortest >= SHORTEST_THERMAL_UM or image.bands is not None:
             return None
         return Caution(
-            f"the band begins at {shortest:g} µm, where a radiance has no brightness temperature: "
-            f"photons are weighted by the source of {self.source_K:g} K",
-            "choose photon_weighting source, or middle, and NETD is left out",
+            f"the band begins at {shortest:g} µm, where a radiance has no brightness "
+            f"temperature: photons are weighted by a source of {self.source_K:g} K",
+            "choose photon_weighting source or middle; NETD is then left out",
         )
 
     @warning
@@ -328,36 +328,48 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         table = outputs.table.recipe.inputs[0]
         return Step.of(overflow_caution, table.inputs[0], reading=self.read_out())
 
-    signal_e = _figure("signal_e", "e-", "Electrons of the scene, at the picture's mean.")
-    optics_e = _figure("optics_e", "e-", "Electrons of the optics' own emission.")
-    housing_e = _figure("housing_e", "e-", "Electrons of the housing past the cold shield.")
-    dark_e = _figure("dark_e", "e-", "Electrons of the dark current.")
-    well_fill_percent = _figure("well_fill_percent", "%", "All electrons over the full well.")
+    signal_e = _figure("signal_e", "e-", "Electrons from the scene, at the picture's mean.")
+    optics_e = _figure("optics_e", "e-", "Electrons from the optics' own emission.")
+    housing_e = _figure("housing_e", "e-", "Electrons from the housing past the cold shield.")
+    dark_e = _figure("dark_e", "e-", "Electrons from the dark current.")
+    well_fill_percent = _figure(
+        "well_fill_percent", "%", "Fraction of the full well that all electrons fill."
+    )
     shot_noise_e = _figure("shot_noise_e", "e-", "Shot noise of all electrons.")
     read_noise_figure = _figure("read_noise_e", "e-", "Read noise, averaged over the frames.")
-    quantization_noise_e = _figure("quantization_noise_e", "e-", "Rounding to whole numbers.")
-    temporal_noise_e = _figure("temporal_noise_e", "e-", "Shot, read and rounding together.")
+    quantization_noise_e = _figure(
+        "quantization_noise_e", "e-", "Quantization noise of the converter."
+    )
+    temporal_noise_e = _figure(
+        "temporal_noise_e",
+        "e-",
+        "Temporal noise: shot noise, read noise and quantization together.",
+    )
     fixed_pattern_e = _figure("fixed_pattern_e", "e-", "PRNU and DSNU.")
     responsivity_e_per_K = _figure(
-        "responsivity_e_per_K", "e-/K", "Electrons per kelvin of the scene, if it is warm."
+        "responsivity_e_per_K",
+        "e-/K",
+        "Responsivity: electrons per kelvin of scene temperature, for a thermal scene.",
     )
-    netd_K = _figure("netd_K", "K", "Temporal noise over responsivity, if it is warm.")
+    netd_K = _figure("netd_K", "K", "Temporal noise over responsivity, for a thermal scene.")
     snr = _figure("snr", "", "Signal over temporal noise.")
     nei_photons_per_cm2 = _figure(
-        "nei_photons_per_cm2", "1/cm²", "Photons in an exposure that equal the temporal noise."
+        "nei_photons_per_cm2",
+        "1/cm²",
+        "Noise-equivalent irradiance: photons per exposure that equal the temporal noise.",
     )
     dynamic_range_dB = _figure(
         "dynamic_range_dB",
         "dB",
-        "Saturation, at the full well or the last number, over the temporal noise in the dark.",
+        "Dynamic range: saturation (full well or last number) over the temporal noise in the dark.",
     )
-    gain_figure = _figure("gain_e_per_dn", "e-/DN", "Electrons of one digital number.")
+    gain_figure = _figure("gain_e_per_dn", "e-/DN", "Electrons per digital number.")
     mean_dn = _figure("mean_dn", "DN", "Digital number of the picture's mean.")
     weighting_figure = _figure(
-        "photon_weighting", "", "The spectrum that photons are counted by: scene, source, middle."
+        "photon_weighting", "", "Spectrum by which photons are counted: scene, source or middle."
     )
     weighting_worth_percent = _figure(
-        "weighting_worth_percent", "%", "How far the signal differs among these spectra."
+        "weighting_worth_percent", "%", "Spread of the signal between these spectra."
     )
 
     @readout()
@@ -375,10 +387,10 @@ def filter_caution(picture: Band, passed: Band, *, in_bands: bool) -> Caution | 
     if low >= picture[0] * (1 - NEAR) and high <= picture[1] * (1 + NEAR):
         return None
     return Caution(
-        f"the cold filter passes {low:g} to {high:g} µm and the picture's radiance is that of "
+        f"the cold filter passes {low:g} to {high:g} µm, but the picture's radiance covers "
         f"{picture[0]:g} to {picture[1]:g} µm: what lies beyond is "
         + ("not counted" if in_bands else "extrapolated by a black body"),
-        "give a picture of the filter's whole band, or a narrower filter",
+        "use a picture that covers the filter's whole band, or a narrower filter",
     )
 
 
@@ -387,10 +399,11 @@ def material_caution(passed: Band, material_cutoff_um: float | None) -> Caution 
     if not material_cutoff_um or passed[1] <= material_cutoff_um * (1 + NEAR):
         return None
     return Caution(
-        f"photons of {passed[0]:g} to {passed[1]:g} µm are counted, by one quantum efficiency, and "
-        f"the detector material cuts off at material_cutoff_um = {material_cutoff_um:g} µm",
-        "set cut_off_um to the cutoff or below it, or give the quantum efficiency over wavelength "
-        "in response",
+        f"photons are counted from {passed[0]:g} to {passed[1]:g} µm with one quantum "
+        "efficiency, but the detector material cuts off at material_cutoff_um = "
+        f"{material_cutoff_um:g} µm",
+        "set cut_off_um to the material's cutoff or below, or give the quantum efficiency "
+        "over wavelength in response",
     )
 
 
@@ -405,11 +418,11 @@ def optics_caution(image: Image, passed: Band) -> Caution | None:
         if band is None or alike(sum(band), sum(passed), near=F_NUMBER_NEAR):
             continue
         return Caution(
-            f"{factor.label} ({factor.node}) blurs as over {band[0]:g} to {band[1]:g} µm, and the "
-            f"cold filter passes {passed[0]:g} to {passed[1]:g} µm: MTF and ranges are those of "
-            "the wrong wavelengths",
-            f"set cut_on_um = {passed[0]:g} and cut_off_um = {passed[1]:g} on {factor.node} too, "
-            "or give a picture of the filter's band",
+            f"MTF and ranges are for the wrong wavelengths: {factor.label} ({factor.node}) "
+            f"blurs as over {band[0]:g} to {band[1]:g} µm, but the cold filter passes "
+            f"{passed[0]:g} to {passed[1]:g} µm",
+            f"set cut_on_um = {passed[0]:g} and cut_off_um = {passed[1]:g} on {factor.node} "
+            "too, or use a picture of the filter's band",
         )
     return None
 
@@ -431,14 +444,14 @@ def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) ->
     """
     clipped = mean_clipped(levels, reading)
     if clipped is not None:
-        return replace(clipped, message=f"{clipped.message}: it has no NETD, SNR or NEI")
+        return replace(clipped, message=f"{clipped.message}: NETD, SNR and NEI are left out")
     saturation = reading.saturation_e
     if levels.brightest_e > saturation:
         return Caution(
-            f"the picture's brightest gives {levels.brightest_e:.4g} e- and is clipped at "
-            f"{saturation:.4g} e-: SNR and noise are those of the mean; saturated_pixels says how "
-            "many are clipped",
-            "make integration_time_s smaller, or full_well_e, gain_e_per_dn or bits larger",
+            f"the brightest pixels saturate: they give {levels.brightest_e:.4g} e- and are "
+            f"clipped at {saturation:.4g} e-; SNR and noise are given for the mean, and "
+            "saturated_pixels counts the clipped pixels",
+            "lower integration_time_s, or raise full_well_e, gain_e_per_dn or bits",
         )
     return None
 
@@ -456,7 +469,7 @@ def response_caution(efficiency: QuantumEfficiency) -> Caution | None:
     if not ends:
         return None
     return Caution(
-        f"the response {' and '.join(ends)}, within the band of {efficiency.cut_on_um:g} to "
-        f"{efficiency.cut_off_um:g} µm: no photons are counted beyond",
-        "give points over the whole band, or close the curve by points of 0",
+        f"photons outside the curve are not counted: the response {' and '.join(ends)}, within "
+        f"the band of {efficiency.cut_on_um:g} to {efficiency.cut_off_um:g} µm",
+        "give points over the whole band, or end the curve with points of 0",
     )

@@ -229,22 +229,20 @@ def mean_clipped(levels: ElectronLevels, reading: ReadOut) -> Caution | None:
     number, top_dn = mean_e / reading.gain_e_per_dn + reading.offset_dn, reading.top_dn
     if well is not None and (mean_e > well or _flat(levels.total_e, reading)):
         return Caution(
-            f"the mean of the picture is {100.0 * mean_e / well:.4g} % of the full well and is "
-            "clipped",
-            "make integration_time_s, tdi_stages or the picture's radiance smaller, or full_well_e "
-            "larger",
+            f"the picture's mean is {100.0 * mean_e / well:.4g} % of the full well and is clipped",
+            "lower integration_time_s, tdi_stages or the picture's radiance, or raise full_well_e",
         )
     if number > top_dn:
         return Caution(
-            f"the mean of the picture is number {number:.5g}, beyond the converter's last, "
-            f"{top_dn:.0f}, and is clipped",
-            "make gain_e_per_dn or bits larger, or offset_dn smaller",
+            f"the picture's mean is digital number {number:.5g}, above the converter's maximum "
+            f"of {top_dn:.0f}, and is clipped",
+            "raise gain_e_per_dn or bits, or lower offset_dn",
         )
     if number < 0.0 and np.isfinite(top_dn):
         return Caution(
-            f"the mean of the picture is number {number:.5g}, below the converter's first, 0, and "
-            "is clipped",
-            "make offset_dn larger",
+            f"the picture's mean is digital number {number:.5g}, below the converter's minimum "
+            "of 0, and is clipped",
+            "raise offset_dn",
         )
     return None
 
@@ -290,7 +288,7 @@ def figures(
     fill = None if well is None else 100.0 * total / well
     saturation = reading.saturation_e
     if levels.dark_e >= saturation:
-        too_dark = f"{levels.dark_e:.4g} dark electrons reach the saturation, {saturation:.4g} e-"
+        too_dark = f"{levels.dark_e:.4g} dark electrons reach saturation at {saturation:.4g} e-"
     elif 0.0 < saturation < np.inf:
         dark_noise = math.hypot(read, rounding, shot_noise_e(electrons=levels.dark_e / frames))
         decibels = _finite(dynamic_range_dB(full_well_e=saturation, dark_noise_e=dark_noise))
@@ -302,14 +300,14 @@ def figures(
             temporal_e=temporal, quantum_efficiency=efficiency, area_cm2=area_cm2
         )
     rows: tuple[tuple[Any, ...], ...] = (
-        ("signal_e", levels.signal_e, "e-", "electrons of the scene"),
-        ("optics_e", levels.optics_e, "e-", "electrons of the optics' own emission"),
-        ("housing_e", levels.housing_e, "e-", "electrons of the housing past the cold shield"),
-        ("dark_e", levels.dark_e, "e-", "electrons of the dark current"),
-        ("well_fill_percent", fill, "%", "all electrons over the full well"),
+        ("signal_e", levels.signal_e, "e-", "electrons from the scene"),
+        ("optics_e", levels.optics_e, "e-", "electrons from the optics' own emission"),
+        ("housing_e", levels.housing_e, "e-", "electrons from the housing past the cold shield"),
+        ("dark_e", levels.dark_e, "e-", "electrons from the dark current"),
+        ("well_fill_percent", fill, "%", "fraction of the full well that all electrons fill"),
         ("shot_noise_e", shot, "e-", "shot noise of all electrons"),
-        ("read_noise_e", read, "e-", "read noise, of the average of all frames"),
-        ("quantization_noise_e", rounding, "e-", "rounding to whole numbers"),
+        ("read_noise_e", read, "e-", "read noise after averaging all frames"),
+        ("quantization_noise_e", rounding, "e-", "quantization noise"),
         ("temporal_noise_e", temporal, "e-", "all noise that changes from frame to frame"),
         (
             "fixed_pattern_e",
@@ -319,20 +317,26 @@ def figures(
             "e-",
             "PRNU and DSNU",
         ),
-        ("responsivity_e_per_K", responsivity, "e-/K", "electrons per kelvin of the scene", why),
+        (
+            "responsivity_e_per_K",
+            responsivity,
+            "e-/K",
+            "electrons per kelvin of scene temperature",
+            why,
+        ),
         ("netd_K", netd, "K", "temporal noise as a temperature difference", why),
         ("snr", snr, "", "signal over temporal noise", why),
-        ("nei_photons_per_cm2", nei, "1/cm²", "photons in an exposure that equal the noise", why),
+        ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure that equal the noise", why),
         ("dynamic_range_dB", decibels, "dB", "saturation over the noise in the dark", too_dark),
-        ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons of one digital number"),
+        ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons per digital number"),
         (
             "mean_dn",
             _bent_mean(levels, reading) / reading.gain_e_per_dn + reading.offset_dn,
             "DN",
-            "number of the mean",
+            "digital number of the mean",
         ),
         ("scene_K", levels.scene_K, "K", "brightness temperature of the mean"),
-        ("photon_weighting", collection.weights.used, "", "spectrum that photons are counted by"),
+        ("photon_weighting", collection.weights.used, "", "spectrum by which photons are counted"),
         *_worth(levels, collection),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
@@ -359,7 +363,7 @@ def _worth(
     worth = None
     if len(known) > 1 and levels.signal_e > 0.0:
         worth = 100.0 * (max(known) - min(known)) / levels.signal_e
-    rows.append(("weighting_worth_percent", worth, "%", "largest of these less the least"))
+    rows.append(("weighting_worth_percent", worth, "%", "largest of these minus the smallest"))
     return tuple(rows)
 
 
@@ -401,7 +405,7 @@ def budget_preview(figures: Mapping[str, Any], full_well_e: float | None) -> Pre
     """Where a pixel's electrons come from, and its noise by source, at the picture's mean."""
     per_K, netd_K, snr = (figures[key] for key in ("responsivity_e_per_K", "netd_K", "snr"))
     total = max(sum(figures[key] for _, key in _SOURCES), 0.0)
-    filled = f"{electrons(total)}, no full well given"
+    filled = f"{electrons(total)}, no full well entered"
     if full_well_e:
         filled = f"{electrons(total)}: {brief(100 * (total / full_well_e))} % of the well"
 

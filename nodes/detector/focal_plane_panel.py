@@ -28,8 +28,8 @@ from nodes.shared.context_defaults import given_band, of_context
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 
 _NEEDED_BY = {
-    "full_well_e": "nonlinearity_percent is a share of the full well",
-    "housing_K": "cold_shield_efficiency below 1 lets the housing in",
+    "full_well_e": "nonlinearity_percent refers to the full well",
+    "housing_K": "a cold_shield_efficiency below 1 lets radiation of the housing in",
     "detector_K": "rule_07 needs it",
     "material_cutoff_um": "rule_07 needs it",
 }
@@ -47,20 +47,20 @@ class FocalPlanePanel(SeededModule):
     tdi_stages: Annotated[
         int,
         Param(
-            "stages of time delay and integration that add their charge",
+            "stages of time delay and integration whose charge is added",
             low=1,
             high=10000,
             slider=(1, 128),
         ),
     ] = 1
     frames_averaged: Annotated[
-        int, Param("frames that are averaged", low=1, high=1000000, slider=(1, 64))
+        int, Param("number of frames averaged", low=1, high=1000000, slider=(1, 64))
     ] = 1
     quantum_efficiency: Annotated[
         float, Param("electrons per photon within the band", low=0, high=1, above=True)
     ] = 0.7
     response: Annotated[
-        Path | None, Param("CSV of µm and quantum efficiency, in place of the number, or empty")
+        Path | None, Param("CSV of µm and quantum efficiency, used instead of the number, or empty")
     ] = None
     cut_on_um: Annotated[
         float | None,
@@ -72,12 +72,15 @@ class FocalPlanePanel(SeededModule):
     ] = None
     photon_weighting: Annotated[
         Literal["scene", "source", "middle"],
-        Param("photons of a radiance: as of its own temperature, of the source, of the middle"),
+        Param(
+            "spectrum that converts radiance to photons: the scene's own temperature, the "
+            "source, or the middle of the band"
+        ),
     ] = "scene"
     source_K: Annotated[
         float,
         Param(
-            "temperature of the source of light",
+            "temperature of the light source",
             unit="K",
             low=0,
             high=1e6,
@@ -99,7 +102,7 @@ class FocalPlanePanel(SeededModule):
         ),
     ] = None
     cold_shield_efficiency: Annotated[
-        float, Param("share of the housing that the cold shield hides", low=0, high=1)
+        float, Param("fraction of the housing that the cold shield hides", low=0, high=1)
     ] = 1.0
     housing_K: Annotated[
         float | None,
@@ -112,11 +115,11 @@ class FocalPlanePanel(SeededModule):
         ),
     ] = None
     dark_current_e_per_s: Annotated[
-        float, Param("dark current of a pixel", unit="e-/s", low=0, high=1e15, slider=(0, 1e7))
+        float, Param("dark current per pixel", unit="e-/s", low=0, high=1e15, slider=(0, 1e7))
     ] = 0.0
-    rule_07: Annotated[bool, Param("dark current of HgCdTe by Rule 07 in place of the number")] = (
-        False
-    )
+    rule_07: Annotated[
+        bool, Param("take the dark current of HgCdTe from Rule 07 instead of the number")
+    ] = False
     detector_K: Annotated[
         float | None,
         Param(
@@ -135,12 +138,12 @@ class FocalPlanePanel(SeededModule):
     ] = None
     full_well_e: Annotated[
         float | None,
-        Param("electrons a pixel holds; empty: any number", unit="e-", low=0, slider=(0, 1e7)),
+        Param("electrons that a pixel holds; empty: unlimited", unit="e-", low=0, slider=(0, 1e7)),
     ] = None
     nonlinearity_percent: Annotated[
         float,
         Param(
-            "what is missing at the full well; growing with the square of the electrons",
+            "signal lost at the full well; the loss grows with the square of the electrons",
             unit="%", low=0, high=25, slider=(0, 5),
         ),
     ] = 0.0  # fmt: skip
@@ -149,23 +152,31 @@ class FocalPlanePanel(SeededModule):
     ] = 0.0
     prnu_percent: Annotated[
         float,
-        Param("spread of the response among pixels", unit="%", low=0, high=100, slider=(0, 5)),
+        Param(
+            "PRNU: spread of the response between pixels", unit="%", low=0, high=100, slider=(0, 5)
+        ),
     ] = 0.0
     dsnu_e: Annotated[
         float,
         Param(
-            "spread of the dark level among pixels", unit="e-", low=0, high=1e12, slider=(0, 2000)
+            "DSNU: spread of the dark level between pixels",
+            unit="e-",
+            low=0,
+            high=1e12,
+            slider=(0, 2000),
         ),
     ] = 0.0
     bad_pixel_percent: Annotated[
-        float, Param("dead and hot pixels, some in clusters", unit="%", low=0, high=100,
+        float, Param("share of dead and hot pixels, some in clusters", unit="%", low=0, high=100,
                      slider=(0, 1)),
     ] = 0.0  # fmt: skip
-    bits: Annotated[int, Param("bits of the converter, 0 for none", unit="bit", low=0, high=24)] = 0
+    bits: Annotated[
+        int, Param("bits of the converter; 0: no converter", unit="bit", low=0, high=24)
+    ] = 0
     gain_e_per_dn: Annotated[
         float | None,
         Param(
-            "electrons of one number; empty: the full well is the last",
+            "electrons per digital number; empty: the full well is the last number",
             unit="e-/DN",
             low=0,
             slider=(0, 1000),
@@ -173,11 +184,17 @@ class FocalPlanePanel(SeededModule):
     ] = None
     offset_dn: Annotated[
         float,
-        Param("number of no electrons", unit="DN", low=-(2.0**24), high=2.0**24, slider=(0, 1000)),
+        Param(
+            "digital number of zero electrons",
+            unit="DN",
+            low=-(2.0**24),
+            high=2.0**24,
+            slider=(0, 1000),
+        ),
     ] = 0.0
     units: Annotated[
         Literal["dn", "electrons", "radiance"],
-        Param("what the picture is given in; all are of the digitized picture"),
+        Param("unit of the output; every unit shows the digitized picture"),
     ] = "dn"
 
     panel = (
@@ -187,7 +204,7 @@ class FocalPlanePanel(SeededModule):
             ("quantum_efficiency", "response", "cut_on_um", "cut_off_um"),
             page="Light",
         ),
-        Section("Photons of a radiance", ("photon_weighting", "source_K"), page="Light"),
+        Section("Radiance to photons", ("photon_weighting", "source_K"), page="Light"),
         Section("Optics", ("optics_transmission", "optics_K"), page="Warmth"),
         Section("Housing", ("cold_shield_efficiency", "housing_K"), page="Warmth"),
         Section(

@@ -422,5 +422,5 @@ def count_of(work: Work, marked: Array) -> int:
 
 @ends_lineage
 def with_saturated(work: Work, table: TableData, count: int) -> TableData:
-    row = TableRow("saturated_pixels", count, "", "pixels that are clipped at the top")
+    row = TableRow("saturated_pixels", count, "", "pixels clipped at the top")
     return TableData((*table.rows, row))

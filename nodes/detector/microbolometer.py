@@ -61,12 +61,12 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         Formula(
             r"\sigma_L=\mathrm{NETD}\;\frac{\partial L}{\partial T}\;\frac{4F^2+1}{4F_0^2+1}\;"
             r"\frac{1}{\tau}\sqrt{\frac{t_0}{t}}",
-            where="NETD: of the data sheet, at F₀, its background and integration time t₀; F, "
+            where="NETD: data sheet value, at F₀, its background and integration time t₀; F, "
             "τ, t: of this camera",
         ),
         Formula(
             r"s_k=(1-q)\,q^k,\quad q=e^{-1/(r\,\tau_{th})}",
-            where="s_k: share of the frame k frames ago; r: frame rate; τ_th: thermal time "
+            where="s_k: weight of the frame k frames ago; r: frame rate; τ_th: thermal time "
             "constant",
         ),
         Formula(
@@ -77,21 +77,34 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     )
 
     netd_mK: Annotated[
-        float, Param("NETD of the data sheet", unit="mK", low=0, high=1e6, slider=(0, 200))
+        float, Param("NETD from the data sheet", unit="mK", low=0, high=1e6, slider=(0, 200))
     ] = 50.0
     reference_f_number: Annotated[
-        float, Param("F-number of that NETD", low=0.1, high=1000, slider=(0.5, 4))
+        float,
+        Param("F-number at which that NETD was measured", low=0.1, high=1000, slider=(0.5, 4)),
     ] = 1.0
     reference_K: Annotated[
-        float, Param("background of that NETD", unit="K", low=1, high=1e4, slider=(250, 350))
+        float,
+        Param(
+            "background temperature at which that NETD was measured",
+            unit="K",
+            low=1,
+            high=1e4,
+            slider=(250, 350),
+        ),
     ] = 300.0
     reference_integration_time_s: Annotated[
         float | None,
-        Param("integration time of that NETD; empty: the camera's", unit="s", low=0, high=1e3),
+        Param(
+            "integration time at which that NETD was measured; empty: the camera's",
+            unit="s",
+            low=0,
+            high=1e3,
+        ),
     ] = None
     f_number: Annotated[
         float | None,
-        Param("F-number of the camera; empty: of Init & Trans", low=0.1, high=1000,
+        Param("F-number of the camera; empty: from Init & Trans", low=0.1, high=1000,
               slider=(0.5, 4)),
     ] = None  # fmt: skip
     optics_transmission: Annotated[
@@ -111,17 +124,20 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     ] = 30.0
     corner_Hz: Annotated[
         float,
-        Param("where 1/f noise equals the white; 0: none", unit="Hz", low=0, high=1e9,
+        Param("corner frequency, where 1/f noise equals white noise; 0: no 1/f noise",
+              unit="Hz", low=0, high=1e9,
               slider=(0, 10)),
     ] = 0.0  # fmt: skip
     longest_period_s: LongestPeriod = 60.0
     response_percent: Annotated[
         float,
-        Param("spread of the response among pixels", unit="%", low=0, high=100, slider=(0, 10)),
+        Param(
+            "PRNU: spread of the response between pixels", unit="%", low=0, high=100, slider=(0, 10)
+        ),
     ] = 0.0
     offset_mK: Annotated[
         float,
-        Param("spread of the offset among pixels, at the data sheet's background", unit="mK",
+        Param("spread of the offset between pixels, at the data sheet's background", unit="mK",
               low=0, high=1e9, slider=(0, 5000)),
     ] = 0.0  # fmt: skip
 
@@ -305,9 +321,10 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         if left <= 1e-3:
             return None
         return Caution(
-            f"after {_MOST_FRAMES - 1} frames {100 * left:.2g} % of a change is left, and earlier "
-            "frames are taken to be like the earliest of these",
-            "lower time_constant_s or frame_rate_Hz, unless that is near enough",
+            f"slow changes are approximated: {100 * left:.2g} % of a change remains after "
+            f"{_MOST_FRAMES - 1} frames, and earlier frames are treated like the earliest of "
+            "these",
+            "lower time_constant_s or frame_rate_Hz if this is not accurate enough",
         )
 
     netd_figure = table_figure("netd_K", "K", "Temporal noise as a temperature difference.")
@@ -315,13 +332,17 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         "white_netd_K", "K", "White noise as a temperature difference."
     )
     flicker_figure = table_figure("flicker_K", "K", "1/f noise as a temperature difference.")
-    fixed_figure = table_figure("fixed_pattern_K", "K", "Unlike responses and offsets of pixels.")
-    noise_figure = table_figure(
-        "noise_radiance", "W/m²/sr", "Temporal noise as radiance of the scene."
+    fixed_figure = table_figure(
+        "fixed_pattern_K", "K", "Non-uniform gain and offset of the pixels."
     )
-    snr_figure = table_figure("snr", "", "Mean over temporal noise.")
+    noise_figure = table_figure(
+        "noise_radiance", "W/m²/sr", "Temporal noise as a radiance of the scene."
+    )
+    snr_figure = table_figure("snr", "", "Mean signal over temporal noise.")
     scene_figure = table_figure("scene_K", "K", "Brightness temperature of the mean.")
-    lag_figure = table_figure("lag_percent", "%", "Share of a change that is left after a frame.")
+    lag_figure = table_figure(
+        "lag_percent", "%", "Fraction of a change that remains after one frame."
+    )
 
 
 # The stages of Microbolometer as steps: lag along a scan and over frames, patterns, noise.
@@ -427,12 +448,12 @@ def figures(
 
     rows = (
         ("netd_K", in_kelvin(temporal), "K", "temporal noise as a temperature difference"),
-        ("white_netd_K", in_kelvin(white), "K", "white noise alone"),
+        ("white_netd_K", in_kelvin(white), "K", "white noise only"),
         ("flicker_K", in_kelvin(flicker), "K", "1/f noise alone"),
-        ("fixed_pattern_K", in_kelvin(pattern), "K", "unlike responses and offsets of pixels"),
-        ("noise_radiance", temporal, "W/m²/sr", "temporal noise as radiance of the scene"),
-        ("snr", mean / temporal if temporal else None, "", "mean over temporal noise"),
+        ("fixed_pattern_K", in_kelvin(pattern), "K", "non-uniform gain and offset of the pixels"),
+        ("noise_radiance", temporal, "W/m²/sr", "temporal noise as a radiance of the scene"),
+        ("snr", mean / temporal if temporal else None, "", "mean signal over temporal noise"),
         ("scene_K", kelvin, "K", "brightness temperature of the mean"),
-        ("lag_percent", 100.0 * kept, "%", "share of a change that is left after a frame"),
+        ("lag_percent", 100.0 * kept, "%", "fraction of a change that remains after one frame"),
     )
     return TableData(tuple(TableRow(*row) for row in rows))

@@ -59,23 +59,24 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     formulas = (
         Formula(
             r"L'_i=L_i+\overline{R}_1-R_{1,i}",
-            where="R₁: the pixels' answers to the reference at low_K; the bar is their mean",
+            where="R₁: the pixels' response to the reference at low_K; the bar marks their mean",
             when="one_point",
         ),
         Formula(
             r"L'_i=g_i\,L_i+\overline{R}_1-g_i\,R_{1,i},\quad g_i=\frac{\overline{R}_2-"
             r"\overline{R}_1}{R_{2,i}-R_{1,i}}",
-            where="R₂: those at high_K",
+            where="R₂: the pixels' response at high_K",
             when="two_point",
         ),
     )
 
     method: Annotated[
-        Literal["none", "one_point", "two_point"], Param("references: none, one or two")
+        Literal["none", "one_point", "two_point"],
+        Param("number of reference sources: none, one or two"),
     ] = "two_point"
     low_K: Annotated[
         float,
-        Param("temperature of the reference, of the cooler one", unit="K", low=1, high=1e4,
+        Param("temperature of the reference, or of the cooler one", unit="K", low=1, high=1e4,
               slider=(260, 340)),
     ] = 290.0  # fmt: skip
     high_K: Annotated[
@@ -83,11 +84,11 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         Param("temperature of the warmer reference", unit="K", low=1, high=1e4, slider=(260, 340)),
     ] = 310.0
     reference_frames: Annotated[
-        int, Param("frames of a reference that are averaged", low=1, high=100000, slider=(1, 64))
+        int, Param("reference frames that are averaged", low=1, high=100000, slider=(1, 64))
     ] = 16
     drift_K: Annotated[
         float,
-        Param("rms among pixels of the offset that has come since, as scene temperature",
+        Param("offset drift since the correction, rms between pixels, as scene temperature",
               unit="K", low=0, high=1e4, slider=(0, 1)),
     ] = 0.0  # fmt: skip
 
@@ -119,7 +120,8 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         band = image.band_um
         if band is None:
             raise DataError(
-                "the radiance of references needs the picture's band: give it where it is read"
+                "the radiance of the references needs the picture's band: set it where the "
+                "picture is read"
             )
         low, high = (
             MeanFrame(
@@ -176,17 +178,20 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         if self.method == "none" or seen_by_camera(image.recipe) is not None:
             return None
         return Caution(
-            "nothing before this node adds noise to samples: there is nothing to correct",
-            "put it behind the camera's modules, such as Focal Plane",
+            "there is nothing to correct: no node before this one adds noise pixel by pixel",
+            "move it behind the camera's modules, such as Focal Plane",
         )
 
     pattern_low = table_figure(
-        "pattern_low", "", "Spread of pixels on the cooler reference, uncorrected.", unit_of="image"
+        "pattern_low",
+        "",
+        "Spread between pixels on the cooler reference, uncorrected.",
+        unit_of="image",
     )
     pattern_high = table_figure(
         "pattern_high",
         "",
-        "Spread of pixels on the warmer reference, uncorrected.",
+        "Spread between pixels on the warmer reference, uncorrected.",
         unit_of="image",
     )
     response_per_kelvin = table_figure(
@@ -194,7 +199,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         "",
         "Mean response between the references, in the picture's unit per kelvin.",
     )
-    weak_pixels = table_figure("weak_pixels", "", "Pixels of too little response to be corrected.")
+    weak_pixels = table_figure("weak_pixels", "", "Pixels whose response is too small to correct.")
 
 
 @ends_lineage
@@ -223,10 +228,15 @@ def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) ->
     rise = float(np.mean(high) - np.mean(low))
     weak = np.count_nonzero(~((high - low) > LEAST_RESPONSE * rise))
     rows = (
-        ("pattern_low", float(np.std(low)), unit, "spread of pixels on the cooler reference"),
-        ("pattern_high", float(np.std(high)), unit, "spread of pixels on the warmer reference"),
-        ("response_per_kelvin", rise / kelvin, f"{unit}/K", "mean response between them"),
-        ("weak_pixels", int(weak), "", "pixels of too little response to be corrected"),
+        ("pattern_low", float(np.std(low)), unit, "spread between pixels on the cooler reference"),
+        (
+            "pattern_high",
+            float(np.std(high)),
+            unit,
+            "spread between pixels on the warmer reference",
+        ),
+        ("response_per_kelvin", rise / kelvin, f"{unit}/K", "mean response between the references"),
+        ("weak_pixels", int(weak), "", "pixels whose response is too small to correct"),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
 
@@ -234,7 +244,7 @@ def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) ->
 @ends_lineage
 def no_figures(work: Work) -> TableData:
     names = ("pattern_low", "pattern_high", "response_per_kelvin", "weak_pixels")
-    return TableData(tuple(TableRow(name, None, "", "no reference is seen") for name in names))
+    return TableData(tuple(TableRow(name, None, "", "no reference is used") for name in names))
 
 
 @dataclass(frozen=True)

@@ -58,24 +58,26 @@ class SpectralResponse(
         ),
         Formula(
             r"L'=L\;\frac{\int R\,L_B(\lambda,T)\,d\lambda}{\int L_B(\lambda,T)\,d\lambda}",
-            where="L_B: a black body of the picture's mean brightness temperature, of sunlight, "
-            "or of source_K",
+            where="L_B: spectrum of a black body at the picture's mean brightness "
+            "temperature, of sunlight, or of source_K",
             when="a picture of one band",
         ),
     )
 
     shape: Annotated[
-        Literal["file", "rectangle", "gaussian"], Param("form of the response, or a file of it")
+        Literal["file", "rectangle", "gaussian"], Param("shape of the response, or a file")
     ] = "rectangle"
     path: Annotated[Path | None, Param("CSV of µm and response, 0 to 1")] = None
     centre_um: Annotated[
         float | None,
-        Param("middle of the response; empty: of the picture's band", unit="µm", low=0, high=1000,
+        Param("centre wavelength; empty: the middle of the picture's band",
+              unit="µm", low=0, high=1000,
               slider=(0.4, 14)),
     ] = None  # fmt: skip
     width_um: Annotated[
         float | None,
-        Param("width, of a Gaussian its full width at half maximum; empty: of the picture's band",
+        Param("width (for a Gaussian, the full width at half maximum); empty: the picture's "
+              "band",
               unit="µm", low=0, high=1000, slider=(0.01, 5)),
     ] = None  # fmt: skip
     peak: Annotated[float, Param("largest response", low=0, high=1)] = 1.0
@@ -101,7 +103,7 @@ class SpectralResponse(
         node, band = here.node, image.band_um
         if band is None:
             raise DataError(
-                "the image does not say its band, over which the response is weighted: give "
+                "the image has no band, over which the response could be weighted: give "
                 "cut_on_um and cut_off_um where it is read"
             )
         response = self.response(band, here)
@@ -112,7 +114,7 @@ class SpectralResponse(
             raise ParameterError(
                 "path" if self.shape == "file" else "centre_um",
                 f"{low:g} to {high:g} µm",
-                f"a response that meets the picture's band, {band[0]:g} to {band[1]:g} µm",
+                f"a response that overlaps the picture's band, {band[0]:g} to {band[1]:g} µm",
             )
         passed = (*image.responses, response)
         if image.bands is not None:
@@ -174,7 +176,7 @@ class SpectralResponse(
             return None
         return Caution(
             f"source_K = {self.source_K:g} K is not used: the picture has {image.bands.count} "
-            "bands, and each its own response",
+            "bands, each with its own response",
             "leave source_K empty",
         )
 
@@ -203,8 +205,8 @@ def mean_response(
         mean = float(np.mean(samples, dtype=np.float64))
         if not mean > 0.0:
             raise DataError(
-                f"a picture of mean {mean:g} has no brightness temperature to weight the response "
-                "by: give source_K"
+                f"a picture with mean {mean:g} has no brightness temperature by which to "
+                "weight the response: give source_K"
             )
         source_K = float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))
     return response.mean_of_body(low, high, source_K=source_K)
@@ -326,7 +328,7 @@ def counted_weights(bands: BandStack, efficiency: QuantumEfficiency) -> Row:
     is the same all over it, and so is the energy of its photons.
     """
     if not bands.density:
-        raise DataError("the picture's bands are no radiance per µm: no photons can be counted")
+        raise DataError("no photons can be counted: the picture's bands are not radiance per µm")
     weights = tuple(
         centre / PHOTON_ENERGY_J_UM * efficiency.integral(centre - width / 2, centre + width / 2)
         for centre, width in zip(bands.centres_um, bands.widths_um, strict=True)
@@ -336,7 +338,7 @@ def counted_weights(bands: BandStack, efficiency: QuantumEfficiency) -> Row:
         raise ParameterError(
             "cut_on_um",
             efficiency.cut_on_um,
-            f"a filter that lets some of the picture's bands through, {low:g} to {high:g} µm",
+            f"a filter that passes some of the picture's bands, {low:g} to {high:g} µm",
             unit="µm",
         )
     return weights

@@ -30,22 +30,23 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
         Formula(
             r"H(f)=\mathrm{sinc}\left[(1+m)\,s\,f\right]\;\frac{\sin(\pi N m s f)}{N\,\sin(\pi "
             r"m s f)}",
-            where="m: velocity of the image over that of the charge, less 1; s: pitch over "
-            "phases, mrad; N: stages times phases",
+            where="m: image velocity over charge velocity, minus 1; s: pitch over phases, "
+            "mrad; N: stages times phases",
         ),
     )
 
     stages: Annotated[
-        int, Param("stages that add their charge", low=1, high=10000, slider=(1, 128))
+        int, Param("stages whose charge is added", low=1, high=10000, slider=(1, 128))
     ] = 64
     phases: Annotated[
         int,
-        Param("clock phases of a stage, steps of the charge; 0: no steps", low=0, high=100,
+        Param("clock phases per stage, in which the charge moves; 0: smooth motion",
+              low=0, high=100,
               slider=(0, 8)),
     ] = 4  # fmt: skip
     velocity_mismatch_percent: Annotated[
         float,
-        Param("how much faster the image is than the charge", unit="%", low=-99, high=1000,
+        Param("how much faster the image moves than the charge", unit="%", low=-99, high=1000,
               slider=(-5, 5)),
     ] = 0.0  # fmt: skip
     direction: Annotated[
@@ -53,7 +54,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     ] = "y"
     detector_um: Annotated[
         float | None,
-        Param("pitch of the stages; empty: the detector's along the motion", unit="µm", low=0,
+        Param("pitch of the stages; empty: the detector's pitch along the motion", unit="µm", low=0,
               slider=(1, 100)),
     ] = None  # fmt: skip
     focal_length_mm: Annotated[
@@ -104,9 +105,10 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
         if pixels <= 2.0:
             return None
         return Caution(
-            f"over {self.stages} stages a mismatch of {self.velocity_mismatch_percent:g} % moves "
-            f"the image {pixels:.3g} pixels from its charge",
-            "lower velocity_mismatch_percent or stages: at Nyquist's frequency nothing is left",
+            f"the MTF at Nyquist is almost zero: over {self.stages} stages a mismatch of "
+            f"{self.velocity_mismatch_percent:g} % moves the image {pixels:.3g} pixels away "
+            "from its charge",
+            "lower velocity_mismatch_percent or stages",
         )
 
     @readout("mrad")

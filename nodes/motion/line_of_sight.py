@@ -49,17 +49,17 @@ class LineOfSight(
     formulas = (
         Formula(
             r"S(f)=\frac{2\,\sigma^2}{\pi f_c\left[1+(f/f_c)^2\right]}",
-            where="σ: rms of the angle, mrad; f_c: corner_Hz",
+            where="σ: rms angle, mrad; f_c: corner_Hz",
             when="without psd_path",
         ),
         Formula(
             r"H(\xi)=\frac{1}{T}\int_{-T/2}^{T/2}e^{-2\pi^2v(t)\,\xi^2}\,dt",
-            where="T: exposure, s; within one exposure",
+            where="T: exposure time, s; motion within one exposure",
         ),
         Formula(
             r"v(t)=\int S(f)\left[1+\mathrm{sinc}^2(fT)-2\,\mathrm{sinc}(fT)\cos(2\pi ft)"
             r"\right]df",
-            where="variance about the exposure's mean at time t from its middle",
+            where="variance about the exposure's mean, at time t from its middle",
         ),
         Formula(
             r"\theta(\xi)=-2\pi\,\xi\,s_n,\quad s_n\sim S(f)\,\mathrm{sinc}^2(fT)",
@@ -75,15 +75,16 @@ class LineOfSight(
     ] = 0.0
     corner_Hz: Annotated[
         float,
-        Param("half of the power density at low frequencies is left here", unit="Hz",
+        Param("frequency at which the power density has fallen to half its low-frequency "
+              "value", unit="Hz",
               low=1e-6, high=1e9, slider=(0.1, 100)),
     ] = 5.0  # fmt: skip
     psd_path: Annotated[
         Path | None,
-        Param("CSV of Hz and mrad²/Hz (across, along), in place of rms and corner, or empty"),
+        Param("CSV of Hz and mrad²/Hz (across, along), used instead of rms and corner, or empty"),
     ] = None
     integration_time_s: Annotated[
-        float, Param("length of an exposure", unit="s", low=0, high=1e6, slider=(0, 0.05))
+        float, Param("exposure time", unit="s", low=0, high=1e6, slider=(0, 0.05))
     ] = 0.01
     frame_rate_Hz: Annotated[
         float, Param("frame rate", unit="Hz", low=1e-6, high=1e9, slider=(1, 120))
@@ -151,9 +152,9 @@ class LineOfSight(
         if self.integration_time_s <= frame_s * (1 + 1e-9):
             return None
         return Caution(
-            f"integration_time_s = {self.integration_time_s:g} s is longer than a frame of "
-            f"{frame_s:g} s: exposures overlap",
-            "lower integration_time_s or frame_rate_Hz, unless frames are averages that overlap",
+            f"exposures overlap: integration_time_s = {self.integration_time_s:g} s is longer "
+            f"than a frame of {frame_s:g} s",
+            "lower integration_time_s or frame_rate_Hz, unless the frames are overlapping averages",
         )
 
     @readout("mrad")

@@ -30,12 +30,12 @@ class RelativeMotionMTF(
     formulas = (
         Formula(
             r"H=\mathrm{sinc}(b_x\xi)\,\mathrm{sinc}(b_y\eta)",
-            where="b: 1000·(velocity of the platform − of the image)·time/range, mrad",
+            where="b: 1000·(platform velocity − image velocity)·time/range, mrad",
             when="published",
         ),
         Formula(
             r"H=\mathrm{sinc}(b_x\xi+b_y\eta)",
-            where="the straight smear of a constant velocity",
+            where="for the straight smear of a constant velocity",
             when="line",
         ),
     )
@@ -47,11 +47,11 @@ class RelativeMotionMTF(
     )
     platform_velocity_y: Annotated[float, Param("velocity of the platform along", unit="m/s")] = 0.0
     integration_time_s: Annotated[float, Param("integration time", unit="s", low=0)] = 0.0
-    range_m: Annotated[float | None, Param("distance; empty: of Init & Trans", unit="m", low=0)] = (
-        None
-    )
+    range_m: Annotated[
+        float | None, Param("distance; empty: from Init & Trans", unit="m", low=0)
+    ] = None
     model: Annotated[
-        Literal["published", "line"], Param("rectangle (eq. 4.31) or straight smear")
+        Literal["published", "line"], Param("rectangle (eq. 4.31), or a straight smear")
     ] = "published"
 
     panel = (

@@ -22,12 +22,14 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
 
     formulas = (
         Formula(
-            r"H(\xi)=J_0(2\pi A\,\xi)", where="A: amplitude, mrad", when="whole periods, or many"
+            r"H(\xi)=J_0(2\pi A\,\xi)",
+            where="A: amplitude, mrad",
+            when="for whole periods, or many",
         ),
         Formula(
             r"H(\xi)=\left|\frac{1}{t}\int_0^t e^{-2\pi iA\,\xi\,\sin(2\pi fs)}\,ds\right|",
             where="f: frequency, Hz; t: integration time, s",
-            when="a part of a period left over",
+            when="if part of a period is left over",
         ),
     )
 

@@ -90,12 +90,12 @@ class DiffractionMTF(
 
     aperture_mm: Annotated[
         float | None,
-        Param("aperture's diameter; empty: of Camera, or focal length over F-number", unit="mm",
+        Param("aperture's diameter; empty: from Camera, or focal length over F-number", unit="mm",
               low=0, slider=(2, 500)),
     ] = None  # fmt: skip
     obscuration_ratio: Annotated[
         float | None,
-        Param("inner over outer diameter; empty: of Camera, or none", low=0, high=1, below=True,
+        Param("inner over outer diameter; empty: from Camera, or none", low=0, high=1, below=True,
               slider=(0, 0.6), zero_is_empty=False),
     ] = None  # fmt: skip
     cut_on_um: CutOn = None

@@ -71,7 +71,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     ] = "um"
     focal_length_mm: Annotated[
         float | None,
-        Param("focal length, for µm; empty: of Init & Trans", unit="mm", low=0,
+        Param("focal length, for µm; empty: from Init & Trans", unit="mm", low=0,
               slider=(10, 10000)),
     ] = None  # fmt: skip
     centroid: Annotated[

@@ -172,7 +172,9 @@ def _four_bar(width: int, height: int, frequency: float) -> Drawing:
     """
     if not frequency >= BAR_MINIMUM:
         raise ParameterError(
-            "frequency", frequency, f"at least {BAR_MINIMUM:g}, so that the coarsest pair fits"
+            "frequency",
+            frequency,
+            f"at least {BAR_MINIMUM:g}, so that the coarsest pair of bars fits",
         )
     short = min(width, height)
     unit_x, unit_y = short / width, short / height

@@ -68,8 +68,8 @@ class ImageNoise:
         """Refuse a picture of which not all noise is known (`DataError`)."""
         if self.unknown:
             raise DataError(
-                f"noise cannot be followed through {', '.join(self.unknown)}: measure or budget "
-                "the picture before it"
+                f"the noise behind {', '.join(self.unknown)} cannot be computed: connect the "
+                "picture before it"
             )
 
 
@@ -102,7 +102,7 @@ class NoiseOf(Recipe):
 
     @property
     def in_words(self) -> str:
-        return "following noises through filters and patterns"
+        return "computing noise behind filters and patterns"
 
     @property
     def in_blocks(self) -> bool:
@@ -141,9 +141,9 @@ class NoiseOf(Recipe):
         if work.blocks is not None and work.blocks.disk.wants(self.image.shape, np.float64):
             names = ", ".join(dict.fromkeys(noise.name for noise in noises if noise.pattern))
             raise DataError(
-                f"the power of a known pattern ({names}) of {self.image.rows} × "
-                f"{self.image.columns} samples is made as a whole, which --memory "
-                f"{amount_text(work.blocks.disk.memory_bytes)} does not hold"
+                f"a known pattern ({names}) of {self.image.rows} × {self.image.columns} "
+                "samples must be computed as a whole, and --memory "
+                f"{amount_text(work.blocks.disk.memory_bytes)} is too small for it"
             )
         without = noise_free(picture)
         alone = [
