@@ -151,7 +151,7 @@ def _of_parameter(module: type[Module], parameter: Parameter) -> Iterator[str]:
     if not parameter.required:
         stored = json.loads(json.dumps(plain(parameter.default)))
         if parameter.coerce(stored) != parameter.default:
-            yield "its default is another value when it comes back from a file"
+            yield "its default changes when it is saved to a file and read back"
     if parameter.kind not in ("number", "integer"):
         return
     param = parameter.param
@@ -167,7 +167,7 @@ def _of_parameter(module: type[Module], parameter: Parameter) -> Iterator[str]:
             if "\n" in str(error):
                 yield f"{value} is refused in more than one line"
         else:
-            yield f"{value} is taken, and not refused"
+            yield f"{value} is accepted; it should be refused"
 
 
 def _of_values(trial: _Trial) -> Iterator[str]:
@@ -181,9 +181,12 @@ def _of_values(trial: _Trial) -> Iterator[str]:
             if value.shape != wire.shape:
                 yield f"output {name} has {value.shape} samples, and says {wire.shape}"
             if value.flags.writeable:
-                yield f"output {name} can be changed: the engine hands out what it keeps"
+                yield (
+                    f"output {name} can be modified: return a read-only array, because the "
+                    "engine keeps it"
+                )
         if pickle.loads(pickle.dumps(wire)).key != wire.key:
-            yield f"output {name} has another key once it has been sent to another process"
+            yield f"output {name} has another key after it was sent to another process"
 
 
 def _of_precision(trial: _Trial) -> Iterator[str]:
@@ -201,7 +204,7 @@ def _of_precision(trial: _Trial) -> Iterator[str]:
         if span := widest or float(np.abs(exact).max()):
             error = float(np.abs(single[name] - exact).max()) / span
             if error > SINGLE_ERROR:
-                yield f"output {name} in single precision is {error:.1g} of the range off"
+                yield f"output {name} is off by {error:.1g} of its range in single precision"
 
 
 def _of_regions(trial: _Trial) -> Iterator[str]:
@@ -221,7 +224,10 @@ def _of_regions(trial: _Trial) -> Iterator[str]:
             part = other.value(again, f"{IT}.{name}", other.work(policy), region)
             error = float(np.abs(part - whole[region.slices]).max()) / span
             if error > DOUBLE_ERROR:
-                yield f"output {name}: a part of it is {error:.1g} of the range off the whole"
+                yield (
+                    f"output {name}: a part of it differs from the whole by {error:.1g} of "
+                    "its range"
+                )
 
 
 def _of_keys(trial: _Trial) -> Iterator[str]:
@@ -272,7 +278,9 @@ def _of_transfer(trial: _Trial, passive: bool) -> Iterator[str]:
     if passive and zero != 1.0:
         yield f"H(0) = {zero}, and not 1: the mean would change"
     if passive and np.abs(otf).max() > 1.0 + 1e-15:
-        yield f"|H| reaches {np.abs(otf).max():.6g}, above 1; say passive=False if that is meant"
+        yield (
+            f"|H| reaches {np.abs(otf).max():.6g}, above 1; set passive=False if this is intended"
+        )
 
 
 def _of_steps(trial: _Trial) -> Iterator[str]:
@@ -288,8 +296,8 @@ def _of_steps(trial: _Trial) -> Iterator[str]:
         seen.add(recipe.key)
         if isinstance(recipe, Step) and not callable(getattr(recipe.function, "lineage", None)):
             yield (
-                f"{recipe.function.__qualname__} does not say what becomes of a picture: mark it "
-                "by picture_step, source_step or ends_lineage"
+                f"{recipe.function.__qualname__} does not state how it changes a picture: mark "
+                "it by picture_step, source_step or ends_lineage"
             )
         waiting += [*recipe.made_of, *recipe.inputs]
 
@@ -326,8 +334,8 @@ def _of_gain(trial: _Trial) -> Iterator[str]:
         measured = (means[1][name] - means[0][name]) / span
         if abs(measured - gain) > GAIN_ERROR * max(abs(gain), abs(measured)):
             yield (
-                f"output {name}: a brighter scene is {measured:.4g} times as much brighter, and "
-                f"the step says {gain:.4g}: give its linear change in picture_step"
+                f"output {name}: a brighter scene gives {measured:.4g} times the change, but "
+                f"the step states {gain:.4g}: give its linear gain in picture_step"
             )
 
 

@@ -82,13 +82,13 @@ def _modules_at(point: EntryPoint, package: str) -> tuple[type[Module], ...]:
     several = (loaded,) if isinstance(loaded, type) else tuple(loaded)
     for module in several:
         if not (isinstance(module, type) and issubclass(module, Module)):
-            raise TypeError(f"{module!r:.80} is no subclass of Module")
+            raise TypeError(f"{module!r:.80} is not a subclass of Module")
         local = local_key(module.key)
         if package_of(module.key) != package or not local.isidentifier():
             wanted = f"{package}.{local if local.isidentifier() else 'name'}"
             raise TypeError(f"the key of {module.__name__} is {module.key!r}: make it {wanted!r}")
         if not (module.title and module.group):
-            raise TypeError(f"{module.__name__} has no title, or no group")
+            raise TypeError(f"{module.__name__} has no title or no group")
         declaration(module)
     return several
 

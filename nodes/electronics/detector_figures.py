@@ -65,8 +65,8 @@ def detector_figures(work: Work, seen: PictureRange, *, detector: Detector) -> D
     if background is None:
         if seen.mean <= 0:
             raise DataError(
-                f"the image's mean {seen.mean:.6g} is no radiance of a background: "
-                "give background_K"
+                f"the picture's mean {seen.mean:.6g} is not the radiance of a background: give "
+                "background_K"
             )
         background = float(brightness_temperature(radiance=seen.mean, **band))
     d_star = detector.d_star or _band_d_star(detector, background)
@@ -104,14 +104,14 @@ def figures(
     netd_detector = computed.netd_K * rms_over_mean
     noise = float(np.hypot(computed.ner * rms_over_mean, sigma))
     rows = (
-        ("background_K", computed.background_K, "K", "background that weights D* and gives dL/dT"),
+        ("background_K", computed.background_K, "K", "background temperature for D* and dL/dT"),
         ("bandwidth_Hz", detector.bandwidth_Hz, "Hz", "noise bandwidth"),
         ("g_number", computed.g_number, "1/sr", "optical throughput"),
-        ("d_star", computed.d_star, "cm √Hz/W", "specific detectivity of the band"),
-        ("nep_W", computed.nep_W, "W", "noise equivalent power of a detector of mean noise"),
-        ("ner", computed.ner, "W/m²/sr", "noise equivalent radiance of a detector of mean noise"),
+        ("d_star", computed.d_star, "cm √Hz/W", "specific detectivity over the band"),
+        ("nep_W", computed.nep_W, "W", "noise-equivalent power of a detector with mean noise"),
+        ("ner", computed.ner, "W/m²/sr", "noise-equivalent radiance of a detector with mean noise"),
         ("amplifier_noise", sigma, "W/m²/sr", "rms noise of the amplifier"),
-        ("netd_detector_K", netd_detector, "K", "NETD of the detectors, rms of all"),
+        ("netd_detector_K", netd_detector, "K", "NETD of the detectors, rms over all"),
         ("netd_amplifier_K", netd_amplifier, "K", "NETD of the amplifier"),
         (
             "netd_system_K",
@@ -119,7 +119,7 @@ def figures(
             "K",
             "NETD of detector and amplifier together",
         ),
-        ("snr", seen.mean / noise, "", "mean over rms noise of detector and amplifier"),
+        ("snr", seen.mean / noise, "", "mean signal over rms noise of detector and amplifier"),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
 
@@ -131,7 +131,7 @@ def amplifier_sigma(seen: PictureRange, *, snr: float | None, reference: str) ->
     level = abs(seen.mean) if reference == "mean" else seen.high - seen.low
     sigma = float(amplifier_noise_radiance(reference_radiance=level, snr=snr))
     if not np.isfinite(sigma):
-        raise ParameterError("amplifier_snr", snr, "large enough for a noise that is finite")
+        raise ParameterError("amplifier_snr", snr, "large enough for finite noise")
     return sigma
 
 
@@ -151,6 +151,7 @@ def _band_d_star(detector: Detector, background_K: float) -> float:
         raise ParameterError(
             "material",
             detector.material,
-            f"it does not respond between {detector.cut_on_um:g} and {detector.cut_off_um:g} µm",
+            f"the material does not respond between {detector.cut_on_um:g} and "
+            f"{detector.cut_off_um:g} µm",
         )
     return float(d_star)

@@ -106,7 +106,7 @@ class ElectronicsNoise(
         ),
         Formula(
             r"L'=L\,(1+g\,n_1)+b\,n_2\,\overline{L}",
-            where="g, b: gain_percent and bias_percent over 100; n: a normal deviate of each "
+            where="g, b: gain_percent and bias_percent over 100; n: a normal deviate for each "
             "detector",
             when="gain_model per_pixel",
         ),
@@ -117,7 +117,7 @@ class ElectronicsNoise(
         ),
         Formula(
             r"q=\frac{L_{high}-L_{low}}{2^b-1}",
-            where="step of the quantizer of b bits, both ends included",
+            where="step of a quantizer of b bits, with both ends as levels",
         ),
     )
 
@@ -129,7 +129,7 @@ class ElectronicsNoise(
         Param("detector material, for D*"),
     ] = "HgCdTe"
     d_star: Annotated[
-        float | None, Param("D* typed in, in place of the material's", unit="cm √Hz/W", low=0)
+        float | None, Param("D*, used instead of the material's", unit="cm √Hz/W", low=0)
     ] = None
     optics_transmission: Annotated[
         float, Param("transmission of the optics", low=0, high=1, above=True)
@@ -139,7 +139,11 @@ class ElectronicsNoise(
     ] = 1.0
     scan_mirror_rate_Hz: Annotated[
         float | None,
-        Param("turns of the scan mirror; empty: scan velocity of Init & Trans", unit="Hz", low=0),
+        Param(
+            "revolutions of the scan mirror; empty: scan velocity from Init & Trans",
+            unit="Hz",
+            low=0,
+        ),
     ] = None
     time_constant_s: Annotated[
         float | None, Param("detector time constant; empty: the dwell time", unit="s", low=0)
@@ -151,42 +155,55 @@ class ElectronicsNoise(
         float | None, Param("SNR of the amplifier; empty: no amplifier noise", low=0)
     ] = None
     snr_reference: Annotated[
-        Literal["mean", "contrast"], Param("what the SNR refers to: mean, or max − min")
+        Literal["mean", "contrast"], Param("signal that the SNR refers to: mean, or max − min")
     ] = "mean"
-    gain_percent: Annotated[float, Param("spread of gain", unit="%", low=0, slider=(0, 10))] = 0.0
+    gain_percent: Annotated[
+        float, Param("spread of the gain between detectors", unit="%", low=0, slider=(0, 10))
+    ] = 0.0
     bias_percent: Annotated[
-        float, Param("spread of bias, of the mean", unit="%", low=0, slider=(0, 10))
+        float,
+        Param(
+            "spread of the bias between detectors, relative to the mean",
+            unit="%",
+            low=0,
+            slider=(0, 10),
+        ),
     ] = 0.0
     gain_model: Annotated[
         Literal["per_pixel", "published", "literal"],
-        Param("gain scales each pixel, adds a share of the mean, or eq. 4.59 as printed"),
+        Param(
+            "per_pixel scales each pixel, published adds a fraction of the mean, literal is "
+            "eq. 4.59 as printed"
+        ),
     ] = "per_pixel"
     noise_variability_percent: Annotated[
-        float, Param("spread of the noise among detectors", unit="%", low=0, slider=(0, 100))
+        float,
+        Param("spread of the noise level between detectors", unit="%", low=0, slider=(0, 100)),
     ] = 0.0
     use_mtf: Annotated[bool, Param("apply the pre-amplifier's MTF and PTF")] = False
     post_filter: Annotated[
         Literal["none", "lowpass", "highpass", "boost"], Param("filter after the amplifier")
     ] = "none"
     post_corner_Hz: Annotated[
-        float | None, Param("corner, or boost frequency, of the post filter", unit="Hz", low=0)
+        float | None,
+        Param("corner frequency, or boost frequency, of the post filter", unit="Hz", low=0),
     ] = None
     post_poles: Annotated[int, Param("poles of the post filter", low=1, high=100)] = 1
     post_gain: Annotated[float, Param("gain of the boost", low=1, high=1e6)] = 2.0
     bits: Annotated[
-        int, Param("bits per pixel, 0 for none", unit="bit", choices=(0, *_CONVERTER_BITS))
+        int, Param("bits per pixel; 0: no quantization", unit="bit", choices=(0, *_CONVERTER_BITS))
     ] = 0
     range_low: Annotated[
         float | None,
-        Param("lowest level; empty: the picture's least", unit="W/m²/sr", zero_is_empty=False),
+        Param("lowest level; empty: the picture's minimum", unit="W/m²/sr", zero_is_empty=False),
     ] = None
     range_high: Annotated[
         float | None,
-        Param("highest level; empty: the picture's greatest", unit="W/m²/sr", zero_is_empty=False),
+        Param("highest level; empty: the picture's maximum", unit="W/m²/sr", zero_is_empty=False),
     ] = None
     background_K: Annotated[
         float | None,
-        Param("background; empty: brightness temperature of the mean", unit="K", low=0),
+        Param("background temperature; empty: brightness temperature of the mean", unit="K", low=0),
     ] = None
 
     preview_lines = 15.5
@@ -206,7 +223,7 @@ class ElectronicsNoise(
         ),
         Section("Background", ("background_K",), page="Detector"),
         Section("Gain and bias", ("gain_percent", "bias_percent", "gain_model"), page="Gain"),
-        Section("Noise among detectors", ("noise_variability_percent",), page="Gain"),
+        Section("Noise between detectors", ("noise_variability_percent",), page="Gain"),
         Section("Pre-amplifier", ("use_mtf",), page="Amplifier"),
         Section("Amplifier noise", ("amplifier_snr", "snr_reference"), page="Amplifier"),
         Section("Post filter", ("post_filter",), page="Amplifier"),
@@ -512,7 +529,7 @@ class ElectronicsNoise(
             raise ParameterError(
                 "post_corner_Hz",
                 self.post_corner_Hz,
-                "a post filter needs its corner, and a scan rate or velocity",
+                "a post filter needs a corner frequency, and a scan rate or scan velocity",
                 unit="Hz",
             )
         law = {
@@ -535,17 +552,17 @@ class ElectronicsNoise(
 
     bandwidth_figure = table_figure("bandwidth_Hz", "Hz", "Noise bandwidth.")
     g_number = table_figure("g_number", "1/sr", "Optical throughput number G#.")
-    d_star_figure = table_figure("d_star", "cm √Hz/W", "Specific detectivity of the band.")
-    nep_W = table_figure("nep_W", "W", "Noise equivalent power of a detector of mean noise.")
-    ner = table_figure("ner", "W/m²/sr", "Noise equivalent radiance of a detector of mean noise.")
+    d_star_figure = table_figure("d_star", "cm √Hz/W", "Specific detectivity over the band.")
+    nep_W = table_figure("nep_W", "W", "Noise-equivalent power of a detector with mean noise.")
+    ner = table_figure("ner", "W/m²/sr", "Noise-equivalent radiance of a detector with mean noise.")
     netd_detector_K = table_figure(
-        "netd_detector_K", "K", "NETD of the detectors: rms of all, spread included."
+        "netd_detector_K", "K", "NETD of the detectors: rms over all, including their spread."
     )
     netd_amplifier_K = table_figure("netd_amplifier_K", "K", "NETD of the amplifier.")
     netd_system_K = table_figure("netd_system_K", "K", "NETD of detector and amplifier together.")
-    snr = table_figure("snr", "", "Mean over rms noise of detector and amplifier.")
-    quantization_rms = table_figure("quantization_rms", "W/m²/sr", "Rms error of the quantizer.")
-    background = table_figure("background_K", "K", "Background that weights D* and gives dL/dT.")
+    snr = table_figure("snr", "", "Mean signal over rms noise of detector and amplifier.")
+    quantization_rms = table_figure("quantization_rms", "W/m²/sr", "Quantization noise.")
+    background = table_figure("background_K", "K", "Background temperature for D* and dL/dT.")
 
 
 # A picture in bands where its sum is wanted: of all bands, or of those within a filter.
@@ -561,7 +578,7 @@ def weights_within(bands: BandStack, low_um: float | None, high_um: float | None
         weights.append(weight * min(max(part / width, 0.0), 1.0))
     if not any(weights):
         raise ParameterError(
-            "cut_on_um", low, f"a band that meets the picture's, {first:g} to {last:g} µm",
+            "cut_on_um", low, f"a band that overlaps the picture's, {first:g} to {last:g} µm",
             unit="µm",
         )  # fmt: skip
     return tuple(weights)

@@ -53,39 +53,45 @@ class Noise3DSource(
     formulas = (
         Formula(
             r"L'=L+n_t+n_v+n_h+n_{tv}+n_{th}+n_{vh}+n_{tvh}+n_{1/f}",
-            where="each normal, of its own standard deviation: one for every frame (t), row (v) "
-            "and column (h) that stands in its name",
+            where="each normally distributed with its own standard deviation: one deviate for "
+            "every frame (t), row (v) and column (h) in its name",
         ),
         Formula(
             r"S(f)=\frac{2\,\sigma_{tvh}^2}{f_R}\;\frac{f_k}{f}",
-            where="density of the 1/f noise of a sample; it equals that of σ_tvh at f_k = "
-            "corner_Hz; f_R: frame rate",
+            where="power density of a sample's 1/f noise; it equals the density of σ_tvh at "
+            "f_k = corner_Hz; f_R: frame rate",
         ),
     )
 
     sigma_tvh: Annotated[
         float,
-        Param("random from sample to sample and frame to frame", low=0, high=1e15, slider=(0, 1)),
+        Param(
+            "random noise, from pixel to pixel and frame to frame", low=0, high=1e15, slider=(0, 1)
+        ),
     ] = 0.0
     sigma_tv: Annotated[
-        float, Param("of rows, from frame to frame", low=0, high=1e15, slider=(0, 1))
+        float, Param("row noise that changes from frame to frame", low=0, high=1e15, slider=(0, 1))
     ] = 0.0
     sigma_th: Annotated[
-        float, Param("of columns, from frame to frame", low=0, high=1e15, slider=(0, 1))
+        float,
+        Param("column noise that changes from frame to frame", low=0, high=1e15, slider=(0, 1)),
     ] = 0.0
     sigma_t: Annotated[
-        float, Param("of whole frames from one to the next", low=0, high=1e15, slider=(0, 1))
+        float, Param("flicker of the whole frame", low=0, high=1e15, slider=(0, 1))
     ] = 0.0
     sigma_vh: Annotated[
-        float, Param("fixed from sample to sample", low=0, high=1e15, slider=(0, 1))
+        float, Param("fixed pattern, pixel by pixel", low=0, high=1e15, slider=(0, 1))
     ] = 0.0
-    sigma_v: Annotated[float, Param("fixed from row to row", low=0, high=1e15, slider=(0, 1))] = 0.0
+    sigma_v: Annotated[
+        float, Param("fixed pattern, row by row", low=0, high=1e15, slider=(0, 1))
+    ] = 0.0
     sigma_h: Annotated[
-        float, Param("fixed from column to column", low=0, high=1e15, slider=(0, 1))
+        float, Param("fixed pattern, column by column", low=0, high=1e15, slider=(0, 1))
     ] = 0.0
     corner_Hz: Annotated[
         float,
-        Param("where 1/f noise equals sigma_tvh; 0: none", unit="Hz", low=0, high=1e9,
+        Param("corner frequency, where 1/f noise equals sigma_tvh; 0: no 1/f noise",
+              unit="Hz", low=0, high=1e9,
               slider=(0, 10)),
     ] = 0.0  # fmt: skip
     frame_rate_Hz: Annotated[
@@ -106,7 +112,7 @@ class Noise3DSource(
             return
         if not self.sigma_tvh:
             raise ParameterError(
-                "sigma_tvh", 0.0, "above 0 where corner_Hz is: 1/f noise equals it at the corner"
+                "sigma_tvh", 0.0, "above 0 if corner_Hz is: 1/f noise equals it at the corner"
             )
         self._band()
 
@@ -143,9 +149,8 @@ class Noise3DSource(
             used = [n for n in COMPONENTS if name in n and getattr(self, f"sigma_{n}")]
             if count == 1 and used:
                 return Caution(
-                    f"the picture has a single {what}, in which sigma_{used[0]} cannot be told "
-                    "from what does not vary there",
-                    f"set sigma_{used[0]} to 0, or give a picture of more {what}s",
+                    f"sigma_{used[0]} has no meaning here: the picture has a single {what}",
+                    f"set sigma_{used[0]} to 0, or use a picture with more {what}s",
                 )
         return None
 

@@ -34,7 +34,7 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
     path: Annotated[Path | None, Param("noise file, relative to the network file's folder")] = None
     band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0
     scale: Annotated[
-        float, Param("factor that brings the noise to the picture's unit", slider=(0, 10))
+        float, Param("factor that converts the file to the picture's unit", slider=(0, 10))
     ] = 1.0
 
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
@@ -43,8 +43,9 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
         checked_band(self.band, info.bands, info.path)
         if (info.rows, info.columns) != image.shape:
             raise DataError(
-                f"the noise of {info.path.name} is {info.columns} × {info.rows} samples and the "
-                f"picture {image.columns} × {image.rows}: give a noise file of the same size"
+                f"the noise in {info.path.name} is {info.columns} × {info.rows} samples and "
+                f"the picture {image.columns} × {image.rows}: give a noise file of the same "
+                "size"
             )
         noise = read_step(source, band=self.band, scale=self.scale, node=here.node)
         if self.scale == 0.0:

@@ -43,8 +43,8 @@ def value_range(
         raise ParameterError(
             name,
             value,
-            f"within reach of the picture, which goes from {picture.min():.6g} to "
-            f"{picture.max():.6g}, or give both ends",
+            f"inside the picture's range, {picture.min():.6g} to {picture.max():.6g}, or give both "
+            "levels",
             unit="W/m²/sr",
         )
     return lowest, highest
@@ -70,7 +70,7 @@ def quantized(work: Work, picture: Array, limits: tuple[float, float], *, bits: 
 @ends_lineage
 def with_quantization(work: Work, table: TableData, final: Array, before: Array) -> TableData:
     rms = 0.0 if final is before else quantization_rms(original=before, quantized=final)
-    row = TableRow("quantization_rms", rms, "W/m²/sr", "rms error of the quantizer")
+    row = TableRow("quantization_rms", rms, "W/m²/sr", "quantization noise")
     return TableData((*table.rows, row))
 
 
@@ -153,8 +153,8 @@ def _shape_of(pattern: Recipe) -> tuple[int, int]:
 def _without_gain(picture: Recipe, *_: Recipe, model: str, **how: Any) -> Recipe:
     if model == "literal":
         raise DataError(
-            "gain_model literal scales the picture by the gain error: without it nothing is "
-            "left; take per_pixel or published"
+            "gain_model literal multiplies the picture by the gain error, so without a gain "
+            "error nothing is left; use per_pixel or published"
         )
     return picture
 

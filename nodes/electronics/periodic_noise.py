@@ -28,7 +28,7 @@ _BLOCK_SAMPLES = 1 << 16
 _POINTS = 801  # of the preview
 _PERIODS, _ENVELOPES = 6.0, 1.5
 _MOST_PERIODS = 60.0  # more would be a grey area
-_NO_NOISE = "amplitude 0: no noise is added"
+_NO_NOISE = "no noise is added, because the amplitude is 0"
 
 
 class PeriodicNoise(
@@ -50,15 +50,13 @@ class PeriodicNoise(
         ),
     )
 
-    amplitude: Annotated[float, Param("amplitude, in the unit of the picture", slider=(0, 10))] = (
-        0.0
-    )
+    amplitude: Annotated[float, Param("amplitude, in the picture's unit", slider=(0, 10))] = 0.0
     xi: Annotated[float, Param("frequency across", unit="cyc/mrad", slider=(-1, 1))] = 0.1
     eta: Annotated[float, Param("frequency along", unit="cyc/mrad", slider=(-1, 1))] = 0.0
     phase_deg: Annotated[
         float, Param("phase at the first sample", unit="deg", slider=(-180, 180))
     ] = 0.0
-    modulation: Annotated[float, Param("depth of the modulation", low=0, high=1)] = 0.0
+    modulation: Annotated[float, Param("modulation depth", low=0, high=1)] = 0.0
     modulation_xi: Annotated[
         float, Param("frequency of the modulation across", unit="cyc/mrad", slider=(-1, 1))
     ] = 0.01

@@ -42,7 +42,7 @@ class PoissonNoise(
     formulas = (
         Formula(
             r"L'=L+n,\quad n\sim\mathrm{Poisson}\left(\frac{q}{100}\,\overline{L}\right)",
-            where="q: percent; L̄: Gaussian-weighted mean of the samples round about, width_px wide",
+            where="q: percent; L̄: Gaussian-weighted mean of the surrounding samples, width_px wide",
             when="published",
         ),
         Formula(
@@ -54,17 +54,22 @@ class PoissonNoise(
 
     width_px: Annotated[
         float,
-        Param("standard deviation of the local mean's weights", unit="px", low=0, slider=(0, 50)),
+        Param(
+            "standard deviation of the Gaussian that weights the local mean",
+            unit="px",
+            low=0,
+            slider=(0, 50),
+        ),
     ] = 5.0
     percent: Annotated[
-        float, Param("share of the local mean", unit="%", low=0, slider=(0, 100))
+        float, Param("fraction of the local mean", unit="%", low=0, slider=(0, 100))
     ] = 1.0
     photons_per_unit: Annotated[
         float | None, Param("photons per unit of radiance, for `photon`", low=0)
     ] = None
-    mode: Annotated[Literal["published", "photon"], Param("add a deviate, or replace by one")] = (
-        "published"
-    )
+    mode: Annotated[
+        Literal["published", "photon"], Param("add a Poisson deviate, or replace the sample by one")
+    ] = "published"
 
     panel = (
         Section("", ("mode",)),
@@ -111,10 +116,10 @@ class PoissonNoise(
         unit = image.unit.strip()
         named = f", {unit!r:.40}," if unit else ""
         return Caution(
-            f"Poisson deviates as in 1996 are counted in the picture's unit{named} so that their "
-            "share of the picture depends on it; and they are added before the optics",
-            "well to compare with the thesis; for a camera's shot noise leave this out and take "
-            "focal_plane, which counts electrons at the detector",
+            f"the amount of noise depends on the picture's unit{named} because Poisson "
+            "deviates are counted in it, as in 1996; the noise is added before the optics",
+            "keep it to compare with the thesis; for a camera's shot noise, delete this node "
+            "and use Focal Plane, which counts electrons at the detector",
         )
 
     @readout("W/m²/sr")

@@ -26,7 +26,7 @@ from nodes.shared.shared_warnings import Band, is_radiance
 Responses = tuple[ResponseCurve, ...]
 DetectorResponse = Annotated[
     Path | None,
-    Param("CSV of µm and the detector's response, which weights the light besides, or empty"),
+    Param("CSV of µm and detector response, an additional weight of the light, or empty"),
 ]
 _KELVIN = ("K", "kelvin")
 
@@ -62,7 +62,8 @@ def source_temperature(
     image = magnitude.image
     if image is None:
         raise ParameterError(
-            "source_K", None, "a temperature, as no picture comes in whose mean would give one",
+            "source_K", None, "a temperature, because no picture is connected whose mean "
+                              "could give one",
             unit="K",
         )  # fmt: skip
     if image.unit.strip() in _KELVIN:
@@ -85,7 +86,7 @@ def source_temperature(
 def mean_kelvin(work: Work, samples: NDArray[Any]) -> float:
     mean = float(np.mean(samples, dtype=np.float64))
     if not (math.isfinite(mean) and mean > 0.0):
-        raise DataError(f"a picture of mean {mean:g} K has no light: give source_K")
+        raise DataError(f"a picture with mean {mean:g} K contains no light: give source_K")
     return mean
 
 
@@ -97,8 +98,8 @@ def mean_brightness(
     mean = float(np.mean(samples, dtype=np.float64))
     if not (math.isfinite(mean) and mean > 0.0):
         raise DataError(
-            f"a picture of mean radiance {mean:g} has no brightness temperature: give source_K, or "
-            "weighting uniform"
+            f"a picture with mean radiance {mean:g} has no brightness temperature: give "
+            "source_K, or set weighting to uniform"
         )
     band = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
     return float(brightness_temperature(radiance=mean, **band))
@@ -129,9 +130,9 @@ def kelvin_caution(magnitude: Magnitude, band: Band, source_K: float | None) -> 
     if image.unit.strip() not in _KELVIN:
         return None
     return Caution(
-        "the picture is in kelvin: its mean weights the band, and temperatures are blurred as if "
-        "they were radiance",
-        "take To Radiance before Init & Trans",
+        "temperatures are blurred as if they were radiance: the picture is in kelvin, and its "
+        "mean weights the band",
+        "put To Radiance before Init & Trans",
     )
 
 
@@ -140,5 +141,5 @@ def one_wavelength_caution(response: Path | None, one: bool) -> Caution | None:
     if response is None or not one:
         return None
     return Caution(
-        "the response is not used: one wavelength stands for the band", "take more wavelengths"
+        "the response is not used: one wavelength represents the band", "use more wavelengths"
     )

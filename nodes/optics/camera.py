@@ -56,11 +56,11 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         int | None, Param("pixels along", unit="pixels", low=0, high=10**6, slider=(64, 4096))
     ] = None
     pitch_um: Annotated[
-        float | None, Param("from one pixel to the next", unit="µm", low=0, slider=(2, 50))
+        float | None, Param("pixel pitch across", unit="µm", low=0, slider=(2, 50))
     ] = None
     pitch_y_um: Annotated[
         float | None,
-        Param("the same along, if it differs; empty: as across", unit="µm", low=0, slider=(2, 50)),
+        Param("pixel pitch along; empty: as across", unit="µm", low=0, slider=(2, 50)),
     ] = None
     fill_x: Annotated[float | None, Param("fill factor across; empty: 1", low=0, high=1)] = None
     fill_y: Annotated[float | None, Param("fill factor along; empty: 1", low=0, high=1)] = None
@@ -73,12 +73,12 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     ] = None
     aperture_mm: Annotated[
         float | None,
-        Param("aperture's diameter; empty: focal length over F-number", unit="mm", low=0,
+        Param("aperture diameter; empty: focal length over F-number", unit="mm", low=0,
               slider=(2, 500)),
     ] = None  # fmt: skip
     obscuration_ratio: Annotated[
         float,
-        Param("inner over outer diameter of the aperture", low=0, high=1, below=True,
+        Param("obscuration: inner over outer diameter of the aperture", low=0, high=1, below=True,
               slider=(0, 0.6)),
     ] = 0.0  # fmt: skip
     range_m: Annotated[
@@ -146,7 +146,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             unit="",
             where=f"by {self.focal_length_mm:g} mm over {self.aperture_mm:g} mm",
             near=F_NUMBER_NEAR,
-            remedy="leave one of the three empty; as it is, diffraction takes the aperture and "
+            remedy="leave one of the three empty; otherwise diffraction uses the aperture and "
             "radiometry the F-number",
         )
 
@@ -159,7 +159,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             image.header.focal_length_mm,
             unit="mm",
             where="in the picture's file",
-            remedy="the one here counts; correct it, or take no picture of another camera",
+            remedy="the value here is used; correct it, or use a picture of this camera",
         )
 
     @warning
@@ -191,9 +191,11 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         if alike(pixel, sample):
             return None
         return Caution(
-            f"the picture's samples are {sample:.4g} times as high as wide and the pixels "
-            f"{pixel:.4g} times: there are more samples to a pixel along one axis",
-            "correct pitch, pixels or the picture's field of view, unless it is sampled so",
+            "there are more samples per pixel along one axis than along the other: the "
+            f"picture's samples are {sample:.4g} times as high as wide, the pixels {pixel:.4g} "
+            "times",
+            "correct pitch, pixels or the picture's field of view, unless this sampling is "
+            "intended",
         )
 
     @warning
@@ -206,24 +208,32 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         ):
             if pitch and interval and pitch < interval * (1 - NEAR):
                 return Caution(
-                    f"a sample is {interval:.4g} mrad wide {name} and a pixel {pitch:.4g} mrad: "
-                    "the picture is sampled more coarsely than the camera samples",
-                    "give a picture of two or more samples a pixel for its aliasing to be right",
+                    f"aliasing cannot be simulated: a sample is {interval:.4g} mrad wide "
+                    f"{name} and a pixel {pitch:.4g} mrad, so the picture is sampled more "
+                    "coarsely than the camera",
+                    "use a picture with two or more samples per pixel",
                 )
         return None
 
-    pixel_x_mrad = _figure("pixel_x_mrad", "mrad", "From one pixel to the next across.")
-    pixel_y_mrad = _figure("pixel_y_mrad", "mrad", "From one pixel to the next along.")
-    fov_x_deg = _figure("fov_x_deg", "deg", "Pixels times their angle across.")
-    fov_y_deg = _figure("fov_y_deg", "deg", "Pixels times their angle along.")
+    pixel_x_mrad = _figure("pixel_x_mrad", "mrad", "Pixel angle (IFOV spacing) across.")
+    pixel_y_mrad = _figure("pixel_y_mrad", "mrad", "Pixel angle (IFOV spacing) along.")
+    fov_x_deg = _figure("fov_x_deg", "deg", "Field of view across.")
+    fov_y_deg = _figure("fov_y_deg", "deg", "Field of view along.")
     nyquist_x = _figure("nyquist_x", "cyc/mrad", "Nyquist frequency of the pixels across.")
     nyquist_y = _figure("nyquist_y", "cyc/mrad", "Nyquist frequency of the pixels along.")
     f_number_figure = _figure("f_number", "", "F-number.")
     aperture_figure = _figure("aperture_mm", "mm", "Diameter of the aperture.")
-    samples_x = _figure("samples_per_pixel_x", "samples", "Samples of the picture a pixel across.")
-    samples_y = _figure("samples_per_pixel_y", "samples", "Samples of the picture a pixel along.")
-    cutoff = _figure("cutoff", "cyc/mrad", "Aperture over the middle wavelength of the band.")
-    q = _figure("q", "", "Wavelength times F-number over pitch: 2 where Nyquist is the cutoff.")
+    samples_x = _figure("samples_per_pixel_x", "samples", "Picture samples per pixel across.")
+    samples_y = _figure("samples_per_pixel_y", "samples", "Picture samples per pixel along.")
+    cutoff = _figure(
+        "cutoff", "cyc/mrad", "Diffraction cutoff at the middle wavelength of the band."
+    )
+    q = _figure(
+        "q",
+        "",
+        "λF/pitch: wavelength times F-number over pixel pitch; at 2, the "
+        "optical cutoff equals Nyquist.",
+    )
     gsd_x_m = _figure("gsd_x_m", "m", "Width of the scene that a pixel sees across.")
     gsd_y_m = _figure("gsd_y_m", "m", "Height of the scene that a pixel sees along.")
 
@@ -242,10 +252,10 @@ def _field_caution(
     if alike(picture, camera) or alike(picture, 2000 * math.atan(camera / 2000)):
         return None
     return Caution(
-        f"{name} = {pixels} of {pitch_mrad:.4g} mrad see {_deg(camera)} and the picture's field of "
-        f"view is {_deg(picture)}",
-        "the picture's counts; correct pixels, pitch, focal length or the picture's field of view, "
-        "unless it is part of the scene or more of it",
+        f"the picture's field of view, {_deg(picture)}, is used, but {name} = {pixels} of "
+        f"{pitch_mrad:.4g} mrad give {_deg(camera)}",
+        "correct pixels, pitch, focal length or the picture's field of view, unless the picture "
+        "covers more or less than the camera's field",
     )
 
 
@@ -275,25 +285,32 @@ def camera_figures(
         (
             TableRow("pixels_x", sheet.pixels_x, "pixels", "pixels across"),
             TableRow("pixels_y", sheet.pixels_y, "pixels", "pixels along"),
-            TableRow("pitch_x_um", sheet.pitch_x_um, "µm", "from pixel to pixel across"),
-            TableRow("pitch_y_um", sheet.pitch_y_um, "µm", "from pixel to pixel along"),
+            TableRow("pitch_x_um", sheet.pitch_x_um, "µm", "pixel pitch across"),
+            TableRow("pitch_y_um", sheet.pitch_y_um, "µm", "pixel pitch along"),
             TableRow("focal_length_mm", sheet.focal_length_mm, "mm", "focal length"),
             TableRow("f_number", sheet.f_number, "", "F-number"),
             TableRow("aperture_mm", sheet.aperture_mm, "mm", "diameter of the aperture"),
-            TableRow("obscuration_ratio", sheet.obscuration_ratio, "", "inner over outer diameter"),
+            TableRow(
+                "obscuration_ratio",
+                sheet.obscuration_ratio,
+                "",
+                "obscuration: inner over outer diameter",
+            ),
             TableRow("fill_x", sheet.fill_x or 1.0, "", "fill factor across"),
             TableRow("fill_y", sheet.fill_y or 1.0, "", "fill factor along"),
             TableRow("range_m", sheet.range_m, "m", "distance of the scene"),
-            TableRow("pixel_x_mrad", x, "mrad", "from pixel to pixel across"),
-            TableRow("pixel_y_mrad", y, "mrad", "from pixel to pixel along"),
-            TableRow("fov_x_deg", _in_deg(_times(sheet.pixels_x, x)), "deg", "all pixels across"),
-            TableRow("fov_y_deg", _in_deg(_times(sheet.pixels_y, y)), "deg", "all pixels along"),
+            TableRow("pixel_x_mrad", x, "mrad", "pixel angle across"),
+            TableRow("pixel_y_mrad", y, "mrad", "pixel angle along"),
+            TableRow(
+                "fov_x_deg", _in_deg(_times(sheet.pixels_x, x)), "deg", "field of view across"
+            ),
+            TableRow("fov_y_deg", _in_deg(_times(sheet.pixels_y, y)), "deg", "field of view along"),
             TableRow("nyquist_x", _over(0.5, x), "cyc/mrad", "Nyquist frequency across"),
             TableRow("nyquist_y", _over(0.5, y), "cyc/mrad", "Nyquist frequency along"),
             TableRow("samples_per_pixel_x", _over(x, interval_x_mrad), "samples", "across"),
             TableRow("samples_per_pixel_y", _over(y, interval_y_mrad), "samples", "along"),
             TableRow("cutoff", _over(sheet.aperture_mm, middle), "cyc/mrad", "of diffraction"),
-            TableRow("q", _over(blur, sheet.pitch_x_um), "", "λF/pitch at the band's middle"),
+            TableRow("q", _over(blur, sheet.pitch_x_um), "", "λF/pitch at the middle of the band"),
             TableRow("gsd_x_m", _km(_times(x, sheet.range_m)), "m", "seen by a pixel across"),
             TableRow("gsd_y_m", _km(_times(y, sheet.range_m)), "m", "seen by a pixel along"),
         )

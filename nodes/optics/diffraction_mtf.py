@@ -66,54 +66,60 @@ class DiffractionMTF(
     formulas = (
         Formula(
             r"H(\rho)=\sum_j w_j\,H_0(\nu_j),\quad\nu_j=\frac{\lambda_j\,\rho}{D}",
-            where="ρ: cycles/mrad; D: aperture, mm; λ_j, w_j: wavelengths (µm) that stand for "
-            "the band, and their weights by the light that counts",
+            where="ρ: cycles/mrad; D: aperture, mm; λ_j, w_j: wavelengths (µm) that represent "
+            "the band, and their weights by the light at each",
         ),
         Formula(
             r"H_0(\nu)=\frac{2}{\pi}\left(\arccos\nu-\nu\sqrt{1-\nu^2}\right)",
-            where="0 from ν = 1 on; of a ring the same overlap of the aperture with itself, "
-            "moved by ν",
+            where="0 for ν ≥ 1; for an annular aperture, its overlap with itself shifted by ν",
             when="clear aperture in focus",
         ),
         Formula(
             r"H_0(\nu)=\frac{4}{\pi}\int_0^{\arccos\nu}\sin^2 t\,\cos\left[8\pi W_{20}\,\nu\,("
             r"\cos t-\nu)\right]dt",
-            where="W₂₀: defocus_waves at the rim, at the wavelength",
+            where="W₂₀: defocus_waves at the rim, in waves at λ_j",
             when="out of focus",
         ),
         Formula(
             r"H_W=1-\left(\frac{W}{0.18}\right)^2\left[1-4\left(\nu-\frac{1}{2}\right)^2\right]",
-            where="W: rms_wavefront_waves; a factor",
+            where="W: rms_wavefront_waves; multiplies the MTF",
             when="small errors of any shape",
         ),
     )
 
     aperture_mm: Annotated[
         float | None,
-        Param("aperture's diameter; empty: from Camera, or focal length over F-number", unit="mm",
+        Param("aperture diameter; empty: from Camera, or focal length over F-number", unit="mm",
               low=0, slider=(2, 500)),
     ] = None  # fmt: skip
     obscuration_ratio: Annotated[
         float | None,
-        Param("inner over outer diameter; empty: from Camera, or none", low=0, high=1, below=True,
+        Param("obscuration: inner over outer diameter; empty: from Camera, or none",
+              low=0, high=1, below=True,
               slider=(0, 0.6), zero_is_empty=False),
     ] = None  # fmt: skip
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
     weighting: Annotated[
         Literal["photons", "energy", "uniform"],
-        Param("wavelengths count by photons, as in a photon detector, by energy, or all alike"),
+        Param(
+            "weight of the wavelengths: by photons, as in a photon detector, by energy, or equal"
+        ),
     ] = "photons"
     source_K: LightingSource = None
     response: DetectorResponse = None
     wavelengths: Annotated[
-        Number, Param("as many as the tolerance needs, or so many over the band, 1 its middle")
+        Number,
+        Param(
+            "auto: as many wavelengths as the tolerance needs; a number sets how "
+            "many sample the band; 1 uses the band's middle"
+        ),
     ] = "auto"
     tolerance: Annotated[
         float,
         Param(
-            "largest error of the OTF with auto; 0: 1e-13, with defocus 1e-10, with a response of "
-            "many points 1e-6",
+            "largest error of the OTF with auto; 0: 1e-13, with defocus 1e-10, with a "
+            "response of many points 1e-6",
             low=0,
             high=1,
         ),
@@ -122,7 +128,7 @@ class DiffractionMTF(
         float, Param("defocus at the rim, W20", unit="waves", low=-20, high=20, slider=(-2, 2))
     ] = 0.0
     rms_wavefront_waves: Annotated[
-        float, Param("wavefront error of any shape, rms", unit="waves", low=0, high=0.18,
+        float, Param("rms wavefront error of any shape", unit="waves", low=0, high=0.18,
                      slider=(0, 0.1)),
     ] = 0.0  # fmt: skip
     apply: Apply = "multiply"

@@ -61,21 +61,21 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     formulas = (
         Formula(
             r"P=t\,e^{2\pi iW},\quad W=W_{20}\,r^2+\sum_j a_j\,Z_j(r,\theta)",
-            where="t: amplitude, 0 to 1; W: wavefront error in waves; W₂₀: defocus_waves; a_j: "
-            "zernike_waves, rms, in Noll's order; r: from 0 to 1 at the rim",
+            where="t: amplitude, 0 to 1; W: wavefront error in waves; W₂₀: defocus_waves; "
+            "a_j: zernike_waves, rms, in Noll's order; r: from 0 to 1 at the rim",
         ),
     )
 
     shape: Annotated[
         Literal["clear", "half_moon", "cassegrain", "hinged", "cassegrain_slit", "spider", "file"],
-        Param("form of the aperture"),
+        Param("shape of the aperture"),
     ] = "clear"
     size_x: Annotated[int, Param("samples of the pupil array across", low=2, high=8192)] = 512
     size_y: Annotated[int, Param("samples of the pupil array along", low=2, high=8192)] = 512
     radius: Annotated[
         float | None,
         Param(
-            "radius of the aperture; empty: 75, of a file the circle round it",
+            "radius of the aperture; empty: 75, or for a file the circle around it",
             unit="samples", low=0, slider=(1, 256),
         ),
     ] = None  # fmt: skip
@@ -91,7 +91,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     ] = 4.0
     path: Annotated[
         Path | None,
-        Param("amplitude transmission, real or complex `.npy`, for `file`; empty: of the map"),
+        Param("amplitude transmission, real or complex `.npy`, for `file`; empty: from the map"),
     ] = None
     wavefront_path: Annotated[
         Path | None,
@@ -102,8 +102,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     )
     map_wavelength_um: Annotated[
         float | None,
-        Param("wavelength of a map in waves or rad; empty: as its header has it, else the band's "
-              "mean", unit="µm", low=0, slider=(0.4, 14)),
+        Param("wavelength of a map in waves or rad; empty: from its header, else the middle "
+              "of the band", unit="µm", low=0, slider=(0.4, 14)),
     ] = None  # fmt: skip
     defocus_waves: Annotated[
         float, Param("defocus W20 at the rim", unit="waves", low=-100, high=100, slider=(-2, 2))
@@ -158,7 +158,9 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     def _from_file(self, here: NodeContext) -> Pupil:
         if self.path is None and self.wavefront_path is None:
             raise ParameterError(
-                "path", None, "the shape `file` needs the image of a pupil, or wavefront_path"
+                "path",
+                None,
+                "the shape `file` needs the picture of a pupil in path, or wavefront_path",
             )
         given = {
             name: lens_source(path, here)
@@ -191,13 +193,13 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         size = wavefront.samples.rows, wavefront.samples.columns
         if wavefront.samples.is_complex or (opening is not None and opening.samples.is_complex):
             raise DataError(
-                "a complex pupil has its wavefront with it: give it as path alone, or amplitude "
-                "and wavefront as two files of real numbers"
+                "a complex pupil already contains its wavefront: give it as path alone, or "
+                "give amplitude and wavefront as two files of real numbers"
             )
         if wavefront.samples.bands > 1:
             raise DataError(
-                f"{wavefront.file.name} has {wavefront.samples.bands} bands; allowed: a wavefront "
-                "map of one"
+                f"{wavefront.file.name} has {wavefront.samples.bands} bands; a wavefront map "
+                "must have one"
             )
         factor, wavelength_um = map_scale(
             self.wavefront_unit, self.map_wavelength_um or wavefront.samples.wavelength_um
@@ -207,9 +209,9 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         if opening is not None:
             if (opening.samples.rows, opening.samples.columns) != size:
                 raise DataError(
-                    f"{opening.file.name} is {opening.samples.columns} × {opening.samples.rows} "
-                    f"samples and {wavefront.file.name} {size[1]} × {size[0]}: give files of one "
-                    "size"
+                    f"{opening.file.name} is {opening.samples.columns} × "
+                    f"{opening.samples.rows} samples and {wavefront.file.name} {size[1]} × "
+                    f"{size[0]}: both must have the same size"
                 )
             inputs = (known, here.step(loaded_opening, **opening.reading))
         samples = here.step(known_opening, *inputs, name=wavefront.file.name)
@@ -239,7 +241,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
             return None
         return Caution(
             f"wavefront_path is not used by the shape {self.shape}",
-            "set shape to file: the aperture is then that of the map, or of path",
+            "set shape to file: the aperture then comes from the map, or from path",
         )
 
     @readout("samples")
@@ -297,7 +299,7 @@ def known_opening(
     known = np.isfinite(wavefront)
     samples = known.astype(np.float64) if opening is None else np.where(known, opening, 0.0)
     if not samples.any():
-        raise DataError(f"{name}: the wavefront map is known nowhere that the pupil transmits")
+        raise DataError(f"{name}: the wavefront map has no value anywhere the pupil transmits")
     return np.asarray(samples / samples.max())
 
 
@@ -308,4 +310,4 @@ def known_waves(work: Work, wavefront: Array) -> Array:
 
 
 def _refusal(file: Path) -> str:
-    return f"{file.name}: a pupil needs transmissions of 0 and above, and not 0 alone"
+    return f"{file.name}: the transmissions of a pupil must be 0 or more, and not all 0"

@@ -82,16 +82,17 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     ] = 25.6
     method: Annotated[
         Literal["exact", "autocorrelation"],
-        Param("closed form where there is one, or always the sampled pupil"),
+        Param("the closed form if there is one, or always the sampled pupil"),
     ] = "exact"
     interpolation: Annotated[
-        Literal["none", "linear", "bilinear"], Param("from the sampled pupil's lags to the image's")
+        Literal["none", "linear", "bilinear"],
+        Param("interpolation from the sampled pupil to the image's frequencies"),
     ] = "bilinear"
     wavelengths: Annotated[
-        int, Param("wavelengths over the band; 1 is the band's mean", low=1, high=256)
+        int, Param("number of wavelengths over the band; 1 uses the band's mean", low=1, high=256)
     ] = 1
     weighting: Annotated[
-        Weighting, Param("wavelengths count all alike, as in 1996, by photons, or by energy")
+        Weighting, Param("weight of the wavelengths: equal, as in 1996, by photons, or by energy")
     ] = "uniform"
     source_K: LightingSource = None
     response: DetectorResponse = None
@@ -278,7 +279,8 @@ def _weights_by_light(
     light = lit.weight(np.array(wavelengths_um)) * np.array(weights)
     if not light.sum() > 0.0:
         raise DataError(
-            f"the response is 0 at each of the {len(weights)} wavelengths over the band: take more"
+            f"the response is 0 at each of the {len(weights)} wavelengths over the band: use "
+            "more wavelengths"
         )
     shares = (light / light.sum()).tolist()
     return (*shares[:-1], 1.0 - sum(shares[:-1]))

@@ -62,8 +62,9 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     formulas = (
         Formula(
             r"H(\xi)=M(\nu),\quad\xi=\frac{\nu f}{1000}=\frac{u\,f}{p}",
-            where="M: the file's curve, PCHIP between its points; ν: cycles/mm at the focal "
-            "plane; u: cycles a pixel; f: focal length, mm; p: pitch, µm; ξ: cycles/mrad",
+            where="M: the file's curve, with PCHIP between its points; ν: cycles/mm at the "
+            "focal plane; u: cycles per pixel; f: focal length, mm; p: pitch, µm; ξ: "
+            "cycles/mrad",
         ),
     )
 
@@ -73,20 +74,22 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     ] = None
     frequency_unit: Annotated[
         Literal["file", "cyc/mm", "cyc/mrad", "cyc/pixel"],
-        Param("unit of the frequencies; `file`: as its line of names has it"),
+        Param("unit of the frequencies; `file`: from the file's header line"),
     ] = "file"
     direction: Annotated[
         Literal["file", "x", "y", "radial"],
-        Param("axis on which the curve acts; `file`: by its column's name, radial for `mtf`"),
+        Param("axis on which the curve acts; `file`: from its column's name; `mtf` is radial"),
     ] = "file"
     normalise: Annotated[
         Literal["refuse", "at_zero"],
-        Param("an MTF that is not 1 at 0: an error, or divided by its value there"),
+        Param(
+            "what to do if the MTF is not 1 at zero frequency: refuse it, or divide by that value"
+        ),
     ] = "refuse"
     field: Annotated[
         int,
         Param(
-            "field of a listing of Zemax, counted from 0 without the limit",
+            "field position in a Zemax listing, counted from 0 without the diffraction limit",
             low=0,
             high=1000,
             slider=(0, 12),
@@ -139,14 +142,14 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             raise ParameterError(
                 "frequency_unit",
                 self.frequency_unit,
-                f"file or {table.unit}, the unit that {table.file.name} names",
+                f"file or {table.unit}, the unit named in {table.file.name}",
             )
         if unit is None:
             raise ParameterError(
                 "frequency_unit",
                 "file",
-                f"cyc/mm, cyc/mrad or cyc/pixel, as {table.file.name} does not name it, as in "
-                "'frequency (cyc/mm)'",
+                f"cyc/mm, cyc/mrad or cyc/pixel, because {table.file.name} does not name it, "
+                "for example by a header 'frequency (cyc/mm)'",
             )
         if unit == "cyc/mrad":
             return 1.0, 1.0
@@ -165,8 +168,8 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         mtfs, phases = self._curves(table, "mtf"), self._curves(table, "phase")
         if "radial" in phases:
             raise DataError(
-                f"{table.file}: a phase has a direction: set direction to x or y, or name the "
-                "columns phase_x and phase_y"
+                f"{table.file}: a phase needs a direction: set direction to x or y, or name "
+                "the columns phase_x and phase_y"
             )
         shift = _separable(tabulated_ptf, phases, scales, "ptf", self.title, node)
         if "radial" not in mtfs:
@@ -219,7 +222,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         """A module without its file."""
         if self.path is not None:
             return None
-        return Caution("path is empty, and nothing is blurred", "name a table of MTF")
+        return Caution("nothing is blurred: path is empty", "give the path of an MTF table")
 
     @warning
     def end(self, context: Context, outputs: OtfOutputs) -> Caution | None:
@@ -230,9 +233,10 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             last = frequencies[-1] / scale
             if values[-1] > ENDS_LOW and last < nyquist:
                 return Caution(
-                    f"the table ends at {last:.4g} cyc/mrad with an MTF of {values[-1]:.3g}, which "
-                    f"is 0 from there to the picture's Nyquist frequency, {nyquist:.4g} cyc/mrad",
-                    "a table that goes on until the MTF is 0 blurs as the optics do",
+                    f"higher frequencies are lost: the table ends at {last:.4g} cyc/mrad with "
+                    f"an MTF of {values[-1]:.3g}, and the MTF is taken as 0 from there to the "
+                    f"picture's Nyquist frequency, {nyquist:.4g} cyc/mrad",
+                    "extend the table until the MTF is 0",
                 )
         return None
 
@@ -246,8 +250,8 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         if highest <= 1.0 + ROUNDED:
             return None
         return Caution(
-            f"the MTF rises to {highest:.4g}",
-            "optics do not amplify: a sharpened picture's MTF sharpens this one too",
+            f"the picture is sharpened: the MTF rises to {highest:.4g}, but optics cannot amplify",
+            "check the table; such a curve comes from a picture that was sharpened",
         )
 
     @warning

@@ -44,8 +44,8 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         Formula(
             r"H(\xi,\eta)=\frac{\sum_{j,k}p_{jk}\,e^{-2\pi i(\xi x_k+\eta y_j)}}{\sum_{j,k}p_{"
             r"jk}}",
-            where="p: samples of the file, less the background; x, y: their places, mrad, from "
-            "the middle or the centroid",
+            where="p: samples of the file minus the background; x, y: their positions, mrad, "
+            "from the middle or the centroid",
         ),
     )
 
@@ -55,16 +55,16 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     ] = None
     band: Annotated[
         int | None,
-        Param("band or channel of a file of several, counted from 0", low=0, zero_is_empty=False),
+        Param("band or channel to use, counted from 0", low=0, zero_is_empty=False),
     ] = None
     sample_pitch: Annotated[
         float | None,
-        Param("distance of the file's samples across, in `pitch_unit`; empty: as the file has it",
+        Param("sampling interval of the file across, in `pitch_unit`; empty: from the file",
               low=0, slider=(0.1, 20)),
     ] = None  # fmt: skip
     sample_pitch_y: Annotated[
         float | None,
-        Param("distance of the file's samples along; empty: as across", low=0, slider=(0.1, 20)),
+        Param("sampling interval of the file along; empty: as across", low=0, slider=(0.1, 20)),
     ] = None
     pitch_unit: Annotated[
         Literal["um", "mrad"], Param("unit of both: µm at the focal plane, or mrad")
@@ -76,10 +76,11 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     ] = None  # fmt: skip
     centroid: Annotated[
         Literal["kept", "removed"],
-        Param("whether a centre of gravity beside the middle of the file shifts the picture"),
+        Param("whether a centroid away from the file's middle shifts the picture"),
     ] = "kept"
     background: Annotated[
-        float, Param("subtracted from every sample, in the file's numbers", slider=(0, 100))
+        float,
+        Param("background to subtract from every sample, in the file's unit", slider=(0, 100)),
     ] = 0.0
     apply: Apply = "multiply"
 
@@ -112,13 +113,14 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     ) -> tuple[tuple[Planar], tuple[Planar]]:
         if source.samples.is_complex:
             raise DataError(
-                f"{source.file}: holds complex numbers, and a point spread function is energy"
+                f"{source.file}: a point spread function must be real energy, but the file "
+                "contains complex numbers"
             )
         rows, columns = source.samples.rows, source.samples.columns
         if max(rows, columns) > LARGEST_SIDE:
             raise DataError(
-                f"{source.file}: {columns} × {rows} samples; allowed: {LARGEST_SIDE} on a side: "
-                "cut the picture about the point"
+                f"{source.file}: {columns} × {rows} samples; at most {LARGEST_SIDE} on a side "
+                "are allowed: crop the picture around the point"
             )
         x, y = self._pitches(source, context)
         psf = here.step(
@@ -145,7 +147,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
             raise ParameterError(
                 "sample_pitch",
                 None,
-                f"{source.file.name} does not name the distance of its samples: give it in µm at "
+                f"{source.file.name} does not state its sampling interval: give it in µm at "
                 "the focal plane or in mrad",
             )
         along = across if self.sample_pitch_y is None else self.sample_pitch_y
@@ -159,7 +161,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         """A module without its file."""
         if self.path is not None:
             return None
-        return Caution("path is empty, and nothing is blurred", "name a picture of a point")
+        return Caution("nothing is blurred: path is empty", "give the path of a picture of a point")
 
     @warning
     def border(self, outputs: OtfOutputs) -> Step | None:
@@ -258,10 +260,9 @@ def _border_caution(work: Work, psf: PointSpread) -> Caution | None:
     if share <= EDGE_ENERGY:
         return None
     return Caution(
-        "at the border of the file the samples are not near 0: a pedestal as high would hold "
-        f"{100 * share:.3g} % of the energy",
-        "subtract the background, or take a larger picture of the point: what is cut off is "
-        "missing in the blur",
+        "the blur may be wrong: the samples at the border of the file are not near 0; a "
+        f"pedestal of that height would contain {100 * share:.3g} % of the energy",
+        "subtract the background, or use a larger picture of the point, so that nothing is cut off",
     )
 
 
@@ -273,5 +274,5 @@ def _coarse_caution(work: Work, psf: PointSpread) -> Caution | None:
     return Caution(
         "the file's samples are too far apart: at their own Nyquist frequency the MTF is still "
         f"{rest:.3g}",
-        "take finer samples of the point: detail between these is folded into lower frequencies",
+        "use finer samples of the point: detail between them is aliased to lower frequencies",
     )

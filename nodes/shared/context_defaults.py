@@ -38,7 +38,7 @@ def given_band(
     )
     for name, value in (("cut_on_um", low), ("cut_off_um", high)):
         if value is None:
-            why = "the image does not say its band: give it here"
+            why = "the image has no band: give it here"
             raise ParameterError(name, None, why, unit="µm")
     assert low is not None
     assert high is not None
@@ -69,11 +69,12 @@ def one_source(magnitude: Magnitude, phase: Phase, *, wanted: str, refusal: str)
     source, other = magnitude.image, phase.image
     if source is None or other is None:
         raise DataError(
-            f"a transfer function alone has no {wanted}: set apply to multiply upstream"
+            f"a transfer function alone has no {wanted}: set apply to multiply in the modules "
+            "before"
         )
     if source.key != other.key or magnitude.grid != phase.grid or magnitude.edges != phase.edges:
         raise DataError(
-            f"magnitude and phase stem from different images or transforms, which {refusal}: take "
-            "Back Transform"
+            f"magnitude and phase come from different images or transforms, which {refusal}: "
+            "use Back Transform"
         )
     return source

@@ -148,9 +148,9 @@ class SeededModule(Module):
 
     seed_mode: Annotated[
         Literal["automatic", "typed"],
-        Param("seed from the network's seed and this node's name, or the one typed in"),
+        Param("take the seed from the network's seed and this node's name, or the value below"),
     ] = "automatic"
-    seed: Annotated[int, Param("seed, when typed in", low=0, high=2**63 - 1)] = 0
+    seed: Annotated[int, Param("seed, if entered here", low=0, high=2**63 - 1)] = 0
 
     def stream(self, here: NodeContext, field: str, *, fixed: bool = False) -> Stream:
         """The stream of one noise field; a typed seed gives the same noise under any name.

@@ -66,7 +66,7 @@ class NyquistReadouts(Module):
 
 Apply = Annotated[
     Literal["multiply", "filter_only"],
-    Param("multiply the input by the transfer function, or pass on the transfer function alone"),
+    Param("multiply the input by the transfer function, or output the transfer function alone"),
 ]
 
 
@@ -145,12 +145,14 @@ LongestPeriod = Annotated[
 ]
 WeightingSource = Annotated[
     float | None,
-    Param("black body that weights one band; empty: the scene's, or sunlight", unit="K", low=0,
+    Param("black body whose spectrum weights a single band; empty: the scene's, or sunlight",
+          unit="K", low=0,
           high=1e6, slider=(250, 6500)),
 ]  # fmt: skip
 LightingSource = Annotated[
     float | None,
-    Param("black body that lights the band; empty: the picture's mean, or sunlight", unit="K",
+    Param("black body whose spectrum fills the band; empty: the picture's mean, or sunlight",
+          unit="K",
           low=0, high=1e6, slider=(200, 6500)),
 ]  # fmt: skip
 

@@ -36,10 +36,10 @@ def unit_caution(unit: str, *, meant: str) -> Caution | None:
         return None
     named = f"is in {unit!r:.40}" if unit.strip() else "has no unit"
     return Caution(
-        f"the picture {named}, and {meant} would need radiance in W/m²/sr",
-        "take To Radiance, which makes radiance of temperatures, before"
+        f"the picture {named}, but {meant} would need radiance in W/m²/sr",
+        "put To Radiance before it, which converts temperatures to radiance"
         if is_temperature(unit)
-        else "convert it by scale and unit on Read Image",
+        else "convert it with scale and unit on Read Image",
     )
 
 
@@ -59,7 +59,8 @@ def band_caution(
     return Caution(
         f"the picture's radiance is that of {_band(picture)} and cut_on_um to cut_off_um are "
         f"{_band((low, high))}: the bands {apart}",
-        "leave cut_on_um and cut_off_um empty for the picture's band, or give the picture this one",
+        "leave cut_on_um and cut_off_um empty to use the picture's band, or give the picture "
+        "this band",
     )
 
 
@@ -74,7 +75,7 @@ def wavelength_caution(
         return None
     return Caution(
         f"{name} = {wavelength_um:g} µm lies outside the picture's band, {_band(picture)}",
-        "leave it empty for the band's middle, or correct the band",
+        "leave it empty to use the band's middle, or correct the band",
     )
 
 
@@ -110,7 +111,7 @@ def apart_caution(
     unit = f" {unit}" if unit else ""
     return Caution(
         f"{name} = {own:.4g}{unit} here, {other:.4g}{unit} {where}",
-        remedy or f"leave {name} empty to take that one, unless both are meant",
+        remedy or f"leave {name} empty to use that value, unless both are intended",
     )
 
 
@@ -141,8 +142,8 @@ def unlinked_phase_caution(apply: str, phase: Phase, ptf: Transfer) -> Caution |
     if apply != "multiply" or phase.image is not None or not ptf.factors:
         return None
     return Caution(
-        "no phase is linked, and the PTF is left out of the picture",
-        "link phase from Init & Trans, and from here on to Back Transform",
+        "the PTF is left out of the picture: phase is not connected",
+        "wire phase from Init & Trans to this node, and on to Back Transform",
     )
 
 

@@ -36,7 +36,7 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
     formulas = (
         Formula(
             r"H(f)=\frac{\sin(\pi nf)}{n\,\sin(\pi f)}",
-            where="f: cycles a sample; n: factor",
+            where="f: cycles per sample; n: factor",
             when="box, n odd",
         ),
         Formula(
@@ -54,7 +54,7 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
 
     kernel: Annotated[Kernel, Param("shape of the low-pass")] = "box"
     factor: Annotated[
-        int, Param("samples that become one", unit="samples", low=1, high=1024, slider=(1, 8))
+        int, Param("samples combined into one", unit="samples", low=1, high=1024, slider=(1, 8))
     ] = 1
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:

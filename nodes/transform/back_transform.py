@@ -19,8 +19,8 @@ class BackTransform(Module, key="back_transform", title="Back Transform", group=
     formulas = (
         Formula(
             r"L'=\mathcal{F}^{-1}\left\{A\,e^{i\phi}\prod_k M_k\,e^{i\theta_k}\right\}",
-            where="A, φ: magnitude and phase of the image; M_k, θ_k: MTF and PTF of every stage "
-            "that was passed",
+            where="A, φ: magnitude and phase of the image; M_k, θ_k: MTF and PTF of every "
+            "stage in the chain",
         ),
     )
 

@@ -33,8 +33,8 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
         ),
         Formula(
             r"H(\xi)=\frac{\sin(\pi n\xi\Delta)}{n\,\sin(\pi\xi\Delta)}",
-            where="the same on the spectrum, Δ the interval of the samples, before what lies "
-            "beyond the new Nyquist frequency folds back",
+            where="the same in the spectrum, before frequencies beyond the new Nyquist "
+            "frequency alias; Δ: sampling interval",
         ),
     )
 
@@ -80,16 +80,16 @@ def _twice(
     left = block_mean_mtf(frequency=0.5 / block, interval_mrad=interval_mrad, samples=factor)
     if width_mrad < _OF_A_PIXEL * block:
         return Caution(
-            f"blocks of {factor} samples average over {block:.4g} mrad {direction}, and {detector} "
-            f"over {width_mrad:.4g} mrad alone: both count, and the picture's pixels are not those "
-            "of that detector",
-            "take Sample Pixels by the detector's pitch on a scene sampled more finely; well where "
-            "the blocks stand for the pixels, as in the networks of 1996",
+            f"the pixels do not match the detector: blocks of {factor} samples average over "
+            f"{block:.4g} mrad {direction}, but {detector} averages over {width_mrad:.4g} "
+            "mrad; both act on the picture",
+            "use Sample Pixels with the detector's pitch on a scene sampled more finely; "
+            "ignore this if the blocks represent the pixels, as in the networks of 1996",
         )
     return Caution(
-        f"{detector} has averaged over {width_mrad:.4g} mrad {direction} already, and blocks of "
-        f"{factor} samples average over {block:.4g} mrad once more: the pixel is counted twice, "
-        f"and its contrast at Nyquist is {float(left):.3g} times what the detector leaves",
-        "take Sample Pixels in place of this node, or leave Detector MTF out; well where both are "
-        "meant, as in the networks of 1996",
+        f"the pixel is counted twice: {detector} already averages over {width_mrad:.4g} mrad "
+        f"{direction}, and blocks of {factor} samples average over {block:.4g} mrad once more, "
+        f"so the contrast at Nyquist is {float(left):.3g} times what the detector leaves",
+        "use Sample Pixels instead of this node, or leave Detector MTF out; ignore this if "
+        "both are intended, as in the networks of 1996",
     )

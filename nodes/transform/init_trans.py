@@ -53,7 +53,8 @@ class InitTrans(
         ),
         Formula(
             r"\mathrm{IFOV}=\frac{p\,\varphi}{f},\quad\mathrm{oversampling}=\frac{p}{f\,\Delta}",
-            where="p: detector_x_um or detector_y_um; φ: fill; f: focal_length_mm; µm/mm is mrad",
+            where="p: detector_x_um or detector_y_um; φ: fill factor; f: focal_length_mm; "
+            "µm/mm is mrad",
         ),
         Formula(
             r"\mathcal{F}(\xi,\eta)=\sum_{x,y}L(x,y)\,e^{-2\pi i(\xi x+\eta y)}",
@@ -83,16 +84,20 @@ class InitTrans(
         float | None, Param("field of view along", unit="deg", low=0, high=180, below=True)
     ] = None
     platform: Annotated[
-        Platform, Param("line scanner, pushbroom line or staring array: how detectors collect")
+        Platform,
+        Param(
+            "how the detectors collect the picture: line scanner, pushbroom line or staring array"
+        ),
     ] = "line"
     velocity_m_per_s: Annotated[
-        float, Param("velocity of platform or object", unit="m/s", slider=(0, 300))
+        float, Param("velocity of the platform or object", unit="m/s", slider=(0, 300))
     ] = 0.0
     scan_velocity_mrad_per_s: Annotated[
-        float, Param("velocity of the scan", unit="mrad/s", low=0, slider=(0, 1e5))
+        float, Param("scan velocity", unit="mrad/s", low=0, slider=(0, 1e5))
     ] = 0.0
     edges: Annotated[
-        Edges, Param("frame mirrored without end, or repeated as the plain FFT sees it")
+        Edges,
+        Param("how the frame continues beyond its edges: mirrored, or repeated as in a plain FFT"),
     ] = "reflect"
 
     preview_lines = 12.0
@@ -164,7 +169,7 @@ class InitTrans(
             raise ParameterError(
                 name,
                 None,
-                f"no field of view is known: give {name} here or where the image comes from",
+                f"no field of view is known: give {name} here or where the image is read",
                 unit="deg",
             )
         return of_image
@@ -189,8 +194,8 @@ class InitTrans(
         for name, of_camera in (("fill_x", sheet.fill_x), ("fill_y", sheet.fill_y)):
             if name in given and getattr(self, name) == 1.0 and of_camera not in (None, 1.0):
                 return Caution(
-                    f"{name} = 1 counts as empty here, and {of_camera:g} on Camera is taken",
-                    "correct it on Camera",
+                    f"{name} = 1 counts as empty here, so {of_camera:g} from Camera is used",
+                    "change it on Camera",
                 )
         return first(
             *(

@@ -48,8 +48,8 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
     formulas = (
         Formula(
             r"L'(x)=\sum_j L_j\,w(x-j),\quad w(d)=1-|d|",
-            where="x: place of a new sample, in old ones, half a sample from the edge at first; "
-            "the same along",
+            where="x: position of a new sample, in old samples; the first lies half a new "
+            "sample from the edge; the same along",
             when="order 1, |d| < 1",
         ),
         Formula(r"w(d)=\frac{3}{2}|d|^3-\frac{5}{2}|d|^2+1", when="order 3, |d| ≤ 1"),

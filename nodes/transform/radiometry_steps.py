@@ -154,12 +154,13 @@ class Radiometry(Module):
     """Surfaces of one emissivity in a band."""
 
     emissivity: Annotated[
-        float, Param("emissivity of all samples, where no image of it comes in", low=0, high=1,
+        float, Param("emissivity of all samples, if no image of it is connected", low=0, high=1,
                      above=True)
     ] = 1.0  # fmt: skip
     surroundings_K: Annotated[
         float | None,
-        Param("temperature of what surfaces reflect; empty: nothing", unit="K", low=0, high=1e4,
+        Param("temperature of what the surfaces reflect; empty: nothing is reflected",
+              unit="K", low=0, high=1e4,
               slider=(200, 320)),
     ] = None  # fmt: skip
     cut_on_um: CutOn = None
@@ -181,7 +182,7 @@ class Radiometry(Module):
         if emissivity.shape != image.shape:
             raise DataError(
                 f"the emissivity is {emissivity.columns} × {emissivity.rows} samples and the "
-                f"picture {image.columns} × {image.rows}: they have to be of one size"
+                f"picture {image.columns} × {image.rows}: both must have the same size"
             )
         return (emissivity.recipe,)
 

@@ -37,8 +37,8 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         Formula(
             r"L'_k=\frac{1}{N}\sum_{\xi}\mathcal{F}(\xi)\,e^{2\pi i\xi x_k},\quad x_k=\left(k+"
             r"\frac{1}{2}\right)r-\frac{1}{2}",
-            where="x_k: middle of pixel k, in samples from the first one's middle (an offset "
-            "comes on top); r: samples of a pixel, any ratio",
+            where="x_k: middle of pixel k, in samples from the middle of the first, plus the "
+            "offset; r: samples per pixel, any ratio",
         ),
     )
 
@@ -134,14 +134,14 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         if detector_averages(image) or max(self._ratio("x", image), self._ratio("y", image)) <= 1:
             return None
         measured = (
-            "; well where the table of MTF File was measured behind the pixels, as `imagechain "
-            "measure` does"
+            "; ignore this if the table in MTF File was measured behind the pixels, as "
+            "`imagechain measure` does"
             if passes_table(image)
             else ""
         )
         return Caution(
-            "no Detector MTF is on the way to this picture: the samples are points, and no pixel "
-            "averages over its area",
+            "the picture will be too sharp: no Detector MTF comes before this node, so no "
+            "pixel averages over its area and the samples are points",
             "put Detector MTF before Back Transform, or take Combine Pixels, which averages"
             f"{measured}",
         )
