@@ -119,13 +119,13 @@ def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
         refuse_oversized_text(file)
         text = file.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise FileError(f"{file}: is not a text of numbers") from error
+        raise FileError(f"{file}: is not a text file of numbers") from error
     except OSError as error:
         raise FileError(f"{file}: {error.strerror or error}") from error
     lines = [line.strip() for line in text.splitlines()]
     rows = [line for line in lines if line and not line.startswith("#")]
     if not rows:
-        raise FileError(f"{file}: holds no numbers")
+        raise FileError(f"{file}: contains no numbers")
     separator = "," if "," in rows[0] else None
     try:
         return np.loadtxt(rows, dtype=np.float64, delimiter=separator, ndmin=2)
@@ -142,13 +142,13 @@ def _faulty_line(lines: list[str], separator: str | None, path: Path) -> FileErr
             [float(cell) for cell in cells]
         except ValueError:
             if line and not line.startswith("#"):
-                return FileError(f"{path}: is no matrix of numbers: line {number} has text")
+                return FileError(f"{path}: is not a matrix of numbers: line {number} contains text")
             continue
         columns = columns or len(cells)
         if cells and len(cells) != columns:
             allowed = f"{columns} numbers, as the first row, and has {len(cells)}"
             return line_refused(path, number, allowed)
-    return FileError(f"{path}: is no matrix of numbers")
+    return FileError(f"{path}: is not a matrix of numbers")
 
 
 def read_matrix_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
@@ -167,7 +167,7 @@ def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
     """
     samples = np.atleast_2d(_real(array))
     if samples.ndim != 2 or samples.size == 0:
-        raise DataError(f"an array of shape {samples.shape} is no matrix: (rows, columns)")
+        raise DataError(f"an array of shape {samples.shape} is not a matrix of (rows, columns)")
     wrong = ~np.isfinite(samples)
     if wrong.any():
         place = tuple(int(index) for index in np.argwhere(wrong)[0])
@@ -215,12 +215,12 @@ def npy_header(path: Path) -> NpyHeader:
     try:
         read = _VERSIONS.get(np.lib.format.read_magic(start))
         if read is None:
-            raise ValueError("its version is not known")
+            raise ValueError("its version is unknown")
         shape, fortran_order, dtype = read(start)
     except _HEADER_FAULTS as error:
         raise FileError(f"{path}: is damaged or truncated: its header cannot be read") from error
     if dtype.hasobject:
-        raise FileError(f"{path}: holds Python objects; allowed: an array of numbers")
+        raise FileError(f"{path}: contains Python objects; allowed: an array of numbers")
     needed = start.tell() + math.prod(shape) * dtype.itemsize
     if min(shape, default=0) < 0 or needed > length:
         raise FileError(
@@ -272,11 +272,11 @@ def whole_npy(path: Path) -> NDArray[Any]:
 
 def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -> PictureInfo:
     if dtype.kind not in "buif":
-        raise FileError(f"{path}: holds samples of type {dtype}; allowed: real numbers")
+        raise FileError(f"{path}: contains samples of type {dtype}; allowed: real numbers")
     if len(shape) not in (2, 3) or 0 in shape:
         raise FileError(
-            f"{path}: holds an array of shape {shape}; allowed: (rows, columns) or "
-            "(rows, columns, bands), none of them 0"
+            f"{path}: contains an array of shape {shape}; allowed: (rows, columns) or (rows, "
+            "columns, bands), none of them 0"
         )
     return PictureInfo(
         path=path,

@@ -127,9 +127,9 @@ def _wavelengths(
     if not unit:
         if centres is not None and max(centres) > _LONGEST_ASSUMED_UM:
             raise FileError(
-                f"{layout.header}: wavelength reaches {max(centres):g} and the header has no "
-                f"wavelength units; allowed without: µm up to {_LONGEST_ASSUMED_UM:g}; add a line "
-                "such as wavelength units = Nanometers"
+                f"{layout.header}: wavelength reaches {max(centres):g}, and the header has no "
+                f"wavelength units; without them µm are assumed, up to {_LONGEST_ASSUMED_UM:g}; "
+                "add a line such as wavelength units = Nanometers"
             )
         return centres, widths
     if unit in _WAVENUMBERS:
@@ -247,14 +247,14 @@ def band_ends_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.flo
     """Wavelengths from which and up to which each band reaches, µm; as `band_weights_um` has it."""
     if info.wavelengths_um is None:
         raise FileError(
-            f"{info.path}: the header gives no wavelengths in a unit of length, "
-            "so that its bands cannot be integrated"
+            f"{info.path}: the header gives no wavelengths in a unit of length, so the bands "
+            "cannot be integrated"
         )
     centres = np.asarray(info.wavelengths_um)
     if len(info.bad_bands) == len(centres):
         raise FileError(
-            f"{info.path}: the header marks all its bands as bad (bbl = 0); remove bbl from the "
-            "header, if their samples are sound"
+            f"{info.path}: the header marks all bands as bad (bbl = 0); remove bbl from the "
+            "header if the samples are good"
         )
     if info.fwhm_um is not None:
         half = np.asarray(info.fwhm_um) / 2
@@ -265,8 +265,8 @@ def band_ends_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.flo
     spacing = np.diff(centres[order])
     if order.size < 2 or not np.all(spacing > 0):
         raise FileError(
-            f"{info.path}: the header gives no fwhm, and without it the bands can be integrated "
-            "only where there are two or more of different wavelength"
+            f"{info.path}: the header gives no fwhm; without it, bands can be integrated only "
+            "if there are two or more of different wavelength"
         )
     low, high = centres.copy(), centres.copy()  # a bad band has no width
     low[order] = centres[order] - np.concatenate([spacing[:1], spacing]) / 2
@@ -309,7 +309,7 @@ def _per_um(info: PictureInfo) -> float:
         raise FileError(f"{info.path}: {error.message}") from error
     if unit is None or unit.spectral != "µm":
         raise FileError(
-            f"{info.path}: its samples are in {info.unit}, which is not per wavelength; "
-            "read a band instead of integrating"
+            f"{info.path}: its samples are in {info.unit}, which is not per wavelength; read "
+            "one band instead of integrating"
         )
     return unit.per_um

@@ -156,7 +156,7 @@ def _fields(header: Path) -> Fields:
         opened = value.startswith("{") and not value.endswith("}")
         if not opened and fields.setdefault(key, value) != value:
             raise FileError(
-                f"{header}: {key:.60} stands twice, as {fields[key]:.60} and as {value:.60}; "
+                f"{header}: {key:.60} is given twice, as {fields[key]:.60} and as {value:.60}; "
                 "allowed: once"
             )
     if opened:
@@ -193,8 +193,8 @@ def _refuse_unsupported(fields: Fields, header: Path) -> None:
     if " ".join(str(kind).lower().split()) not in _PLAIN_TYPES:
         raise FileError(
             f"{header}: file type = {kind!s:.60}; allowed: ENVI Standard or ENVI "
-            "Classification, plain samples; name a picture of another format itself instead of "
-            "its header"
+            "Classification, with plain samples; for a picture of another format, give the "
+            "picture's name instead of its header"
         )
     for key in ("major frame offsets", "minor frame offsets"):
         offsets = fields.get(key, "0")
@@ -284,9 +284,9 @@ def number_list(fields: Fields, key: str, header: Path, bands: int) -> tuple[flo
     try:
         values = tuple(number_of(text) for text in texts)
     except ValueError as error:
-        raise FileError(f"{header}: {key} holds what is no number") from error
+        raise FileError(f"{header}: {key} contains a value that is not a number") from error
     if not all(map(math.isfinite, values)):
-        raise FileError(f"{header}: {key} holds a number that is not finite")
+        raise FileError(f"{header}: {key} contains a number that is not finite")
     return values
 
 

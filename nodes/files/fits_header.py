@@ -94,8 +94,8 @@ def refuse_unsupported(path: Path) -> None:
     if simple != "T":
         # Which rule of the standard is not kept is written nowhere: any sample may mean another.
         raise FileError(
-            f"{path}: SIMPLE = {simple:.40}, so this file does not follow the FITS standard and "
-            "its samples may mean anything; allowed: T"
+            f"{path}: SIMPLE = {simple:.40}, so the file does not follow the FITS standard and "
+            "its samples cannot be interpreted; allowed: T"
         )
     if header.cards.get("NAXIS") == "0":
         where = ", only its extensions hold data" if extension else ""
@@ -120,7 +120,7 @@ def _check_axes(header: FitsHeader) -> None:
     if all(sizes.get(key, 1) > 1 for key in _AXES[2:]):
         shape = ", ".join(f"{key} = {size}" for key, size in sizes.items())
         raise FileError(
-            f"{header.path}: {shape}: this FITS file holds a cube of cubes; allowed: "
+            f"{header.path}: {shape}: this FITS file contains a cube of cubes; allowed: "
             f"{' or '.join(_AXES[2:])} = 1, so that a band is a plane along the other"
         )
 
@@ -166,18 +166,18 @@ def _add(cards: dict[str, str], card: str, path: Path) -> None:
         if key in _USED:
             # By the standard it has no value; its writer meant one, and samples depend on it.
             raise FileError(
-                f"{path}: {key} has no value, as {card[8:].strip():.40} does not begin with an "
-                "equal sign and a blank; allowed: these in columns 9 and 10, then the value"
+                f"{path}: {key} has no value: {card[8:].strip():.40} does not begin with an "
+                "equals sign and a blank in columns 9 and 10"
             )
         return
     text = card[10:].strip()
     quoted = _TEXT.match(text)
     if quoted and key in _NUMBERS:
-        raise FileError(f"{path}: {key} = {text:.40} is a text; allowed: a number without quotes")
+        raise FileError(f"{path}: {key} = {text:.40} is text; allowed: a number without quotes")
     value = quoted[1].replace("''", "'").rstrip() if quoted else text.partition("/")[0].strip()
     if cards.setdefault(key, value) != value and key in _USED:
         raise FileError(
-            f"{path}: {key} stands twice, as {cards[key]:.40} and as {value:.40}; allowed: once"
+            f"{path}: {key} is given twice, as {cards[key]:.40} and as {value:.40}; allowed: once"
         )
 
 
@@ -195,7 +195,7 @@ def check_sums(header: FitsHeader) -> None:
             f"but DATASUM = {stated:.20}"
         )
     if whole and _folded(data + _ones_sum(header, 0, header.length)) not in (0, 0xFFFFFFFF):
-        raise FileError(f"{header.path}: this FITS file is damaged: CHECKSUM does not fit")
+        raise FileError(f"{header.path}: this FITS file is damaged: its CHECKSUM does not match")
 
 
 def _data_bytes(header: FitsHeader) -> int:

@@ -24,7 +24,7 @@ from nodes.files.formats import NPY, TIFF
 from nodes.files.read import check_finite, read_info
 from nodes.files.tiff_reading import TiffLayout, channel_of, directories, tiff_layouts
 
-_READ = ".npy (frames, rows, columns), TIFF of a page each, ENVI of a band each"
+_READ = ".npy (frames, rows, columns), TIFF with one page per frame, ENVI with one band per frame"
 
 
 @dataclass(frozen=True)
@@ -90,10 +90,10 @@ def _npy(path: Path) -> FrameFile:
     header = npy_header(path)
     shape, dtype = header.shape, header.dtype
     if dtype.kind not in "buif":
-        raise FileError(f"{path}: holds samples of type {dtype}; allowed: real numbers")
+        raise FileError(f"{path}: contains samples of type {dtype}; allowed: real numbers")
     if len(shape) not in (2, 3) or 0 in shape:
         raise FileError(
-            f"{path}: holds an array of shape {shape}; allowed: (frames, rows, columns), "
+            f"{path}: contains an array of shape {shape}; allowed: (frames, rows, columns), "
             "none of them 0"
         )
     frames, rows, columns = shape if len(shape) == 3 else (1, *shape)
@@ -120,7 +120,7 @@ def _tiff(path: Path) -> FrameFile:
                     f"{_words(first)}; allowed: frames of one size and type"
                 )
     if first is None:
-        raise FileError(f"{path}: holds no picture")
+        raise FileError(f"{path}: contains no picture")
     return FrameFile(
         path, "tiff", frames, first.rows, first.columns, np.dtype(first.numpy_kind), unit
     )
@@ -132,7 +132,8 @@ def _pages(content: StoredBytes, path: Path) -> Iterator[TiffLayout]:
         if layout.channels != 1 or not layout.is_plain:
             raise FileError(
                 f"{path}: page {number} has {layout.channels} channels in compression "
-                f"{layout.compression}; allowed: one of plain numbers, not compressed or by deflate"
+                f"{layout.compression}; allowed: one channel of plain numbers, uncompressed or "
+                "deflate"
             )
         yield layout
 
@@ -154,9 +155,9 @@ def check_one_camera(files: Sequence[FrameFile], *, of_one: str) -> None:
     first = files[0]
     for file in files:
         if file.frames < 2:
-            raise DataError(f"{file.path}: holds a single frame; {of_one} needs 2 or more")
+            raise DataError(f"{file.path}: contains a single frame; {of_one} needs 2 or more")
         if (file.rows, file.columns) != (first.rows, first.columns):
             raise DataError(
-                f"{file.path}: holds frames of {file.rows} × {file.columns} samples, and "
-                f"{first.path} of {first.rows} × {first.columns}: give those of one camera"
+                f"{file.path}: contains frames of {file.rows} × {file.columns} samples, but "
+                f"{first.path} of {first.rows} × {first.columns}: give files of one camera"
             )

@@ -62,7 +62,8 @@ def describe_lens_samples(path: Path, band: int = 0) -> LensSamples:
     if header is not None and header.dtype.kind == "c":
         if len(header.shape) != 2 or 0 in header.shape:
             raise FileError(
-                f"{file}: holds a complex array of shape {header.shape}; allowed: (rows, columns)"
+                f"{file}: contains a complex array of shape {header.shape}; allowed: (rows, "
+                "columns)"
             )
         checked_band(band, 1, file)
         return _within_limits(file, LensSamples(*header.shape, is_complex=True))
@@ -88,8 +89,8 @@ def _is_listing(path: Path) -> bool:
 def _within_limits(path: Path, samples: LensSamples) -> LensSamples:
     if max(samples.rows, samples.columns) > LARGEST_SIDE:
         raise FileError(
-            f"{path}: {samples.columns} × {samples.rows} samples; allowed: {LARGEST_SIDE} on a "
-            "side: cut it about its middle"
+            f"{path}: {samples.columns} × {samples.rows} samples; at most {LARGEST_SIDE} on a "
+            "side are allowed: crop it around its middle"
         )
     return samples
 
@@ -136,22 +137,22 @@ def read_listing(path: Path) -> Listing:
         if values is None and not rows:
             header.append(line)
         elif values is None:
-            raise line_refused(path, number, f"{len(rows[0])} numbers, as the rows above")
+            raise line_refused(path, number, f"{len(rows[0])} numbers, like the rows above")
         elif rows and len(values) != len(rows[0]):
             raise FileError(
-                f"{path}: line {number} has {len(values)} numbers; allowed: {len(rows[0])}, as the "
-                "rows above"
+                f"{path}: line {number} has {len(values)} numbers; allowed: {len(rows[0])}, "
+                "like the rows above"
             )
         else:
             rows.append(np.array(values))  # a fifth of the memory of the tuple
     if not rows:
-        raise FileError(f"{path}: holds no matrix of numbers")
+        raise FileError(f"{path}: contains no matrix of numbers")
     matrix = np.array(rows, np.float64)
     size = next((match for match in map(_GRID.search, reversed(header)) if match), None)
     # FFT listings name the grid of the pupil too: the last of them is that of the matrix.
     if size and (int(size[2]), int(size[1])) != matrix.shape:
         raise FileError(
-            f"{path}: its header names {size[1]} by {size[2]} samples, and {matrix.shape[1]} by "
-            f"{matrix.shape[0]} are there"
+            f"{path}: its header gives {size[1]} by {size[2]} samples, but the file has "
+            f"{matrix.shape[1]} by {matrix.shape[0]}"
         )
     return Listing(tuple(header), matrix)

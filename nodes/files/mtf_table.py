@@ -67,7 +67,7 @@ def read_mtf_table(path: Path, *, field: int = 0) -> MtfTable:
         return _zemax(path, lines, field)
     rows = [(n, line) for n, line in lines if line.strip() and not line.lstrip().startswith("#")]
     if not rows:
-        raise FileError(f"{path}: holds no table of MTF against frequency")
+        raise FileError(f"{path}: contains no table of MTF against frequency")
     (number, heading), *rows = rows
     names, units = _names(path, number, heading)
     checks = [_check_of(name, unit) for name, unit in zip(names, units, strict=True)]
@@ -102,16 +102,19 @@ def _names(file: Path, number: int, line: str) -> tuple[list[str], list[str]]:
     if names[0] != "frequency" or len(names) < 2 or wrong is not None or repeated:
         raise line_refused(
             file, number,
-            "a line of names: frequency with its unit, then mtf, or mtf_x and mtf_y, or radial, "
+            "a header line: frequency with its unit, then mtf, or mtf_x and mtf_y, or radial, "
             "and phase, or phase_x and phase_y, if known",
         )  # fmt: skip
     if not set(names) & set(MTF_COLUMNS):
-        raise line_refused(file, number, "names of which one at least is of an MTF")
+        raise line_refused(file, number, "names, at least one of them an MTF")
     for alone, prefix in (("mtf", "mtf_"), ("phase", "phase_")):
         others = [name for name in names if name.startswith(prefix)]
         others += ["radial"] if alone == "mtf" and "radial" in names else []
         if alone in names and others:
-            wanted = f"names without {alone} beside {others[0]}: which of the two holds is unknown"
+            wanted = (
+                f"names without {alone} beside {others[0]}, because it is not clear which "
+                "of them applies"
+            )
             raise line_refused(file, number, wanted)
     if units[0]:
         unit = unit_of(units[0])
@@ -137,8 +140,8 @@ def _check_of(name: str, unit: str) -> Check:
         what = f"a phase of at most {_LARGEST_PHASE:g} {unit or 'rad'} either way"
         return (lambda value: abs(value) <= _LARGEST_PHASE), what
     allowed = (
-        f"MTF from 0 to {LARGEST_MTF:g}; a negative lobe is a phase of π, percent are divided by "
-        "100"
+        f"MTF from 0 to {LARGEST_MTF:g}; write a negative lobe as a phase of π, and divide "
+        "percent by 100"
     )
     return (lambda value: 0.0 <= value <= LARGEST_MTF), allowed
 

@@ -71,7 +71,7 @@ def read_path_table(path: Path) -> tuple[Points, Points]:
     lines = table_lines(
         path,
         what="a path's transmission",
-        wanted=": neither tape7 nor CSV",
+        wanted=": neither a tape7 nor a CSV",
         most_bytes=_LONGEST_BYTES,
     )
     return _tape7_points(lines, path) if _is_tape7(lines) else _csv_points(lines, path)
@@ -165,12 +165,12 @@ def _rows(
             raise line_refused(file, index + 1, "numbers below their names, up to -9999.")
         if row.get("FREQ") == _END:
             if _is_tape7(lines[index + 1 :]):
-                raise FileError(f"{file}: holds several runs: keep one of them in a file")
+                raise FileError(f"{file}: contains several runs: keep one per file")
             return
         if any(name not in row for name in _NEEDED):
             raise line_refused(file, index + 1, "FREQ, TOT TRANS and PTH THRML")
         yield index + 1, row
-    raise FileError(f"{file}: ends without -9999.: the run is not complete")
+    raise FileError(f"{file}: ends without -9999.: the run is incomplete")
 
 
 def _row(line: str, names: list[tuple[str, int]]) -> dict[str, float] | None:

@@ -179,7 +179,7 @@ def _strips(path: Path, picture: Any, band: int) -> Iterator[tuple[slice, Array]
         if stored is None or picture.has_error:
             raise _unread(path, _message(picture.geterror))
         if stored.size != (end - start) * spec.width:
-            raise FileError(f"{path}: is damaged: rows {start} to {end} are not whole")
+            raise FileError(f"{path}: is damaged: rows {start} to {end} are incomplete")
         yield slice(start, end), stored.reshape(end - start, spec.width)
 
 
@@ -206,7 +206,7 @@ def _opened(path: Path) -> Iterator[Any]:
         if picture is None:
             message = _message(OpenImageIO.geterror)
             if message.startswith("OpenImageIO could not find a format reader"):
-                message = "it is no picture of a format that is known here"
+                message = "it is not a picture in a known format"
             raise FileError(f"{path}: cannot be opened: {message}")
         try:
             yield picture
@@ -222,7 +222,7 @@ def _refuse_blank(path: Path) -> None:
     """
     if not any(first_bytes(path, _BLANK_BYTES)):
         raise FileError(
-            f"{path}: is no picture or was never filled: its first {_BLANK_BYTES} bytes are 0"
+            f"{path}: is not a picture or was never filled: its first {_BLANK_BYTES} bytes are 0"
         )
 
 
@@ -232,7 +232,7 @@ def _info(path: Path, picture: Any) -> PictureInfo:
     if kind in _NOT_FORMATS:
         raise FileError(f"{path}: unknown format {path.suffix or '(no suffix)'}")
     if spec.deep or spec.depth > 1:
-        raise FileError(f"{path}: holds a volume or deep samples; allowed: plain 2-D pictures")
+        raise FileError(f"{path}: contains a volume or deep samples; allowed: plain 2-D pictures")
     if spec.width < 1 or spec.height < 1 or spec.nchannels < 1:
         raise FileError(f"{path}: its first picture has no samples or its header is damaged")
     stored = {_numpy_name(_channel_type(spec, band)) for band in range(spec.nchannels)}

@@ -107,7 +107,8 @@ def _states(folder: Path) -> Iterator[tuple[str, os.stat_result]]:
                     status = entry.stat()
                     if not stat.S_ISREG(status.st_mode):
                         raise FileError(
-                            f"{entry.path}: is no regular file; a store holds these and folders"
+                            f"{entry.path}: is not a regular file; a store contains only files "
+                            "and folders"
                         )
                     if too_long := oversized_file(status.st_size):
                         raise FileError(f"{entry.path}: {too_long}")

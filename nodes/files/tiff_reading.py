@@ -169,8 +169,8 @@ def refuse_predictor(path: Path) -> None:
     packing = _UNPREDICTED.get(compression)
     if packing is not None and predictor != 1:
         raise FileError(
-            f"{path}: predictor {predictor} with {packing} cannot be read: programs differ on what "
-            "that means; allowed: predictor 1, or deflate or LZW"
+            f"{path}: predictor {predictor} with {packing} cannot be read, because programs "
+            "write it in different ways; allowed: predictor 1, or deflate or LZW"
         )
 
 
@@ -200,7 +200,7 @@ def directories(content: StoredBytes, path: Path) -> Iterator[int]:
         seen = set()
         while place:
             if place in seen:
-                raise ValueError("the directories go round in a circle")
+                raise ValueError("the directories form a loop")
             seen.add(place)
             yield place
             (count,) = content.unpack(order + counter, place)

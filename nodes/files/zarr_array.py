@@ -240,7 +240,7 @@ def _opened(folder: Path) -> _Opened:
 def _axes(folder: Path, shape: tuple[int, ...], names: Any) -> tuple[int, ...]:
     if len(shape) not in (2, 3) or 0 in shape:
         raise FileError(
-            f"{folder}: holds an array of shape {shape}; allowed: (rows, columns) or (rows, "
+            f"{folder}: contains an array of shape {shape}; allowed: (rows, columns) or (rows, "
             "columns, bands), none of them 0"
         )
     words = [str(name).lower() for name in names] if isinstance(names, list | tuple) else []
@@ -255,7 +255,7 @@ def _axes(folder: Path, shape: tuple[int, ...], names: Any) -> tuple[int, ...]:
 def _info(folder: Path, opened: _Opened) -> PictureInfo:
     dtype = np.dtype(opened.array.dtype)
     if dtype.kind not in "buif":
-        raise FileError(f"{folder}: holds samples of type {dtype}; allowed: real numbers")
+        raise FileError(f"{folder}: contains samples of type {dtype}; allowed: real numbers")
     attributes = opened.attributes
     fields = {
         key: value

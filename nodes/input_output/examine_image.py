@@ -54,8 +54,8 @@ class ExamineImage(
         ),
         Formula(
             r"\int_{\lambda_1}^{\lambda_2}L_\lambda(T)\,d\lambda=L",
-            where="T: apparent temperature, that of a black body with the same radiance in the "
-            "band",
+            where="T: apparent temperature: the temperature of a black body with the same "
+            "radiance in the band",
             when="radiance in a known band",
         ),
     )
@@ -64,12 +64,13 @@ class ExamineImage(
 
     display: Annotated[Display, Param("how the samples are shown")] = "linear"
     probe_x: Annotated[
-        int | None, Param("column of the sample to report, from 0", low=0, zero_is_empty=False)
+        int | None,
+        Param("column of the sample to report, counted from 0", low=0, zero_is_empty=False),
     ] = None
     probe_y: Annotated[
-        int | None, Param("row of the sample to report, from 0", low=0, zero_is_empty=False)
+        int | None, Param("row of the sample to report, counted from 0", low=0, zero_is_empty=False)
     ] = None
-    bins: Annotated[int, Param("bins of the histogram", low=1, high=65536)] = 256
+    bins: Annotated[int, Param("number of bins of the histogram", low=1, high=65536)] = 256
 
     panel = (
         Section("", ("display",)),
@@ -119,7 +120,7 @@ class ExamineImage(
         unit = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
         return Caution(
             f"no apparent temperatures are given for a picture {unit}",
-            "convert it to W/m²/sr: by scale and unit on Read Image, by units on Focal Plane",
+            "convert it to W/m²/sr: set scale and unit on Read Image, or units on Focal Plane",
         )
 
     minimum = table_figure("minimum", "", "Least sample.", unit_of="image")
@@ -194,7 +195,7 @@ def displayed_histogram(
     logarithmic = display == "log" or (display == "centred_spectrum" and is_image)
     shown = displayed(work, samples, display=display, is_image=is_image)
     centres, counts = histogram(shown, bins=bins, check=work.check)
-    named = "modulus of the spectrum" if display == "centred_spectrum" and is_image else label
+    named = "magnitude of the spectrum" if display == "centred_spectrum" and is_image else label
     x_label = f"log10 |{named}|" if logarithmic else named
     return CurveData("Histogram", x_label, "samples", (Series("samples", centres, counts),))
 

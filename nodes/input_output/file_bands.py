@@ -161,8 +161,8 @@ def bands_of(
 
 def _no_wavelengths(info: PictureInfo) -> str:
     return (
-        f"{info.path}: gives no wavelengths of its bands, as an ENVI header does: "
-        "read one of them with bands = one"
+        f"{info.path}: gives no wavelengths for its bands, as an ENVI header would: read one "
+        "band with bands = one"
     )
 
 
@@ -209,8 +209,9 @@ def _check_ends(info: PictureInfo, first: Array, last: Array) -> None:
     for place in np.flatnonzero(~sound)[:1]:
         raise FileError(
             f"{info.path}: band {place} at {_centre(info, int(place)):g} µm reaches from "
-            f"{first[place]:g} to {last[place]:g} µm; allowed: bands that have a width, between 0 "
-            f"and {_WIDEST_UM:g} µm: see wavelength, fwhm and wavelength units of its header"
+            f"{first[place]:g} to {last[place]:g} µm; bands must have a width and lie between "
+            f"0 and {_WIDEST_UM:g} µm: check wavelength, fwhm and wavelength units in the "
+            "header"
         )
 
 
@@ -281,8 +282,8 @@ def _refuse_not_finite(samples: Array, top: int, file: Path) -> None:
     # Not by a list of all places: a cube without data has more of these than samples.
     row, column = np.unravel_index(np.argmin(finite), finite.shape)
     raise DataError(
-        f"{file}: a band is not finite at row {top + row}, column {column}: missing = mean or zero "
-        "puts a number in the place of such samples and of those without data"
+        f"{file}: a band is not finite at row {top + row}, column {column}: set missing to "
+        "mean or zero to replace such samples and those without data"
     )
 
 
@@ -313,8 +314,8 @@ def _stored_means(work: Work, *, cube: Cube, places: tuple[int, ...], missing: M
     for place in places:
         if missing == "refuse" and counts[place] < size:
             raise DataError(
-                f"{name}: {size - counts[place]} of {size} samples of band {place} are not finite: "
-                "missing = mean or zero puts a number in their place"
+                f"{name}: {size - counts[place]} of {size} samples of band {place} are not "
+                "finite: set missing to mean or zero to replace them"
             )
         if missing == "mean" and not counts[place]:
             raise DataError(f"{name}: band {place} has no finite sample")

@@ -68,14 +68,14 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     formulas = (
         Formula(
             r"L=\sum_b s\,c_b\,S_b\,\Delta\lambda_b",
-            where="S_b: the numbers that the file stores for band b; s: `scale`; c_b: what "
-            "turns the file's unit into W/m²/sr/µm; Δλ_b: the part of the band between "
+            where="S_b: the numbers that the file stores for band b; s: `scale`; c_b: factor "
+            "from the file's unit to W/m²/sr/µm; Δλ_b: the part of the band between "
             "cut_on_um and cut_off_um, µm",
-            when="a header with wavelengths, bands summed up",
+            when="a header with wavelengths, and bands summed",
         ),
         Formula(
             r"L=s\,c\,S+o",
-            where="c: what turns the unit into W/m²/sr; 1 for kelvin, digital numbers and the "
+            where="c: factor from the unit to W/m²/sr; 1 for kelvin, digital numbers and the "
             "like; o: `offset`",
             when="any other file",
         ),
@@ -94,12 +94,12 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     bands: Annotated[
         Literal["one", "all", "luminance"],
         Param(
-            "one band, all of a spectral cube, which go through the chain by themselves, or the "
-            "luminance of a colour picture"
+            "one band, all bands of a spectral cube (each goes through the chain separately), "
+            "or the luminance of a colour picture"
         ),
     ] = "one"
-    scale: Annotated[float, Param("factor on the samples", slider=(0, 10000))] = 1.0
-    offset: Annotated[float, Param("what is added after scaling, in the unit")] = 0.0
+    scale: Annotated[float, Param("factor applied to the samples", slider=(0, 10000))] = 1.0
+    offset: Annotated[float, Param("number added after scaling, in the unit below")] = 0.0
     unit: Annotated[str, Param("unit of the samples after scaling")] = DEFAULT_UNIT
     fov_x_deg: Annotated[
         float | None, Param("field of view across", unit="deg", low=0, high=180, below=True)
@@ -112,7 +112,10 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     missing: Annotated[
         Literal["refuse", "mean", "zero"],
-        Param("samples that are NaN, infinite or missing: an error, or the others' mean or 0"),
+        Param(
+            "samples that are NaN, infinite or missing: refuse them, or replace them with "
+            "the mean of the others or 0"
+        ),
     ] = "refuse"
 
     panel = (
@@ -126,7 +129,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     def check(self) -> None:
         """Refuse half a band and an empty one, and an offset of a cube's bands."""
         if self.bands == "all" and self.offset:
-            raise ParameterError("offset", self.offset, "0 where bands = all")
+            raise ParameterError("offset", self.offset, "0 if bands = all")
         low, high = self.cut_on_um, self.cut_off_um
         if low is None and high is None:
             return
@@ -172,8 +175,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return checked_band(self.band, info.bands, info.path)
         names = [name.upper() for name in info.channels]
         if not {"R", "G", "B"} <= set(names):
-            what = f"channels R, G and B, which {info.path.name} has not"
-            raise ParameterError("bands", self.bands, f"{what}: take one or all")
+            what = f"channels R, G and B, which {info.path.name} does not have"
+            raise ParameterError("bands", self.bands, f"{what}: choose one or all")
         return tuple(names.index(name) for name in "RGB")
 
     def of_samples(self, held: HeldSamples, node: str) -> ImageOutput:
@@ -241,7 +244,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return None
         return Caution(
             f"the file stores whole numbers, and unit says that they are {self.unit}",
-            "give the scale that makes radiance of them, or their unit, such as DN",
+            "give the scale that converts them to radiance, or their unit, such as DN",
         )
 
     @warning
@@ -251,8 +254,9 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if not fields or self.scale != 1.0:
             return None
         return Caution(
-            f"the header has {' and '.join(fields)}, and the samples are read as they are stored",
-            "give the gain as scale, and the unit that it makes; an offset needs a converted file",
+            f"the samples may be in the wrong unit: the header has {' and '.join(fields)}, "
+            "which are not applied",
+            "enter the gain as scale, and the resulting unit; for an offset, convert the file",
         )
 
     @warning
@@ -263,8 +267,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return None
         bands = "1 band is" if count == 1 else f"{count} bands are"
         return Caution(
-            f"{bands} left out, which the header marks as bad (bbl = 0)",
-            "remove bbl from the header, if their samples are sound",
+            f"{bands} left out, because the header marks them as bad (bbl = 0)",
+            "remove bbl from the header if their samples are good",
         )
 
     @warning
@@ -277,9 +281,9 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         ends = "those from the first to the last" if stated is None else "{:g} to {:g} µm"
         where = ends.format(*stated or ())
         return Caution(
-            f"the bands cover {100 * share:.0f} % of the wavelengths, {where}: the radiance "
-            "between them is left out",
-            "choose cut_on_um and cut_off_um within the bands, or a cube without gaps",
+            f"radiance between the bands is missing: they cover {100 * share:.0f} % of the "
+            f"wavelengths, {where}",
+            "choose cut_on_um and cut_off_um within the bands, or use a cube without gaps",
         )
 
     @warning
@@ -290,7 +294,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return None
         return Caution(
             f"the store lacks {count} of its chunks: their samples count as missing",
-            "copy the store again, if it should be whole",
+            "copy the store again if it should be complete",
         )
 
     @warning
@@ -299,8 +303,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if not outputs.image.header.wavelengths_assumed:
             return None
         return Caution(
-            "the header gives wavelengths and no unit of them: they are read as µm",
-            "add a line to the header: wavelength units = Micrometers, or what they are in",
+            "wavelengths are read as µm: the header gives no unit for them",
+            "add a line to the header: wavelength units = Micrometers, or the unit they are in",
         )
 
     @warning
@@ -326,8 +330,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return None
         read = channels[self.band] if self.band < len(channels) else f"number {self.band}"
         return Caution(
-            f"colour picture: channel {read} of {', '.join(channels)} is read",
-            f"band chooses another one, 0 to {len(channels) - 1}; bands = luminance takes all",
+            f"only channel {read} of {', '.join(channels)} of this colour picture is read",
+            f"choose another with band, 0 to {len(channels) - 1}, or set bands to luminance",
         )
 
     @warning
@@ -337,7 +341,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if header.bands < 2 or header.channels or "band" in given:
             return None
         return Caution(
-            f"the file holds {header.bands} bands: band {self.band} is read",
+            f"only band {self.band} is read: the file contains {header.bands} bands",
             f"band chooses another one, 0 to {header.bands - 1}",
         )
 

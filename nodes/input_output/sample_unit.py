@@ -71,11 +71,12 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
     file_unit = stored.integrated if integrated else stored
     if not chosen and file_unit.photons:
         raise FileError(
-            f"{info.path}: its samples are in {info.unit}, and the energy of a photon depends on "
-            f"its wavelength; give unit = {file_unit.name} to keep photons, or scale for watts"
+            f"{info.path}: its samples are in {info.unit}, and the energy of a photon depends "
+            f"on its wavelength; set unit = {file_unit.name} to keep photons, or give scale "
+            "for watts"
         )
     if chosen and (own is None or own.name != file_unit.name):
-        allowed = f"a unit of the same kind as {info.unit}, in which the file is; or give scale"
+        allowed = f"a unit of the same kind as the file's, {info.unit}; or give scale"
         raise ParameterError("unit", typed, allowed)
     return SampleUnit(file_unit.name, file_unit.factor)
 
@@ -94,7 +95,7 @@ def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUni
         except DataError as error:
             raise FileError(f"{info.path}: {error.message}; or give unit and scale") from error
         if chosen and (own and own.name) != (stored and stored.name):
-            allowed = f"a unit of the same kind as {info.unit}, in which the file is; or give scale"
+            allowed = f"a unit of the same kind as the file's, {info.unit}; or give scale"
             raise ParameterError("unit", typed, allowed)
         return stored
     _refuse_unnamed(info, named=chosen or scale != 1.0)
@@ -108,7 +109,7 @@ def _refuse_unnamed(info: PictureInfo, *, named: bool) -> None:
     if info.kind == "envi" and info.wavelengths_um and not info.unit and not named:
         raise FileError(
             f"{info.path}: its header has no data units: add a line such as data units = "
-            "W/m^2/sr/um, or set unit to what the samples are in, such as W/cm²/sr/µm or DN"
+            "W/m^2/sr/um, or set unit to the samples' unit, such as W/cm²/sr/µm or DN"
         )
 
 
@@ -127,7 +128,7 @@ def _of_typed(
     if not integrated or not own.spectral:
         return SampleUnit(own.name, own.factor)
     if own.spectral != "µm":
-        raise ParameterError("unit", typed, "per µm or nm, where bands are integrated over µm")
+        raise ParameterError("unit", typed, "per µm or nm, because bands are integrated over µm")
     # The sum over the bands took the samples per µm, or as the file gives it.
     stored = radiance_unit(info.unit) if info.unit else None
     taken = stored.per_um if stored is not None else 1.0
@@ -136,7 +137,7 @@ def _of_typed(
 
 # Whether samples can be the radiance they are read as.
 
-_REMEDY = "give the samples' unit, such as K or DN, or the scale that makes W/m²/sr of them"
+_REMEDY = "give the samples' unit, such as K or DN, or the scale that converts them to W/m²/sr"
 
 
 @in_blocks()
@@ -163,14 +164,15 @@ def radiance_caution(
         return Caution(
             f"the samples' mean, {stats.mean:.4g} W/m²/sr, is more than the {limit:.3g} that a "
             f"surface on Earth can give {where}{looks}",
-            f"{_REMEDY}; it is well of flames, lamps, engines and the Sun",
+            f"{_REMEDY}; ignore this for flames, lamps, engines and the Sun",
         )
     if band_um is None and kelvin and not unit_stated:
         least = coldest_for_radiance(radiance=stats.mean)
         return Caution(
-            f"the samples, {stats.mean:.4g} ± {stats.sigma:.2g}, look like temperatures in kelvin "
-            f"and are read as W/m²/sr, which not even all wavelengths give below {least:.0f} K",
-            f"{_REMEDY}; cut_on_um and cut_off_um, if it is radiance",
+            f"the unit may be wrong: the samples, {stats.mean:.4g} ± {stats.sigma:.2g}, look "
+            "like temperatures in kelvin but are read as W/m²/sr, more than a scene below "
+            f"{least:.0f} K emits over all wavelengths",
+            f"{_REMEDY}; give cut_on_um and cut_off_um if it is radiance",
         )
     return None
 

@@ -31,8 +31,8 @@ Missing = Literal["refuse", "mean", "zero"]
 """What to do with samples that are NaN, infinite, or missing by the header."""
 _BLOCK_SAMPLES = 1 << 20
 _ADVICE = (
-    "samples of the value that the header gives for no data count as NaN; missing = mean or zero "
-    "puts a number in their place"
+    "samples with the header's no-data value count as NaN; set missing to mean or zero to "
+    "replace them"
 )
 
 
@@ -220,7 +220,7 @@ def _stamp(file: Path) -> Stamp:
 # Samples of a scene that are in memory, not in a file, and the picture that is read from them.
 
 Samples = NDArray[np.floating[Any]]
-_SHAPES = "allowed is (rows, columns), or (bands, rows, columns) with their wavelengths"
+_SHAPES = "allowed: (rows, columns), or (bands, rows, columns) with their wavelengths"
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,14 +246,14 @@ class HeldSamples:
     ) -> HeldSamples:
         """A copy: float32 as it is, all other real numbers as float64."""
         if array.dtype.kind not in "buif":
-            raise DataError(f"{name} has samples of type {array.dtype}: allowed are real numbers")
+            raise DataError(f"{name} has samples of type {array.dtype}; allowed: real numbers")
         if array.ndim != (2 if wavelengths_um is None else 3) or array.size == 0:
             raise DataError(f"{name} has the shape {array.shape}: {_SHAPES}")
         for what, values in (("wavelengths_um", wavelengths_um), ("widths_um", widths_um)):
             if values is not None and len(values) != len(array):
                 raise DataError(f"{what} has {len(values)} numbers for {len(array)} bands")
         if np.ma.is_masked(array):
-            raise DataError(f"{name} has masked samples: put a number in their place")
+            raise DataError(f"{name} has masked samples: replace them with numbers")
         single = array.dtype.newbyteorder("=") == np.float32
         kept: Any = np.float32 if single else np.float64
         samples: Samples = np.array(array, kept, order="C", copy=True)

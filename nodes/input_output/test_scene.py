@@ -65,14 +65,14 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
             r"L=\varepsilon\int_{\lambda_1}^{\lambda_2}\frac{2hc^2}{\lambda^5}\;\frac{d\lambda}{"
             r"e^{hc/(\lambda kT)}-1}",
             where="L: radiance of a sample, W/m²/sr; ε, T: emissivity and temperature of its "
-            "surface, K; λ₁, λ₂: cut_on_um and cut_off_um; h, c, k: constants of nature",
+            "surface, K; λ₁, λ₂: cut_on_um and cut_off_um; h, c, k: physical constants",
             when="emitted light",
         ),
         Formula(
             r"L=\overline{\rho}\;\frac{\Omega_\odot}{\pi}\,L_B(5800\,\mathrm{K})\,\sin h",
             where="ρ: reflectance; Ω☉/π: the square of the Sun's radius over its distance; L_B: "
             "radiance of a black body in the band; h: sun_elevation_deg",
-            when="sunlight, where bands are drawn",
+            when="sunlight, if the scene has bands",
         ),
     )
 
@@ -91,13 +91,15 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     cut_off_um: Annotated[float, Param("longest wavelength", unit="µm", low=0, above=True)] = 12.0
     bands: Annotated[
         int,
-        Param("bands of equal width that it carries, 0 for none", low=0, high=4096, slider=(0, 64)),
+        Param("spectral bands of equal width; 0: a single band", low=0, high=4096, slider=(0, 64)),
     ] = 0
     emissivity: Annotated[
-        Emissivity, Param("of the surfaces, in bands: their materials' spectra, or grey")
+        Emissivity,
+        Param("spectra of the surfaces, if there are bands: those of their materials, or grey"),
     ] = "spectra"
     sun_elevation_deg: Annotated[
-        float, Param("of the Sun, in bands; 0 for none", unit="deg", low=0, high=90)
+        float,
+        Param("elevation of the Sun, if there are bands; 0: no Sun", unit="deg", low=0, high=90),
     ] = 0.0
     temperature_K: Annotated[
         float, Param("background temperature", unit="K", low=0, above=True, slider=(200, 400))
@@ -106,7 +108,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         float, Param("how much warmer the target is", unit="K", slider=(-50, 50))
     ] = 10.0
     angle_deg: Annotated[
-        float, Param("direction of an edge's normal or a wave", unit="deg", slider=(-90, 90))
+        float, Param("direction of the edge's normal or of the wave", unit="deg", slider=(-90, 90))
     ] = 5.0
     frequency: Annotated[
         float, Param("cycles across the frame, or spokes of the star", low=0, above=True)
@@ -120,7 +122,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         Section("Field of view", ("fov_x_deg", "fov_y_deg")),
         Section("Band", ("cut_on_um", "cut_off_um", "bands")),
         Section(
-            "Light in bands",
+            "Spectral bands",
             ("emissivity", "sun_elevation_deg"),
             shown_when=("kind", ("dormitory", "airfield")),
         ),

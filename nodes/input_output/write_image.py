@@ -65,8 +65,8 @@ class WriteImage(
         Formula(
             r"n=\mathrm{round}\left(\frac{L-L_{low}}{L_{high}-L_{low}}\;(2^b-1)\right)",
             where="n: the number in the file, from 0 to 2^b − 1; b: bits of the type; L_low, "
-            "L_high: range_low and range_high; what lies beyond is the end's",
-            when="types of whole numbers, but for digital numbers as they are",
+            "L_high: range_low and range_high; values beyond are clipped",
+            when="integer types, except digital numbers, which are stored unchanged",
         ),
     )
 
@@ -85,7 +85,7 @@ class WriteImage(
         float | None, Param("sample stored as 0 by integer types", zero_is_empty=False)
     ] = None
     range_high: Annotated[
-        float | None, Param("sample stored as the largest integer", zero_is_empty=False)
+        float | None, Param("sample stored as the largest integer of the type", zero_is_empty=False)
     ] = None
 
     panel = (
@@ -102,7 +102,9 @@ class WriteImage(
     def run(self, image: Image, here: NodeContext) -> None:
         target = self.target(here)
         if ENVI_FRAMES.matches(target) and image.bands is None:
-            allowed = f"a name that ends in {', '.join(suffixes(*WRITTEN))}, as the picture has no"
+            allowed = (
+                f"a name that ends in {', '.join(suffixes(*WRITTEN))}, because the picture has no"
+            )
             raise ParameterError("path", target.name, f"{allowed} bands of wavelength")
         if ZARR.matches(target):
             check_zarr(target)

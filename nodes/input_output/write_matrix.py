@@ -37,7 +37,7 @@ class WriteMatrix(
     when a run asks for outputs.
     """
 
-    without_formula = "It writes numbers as they are."
+    without_formula = "It writes numbers unchanged."
 
     renamed = MappingProxyType({"curve": "image", "transfer": "image"})
 

@@ -31,7 +31,9 @@ def as_picture(array: ArrayLike) -> NDArray[Any]:
     """Real samples as (rows, columns, channels), not empty; else `DataError`."""
     samples = np.asarray(array)
     if samples.dtype.kind not in "buif":
-        raise DataError(f"samples of type {samples.dtype} cannot be written as a picture: not real")
+        raise DataError(
+            f"samples of type {samples.dtype} cannot be written as a picture: they must be real"
+        )
     if samples.ndim == 2:
         samples = samples[:, :, None]
     if samples.ndim != 3 or samples.size == 0:
@@ -103,15 +105,17 @@ def _as_integers(
     if not np.isfinite(values).all():
         row, column, _ = np.argwhere(~np.isfinite(values))[0]
         raise DataError(
-            f"sample at row {first + row}, column {column} is not finite: no {dtype} for it"
+            f"sample at row {first + row}, column {column} is not finite and cannot be stored "
+            f"as {dtype}"
         )
     if low is None and high is None:
         wrong = (values != np.rint(values)) | (values < 0) | (values > top)
         if wrong.any():
             row, column, _ = np.argwhere(wrong)[0]
             raise DataError(
-                f"sample {values[row, column].ravel()[0]:g} at row {first + row}, column {column} "
-                f"is no {dtype} (whole, 0 to {top}); give low and high to scale"
+                f"sample {values[row, column].ravel()[0]:g} at row {first + row}, column "
+                f"{column} does not fit {dtype} (whole, 0 to {top}); give low and high to "
+                "scale"
             )
         return values.astype(dtype)
     if low is None or high is None or not (math.isfinite(low) and math.isfinite(high - low)):

@@ -69,7 +69,7 @@ def number_of(cell: str) -> float:
     0_6 is 6 there, and a slip for 0.6 in a table.
     """
     if "_" in cell or not cell.isascii():
-        raise ValueError("is no number")
+        raise ValueError("is not a number")
     return float(cell)
 
 
