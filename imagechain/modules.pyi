@@ -53,12 +53,12 @@ def read_image(
     band : int | Expression
         band or channel, counted from 0: a whole number of at least 0; default 0
     bands : Literal['one', 'all', 'luminance']
-        one band, all of a spectral cube, which go through the chain by themselves, or the luminance
-        of a colour picture: one of one, all, luminance; default 'one'
+        one band, all bands of a spectral cube (each goes through the chain separately), or the
+        luminance of a colour picture: one of one, all, luminance; default 'one'
     scale : float | Expression
-        factor on the samples: a number; default 1.0
+        factor applied to the samples: a number; default 1.0
     offset : float | Expression
-        what is added after scaling, in the unit: a number; default 0.0
+        number added after scaling, in the unit below: a number; default 0.0
     unit : str
         unit of the samples after scaling: a text; default 'W/m²/sr'
     fov_x_deg : float | Expression | None
@@ -70,8 +70,8 @@ def read_image(
     cut_off_um : float | Expression | None
         longest wavelength [µm]: a number of at least 0 or empty; default empty
     missing : Literal['refuse', 'mean', 'zero']
-        samples that are NaN, infinite or missing: an error, or the others' mean or 0: one of
-        refuse, mean, zero; default 'refuse'
+        samples that are NaN, infinite or missing: refuse them, or replace them with the mean of the
+        others or 0: one of refuse, mean, zero; default 'refuse'
 
     Notes
     -----
@@ -129,18 +129,19 @@ def test_scene(
     cut_off_um : float | Expression
         longest wavelength [µm]: a number above 0; default 12.0
     bands : int | Expression
-        bands of equal width that it carries, 0 for none: a whole number from 0 to 4096; default 0
+        spectral bands of equal width; 0: a single band: a whole number from 0 to 4096; default 0
     emissivity : Literal['spectra', 'grey']
-        of the surfaces, in bands: their materials' spectra, or grey: one of spectra, grey; default
-        'spectra'
+        spectra of the surfaces, if there are bands: those of their materials, or grey: one of
+        spectra, grey; default 'spectra'
     sun_elevation_deg : float | Expression
-        of the Sun, in bands; 0 for none [deg]: a number from 0 to 90; default 0.0
+        elevation of the Sun, if there are bands; 0: no Sun [deg]: a number from 0 to 90; default
+        0.0
     temperature_K : float | Expression
         background temperature [K]: a number above 0; default 303.15
     delta_K : float | Expression
         how much warmer the target is [K]: a number; default 10.0
     angle_deg : float | Expression
-        direction of an edge's normal or a wave [deg]: a number; default 5.0
+        direction of the edge's normal or of the wave [deg]: a number; default 5.0
     frequency : float | Expression
         cycles across the frame, or spokes of the star: a number above 0; default 16.0
 
@@ -181,7 +182,7 @@ def write_image(
     range_low : float | Expression | None
         sample stored as 0 by integer types: a number or empty; default empty
     range_high : float | Expression | None
-        sample stored as the largest integer: a number or empty; default empty
+        sample stored as the largest integer of the type: a number or empty; default empty
 
     Notes
     -----
@@ -230,11 +231,13 @@ def examine_image(
     display : Literal['linear', 'log', 'centred_spectrum']
         how the samples are shown: one of linear, log, centred_spectrum; default 'linear'
     probe_x : int | Expression | None
-        column of the sample to report, from 0: a whole number of at least 0 or empty; default empty
+        column of the sample to report, counted from 0: a whole number of at least 0 or empty;
+        default empty
     probe_y : int | Expression | None
-        row of the sample to report, from 0: a whole number of at least 0 or empty; default empty
+        row of the sample to report, counted from 0: a whole number of at least 0 or empty; default
+        empty
     bins : int | Expression
-        bins of the histogram: a whole number from 1 to 65536; default 256
+        number of bins of the histogram: a whole number from 1 to 65536; default 256
 
     Notes
     -----
@@ -287,15 +290,15 @@ def init_trans(
     fov_y_deg : float | Expression | None
         field of view along [deg]: a number from 0 below 180 or empty; default empty
     platform : Literal['line', 'push', 'array']
-        line scanner, pushbroom line or staring array: how detectors collect: one of line, push,
-        array; default 'line'
+        how the detectors collect the picture: line scanner, pushbroom line or staring array: one of
+        line, push, array; default 'line'
     velocity_m_per_s : float | Expression
-        velocity of platform or object [m/s]: a number; default 0.0
+        velocity of the platform or object [m/s]: a number; default 0.0
     scan_velocity_mrad_per_s : float | Expression
-        velocity of the scan [mrad/s]: a number of at least 0; default 0.0
+        scan velocity [mrad/s]: a number of at least 0; default 0.0
     edges : Literal['reflect', 'periodic']
-        frame mirrored without end, or repeated as the plain FFT sees it: one of reflect, periodic;
-        default 'reflect'
+        how the frame continues beyond its edges: mirrored, or repeated as in a plain FFT: one of
+        reflect, periodic; default 'reflect'
 
     Notes
     -----
@@ -410,7 +413,7 @@ def anti_alias(
     kernel : Literal['box', 'gaussian', 'lanczos']
         shape of the low-pass: one of box, gaussian, lanczos; default 'box'
     factor : int | Expression
-        samples that become one [samples]: a whole number from 1 to 1024; default 1
+        samples combined into one [samples]: a whole number from 1 to 1024; default 1
 
     Notes
     -----
@@ -469,10 +472,11 @@ def to_radiance(
     Parameters
     ----------
     emissivity : float | Expression
-        emissivity of all samples, where no image of it comes in: a number above 0 to 1; default 1.0
+        emissivity of all samples, if no image of it is connected: a number above 0 to 1; default
+        1.0
     surroundings_K : float | Expression | None
-        temperature of what surfaces reflect; empty: nothing [K]: a number from 0 to 10000 or empty;
-        default empty
+        temperature of what the surfaces reflect; empty: nothing is reflected [K]: a number from 0
+        to 10000 or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
@@ -505,10 +509,11 @@ def to_temperature(
     Parameters
     ----------
     emissivity : float | Expression
-        emissivity of all samples, where no image of it comes in: a number above 0 to 1; default 1.0
+        emissivity of all samples, if no image of it is connected: a number above 0 to 1; default
+        1.0
     surroundings_K : float | Expression | None
-        temperature of what surfaces reflect; empty: nothing [K]: a number from 0 to 10000 or empty;
-        default empty
+        temperature of what the surfaces reflect; empty: nothing is reflected [K]: a number from 0
+        to 10000 or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
@@ -548,14 +553,16 @@ def reflected_light(
     Parameters
     ----------
     solar_irradiance : float | Expression | None
-        sun above the air, facing it; empty: 5800 K [W/m²/µm]: a number from 0 to 1e+12 or empty;
-        default empty
+        solar irradiance above the air, normal to the sun; empty: a black body of 5800 K [W/m²/µm]:
+        a number from 0 to 1e+12 or empty; default empty
     path : str | PathLike[str] | None
-        CSV of µm and W/m²/µm in place of the number, or empty: a file name or empty; default empty
+        CSV of µm and W/m²/µm, used instead of the number, or empty: a file name or empty; default
+        empty
     sun_elevation_deg : float | Expression
-        sun above the horizon [deg]: a number from 0 to 90; default 45.0
+        elevation of the sun above the horizon [deg]: a number from 0 to 90; default 45.0
     optical_depth : float | Expression
-        of the air in the sun's way, from the zenith: a number from 0 to 1000; default 0.0
+        optical depth of the air towards the sun, for a vertical path: a number from 0 to 1000;
+        default 0.0
     sky : float | Expression
         radiance of the sky [W/m²/sr/µm]: a number from 0 to 1e+12; default 0.0
     cut_on_um : float | Expression | None
@@ -565,7 +572,7 @@ def reflected_light(
         longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
     bands : int | Expression
-        bands in which the radiance comes: a whole number from 1 to 10000; default 1
+        bands into which the radiance is divided: a whole number from 1 to 10000; default 1
 
     Notes
     -----
@@ -608,28 +615,29 @@ def atmospheric_path(
     Parameters
     ----------
     model : Literal['transmission', 'extinction_per_km', 'visibility_km', 'modtran']
-        what is known of the air: a transmission, an extinction, a visibility, a file: one of
+        what describes the air: a transmission, an extinction, a visibility or a file: one of
         transmission, extinction_per_km, visibility_km, modtran; default 'transmission'
     transmission : float | Expression
         transmission of the path: a number from 0 to 1; default 1.0
     path : str | PathLike[str] | None
-        CSV of µm and transmission in place of the number; of modtran a tape7 or CSV: a file name or
-        empty; default empty
+        CSV of µm and transmission, used instead of the number; for modtran a tape7 or a CSV: a file
+        name or empty; default empty
     extinction_per_km : float | Expression
-        extinction: absorption and scattering [1/km]: a number from 0 to 1e+06; default 0.2
+        extinction: the sum of absorption and scattering [1/km]: a number from 0 to 1e+06; default
+        0.2
     visibility_km : float | Expression
-        visibility, to 2 % of contrast [km]: a number above 0 to 1e+06; default 23.0
+        visibility (2 % contrast) [km]: a number above 0 to 1e+06; default 23.0
     angstrom_q : float | Expression
-        extinction falls as the wavelength to this power: a number from -5 to 5; default 0.0
+        exponent with which the extinction falls with wavelength: a number from -5 to 5; default 0.0
     range_m : float | Expression | None
-        length of the path; empty: of Camera, or of Init & Trans by its context [m]: a number from 0
-        to 1e+09 or empty; default empty
+        length of the path; empty: from Camera, or from Init & Trans through its context [m]: a
+        number from 0 to 1e+09 or empty; default empty
     air_K : float | Expression | None
-        temperature of the air; empty: it adds no radiance [K]: a number from 0 to 10000 or empty;
-        default empty
+        temperature of the air; empty: the air adds no radiance [K]: a number from 0 to 10000 or
+        empty; default empty
     source_K : float | Expression | None
-        black body that weights one band; empty: the scene's, or sunlight [K]: a number from 0 to
-        1e+06 or empty; default empty
+        black body whose spectrum weights a single band; empty: the scene's, or sunlight [K]: a
+        number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -674,49 +682,50 @@ def atmosphere_mtf(
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     turbulence : Literal['gaussian', 'long_exposure', 'short_exposure', 'none']
-        form of turbulence: one of gaussian, long_exposure, short_exposure, none; default 'gaussian'
+        turbulence model: one of gaussian, long_exposure, short_exposure, none; default 'gaussian'
     fwhm_mrad : float | Expression
         full width at half maximum of the blur [mrad]: a number of at least 0; default 0.0
     fried_r0_m : float | Expression | None
         Fried's r0; empty: from Cn² [m]: a number of at least 0 or empty; default empty
     wavelength_um : float | Expression | None
-        wavelength; empty: middle of the band, or of each band of a cube [µm]: a number of at least
-        0 or empty; default empty
+        wavelength; empty: the middle of the band, or of each band of a cube [µm]: a number of at
+        least 0 or empty; default empty
     r0_wavelength_um : float | Expression | None
-        wavelength at which r0 holds, often 0.5; empty: that of the blur [µm]: a number of at least
-        0 or empty; default empty
+        wavelength for which r0 is given, often 0.5; empty: the wavelength of the blur [µm]: a
+        number of at least 0 or empty; default empty
     aperture_mm : float | Expression | None
-        aperture, for short exposure; empty: of Camera [mm]: a number of at least 0 or empty;
+        aperture, for a short exposure; empty: from Camera [mm]: a number of at least 0 or empty;
         default empty
     alpha : float | Expression
-        short exposure: 1 near field, 0.5 far field: a number from 0 to 1; default 0.5
+        short exposure: 1 in the near field, 0.5 in the far field: a number from 0 to 1; default 0.5
     cn2 : float | Expression | None
         Cn² along a horizontal path, or at the ground [m^(-2/3)]: a number of at least 0 or empty;
         default empty
     turbidity : Literal['none', 'low', 'moderate', 'high', 'custom']
-        level of aerosols; custom: by τ or the coefficients below: one of none, low, moderate, high,
-        custom; default 'none'
+        aerosol level; custom: optical depth τ or the coefficients below: one of none, low,
+        moderate, high, custom; default 'none'
     scatter_depth : float | Expression | None
-        custom optical depth τ; empty: from coefficients: a number of at least 0 or empty; default
-        empty
+        optical depth τ for custom; empty: from the coefficients: a number of at least 0 or empty;
+        default empty
     turbidity_cutoff_cyc_per_mrad : float | Expression
-        cutoff, particle radius over wavelength [cyc/mrad]: a number above 0; default 0.001
+        cutoff frequency: particle radius over wavelength [cyc/mrad]: a number above 0; default
+        0.001
     particle_radius_um : float | Expression | None
-        radius of the particles; the cutoff is radius over wavelength; empty: as typed [µm]: a
-        number from 0 to 1e+06 or empty; default empty
+        particle radius, from which the cutoff follows (radius over wavelength); empty: the cutoff
+        above [µm]: a number from 0 to 1e+06 or empty; default empty
     view : Literal['horizontal', 'vertical', 'up']
-        line of sight, for coefficients and Cn²; vertical: down from a height, up: to one: one of
-        horizontal, vertical, up; default 'horizontal'
+        line of sight, for coefficients and Cn²; vertical: looking down from a height; up: looking
+        up to one: one of horizontal, vertical, up; default 'horizontal'
     absorption_per_km : float | Expression
-        of no effect: absorption dims and does not blur: Atmospheric Path [1/km]: a number of at
-        least 0; default 0.0
+        has no effect here: absorption dims the scene and does not blur it; use Atmospheric Path
+        [1/km]: a number of at least 0; default 0.0
     scattering_per_km : float | Expression
         scattering coefficient, for custom [1/km]: a number of at least 0; default 0.0
     scale_height_km : float | Expression
-        scale height of the aerosol, looking down or up [km]: a number above 0; default 1.0
+        scale height of the aerosol, for looking down or up [km]: a number above 0; default 1.0
 
     Notes
     -----
@@ -757,10 +766,9 @@ def camera(
     pixels_y : int | Expression | None
         pixels along [pixels]: a whole number from 0 to 1e+06 or empty; default empty
     pitch_um : float | Expression | None
-        from one pixel to the next [µm]: a number of at least 0 or empty; default empty
+        pixel pitch across [µm]: a number of at least 0 or empty; default empty
     pitch_y_um : float | Expression | None
-        the same along, if it differs; empty: as across [µm]: a number of at least 0 or empty;
-        default empty
+        pixel pitch along; empty: as across [µm]: a number of at least 0 or empty; default empty
     fill_x : float | Expression | None
         fill factor across; empty: 1: a number from 0 to 1 or empty; default empty
     fill_y : float | Expression | None
@@ -771,10 +779,10 @@ def camera(
     f_number : float | Expression | None
         F-number; empty: focal length over aperture: a number of at least 0 or empty; default empty
     aperture_mm : float | Expression | None
-        aperture's diameter; empty: focal length over F-number [mm]: a number of at least 0 or
-        empty; default empty
+        aperture diameter; empty: focal length over F-number [mm]: a number of at least 0 or empty;
+        default empty
     obscuration_ratio : float | Expression
-        inner over outer diameter of the aperture: a number from 0 below 1; default 0.0
+        obscuration: inner over outer diameter of the aperture: a number from 0 below 1; default 0.0
     range_m : float | Expression | None
         distance of the scene [m]: a number of at least 0 or empty; default empty
 
@@ -823,11 +831,11 @@ def diffraction_mtf(
     Parameters
     ----------
     aperture_mm : float | Expression | None
-        aperture's diameter; empty: of Camera, or focal length over F-number [mm]: a number of at
+        aperture diameter; empty: from Camera, or focal length over F-number [mm]: a number of at
         least 0 or empty; default empty
     obscuration_ratio : float | Expression | None
-        inner over outer diameter; empty: of Camera, or none: a number from 0 below 1 or empty;
-        default empty
+        obscuration: inner over outer diameter; empty: from Camera, or none: a number from 0 below 1
+        or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
@@ -835,26 +843,27 @@ def diffraction_mtf(
         longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
     weighting : Literal['photons', 'energy', 'uniform']
-        wavelengths count by photons, as in a photon detector, by energy, or all alike: one of
+        weight of the wavelengths: by photons, as in a photon detector, by energy, or equal: one of
         photons, energy, uniform; default 'photons'
     source_K : float | Expression | None
-        black body that lights the band; empty: the picture's mean, or sunlight [K]: a number from 0
-        to 1e+06 or empty; default empty
+        black body whose spectrum fills the band; empty: the picture's mean, or sunlight [K]: a
+        number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of µm and the detector's response, which weights the light besides, or empty: a file
-        name or empty; default empty
+        CSV of µm and detector response, an additional weight of the light, or empty: a file name or
+        empty; default empty
     wavelengths : Literal['auto', 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
-        as many as the tolerance needs, or so many over the band, 1 its middle: one of auto, 1, 2,
-        3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64; default 'auto'
+        auto: as many wavelengths as the tolerance needs; a number sets how many sample the band; 1
+        uses the band's middle: one of auto, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48,
+        64; default 'auto'
     tolerance : float | Expression
         largest error of the OTF with auto; 0: 1e-13, with defocus 1e-10, with a response of many
         points 1e-6: a number from 0 to 1; default 0.0
     defocus_waves : float | Expression
         defocus at the rim, W20 [waves]: a number from -20 to 20; default 0.0
     rms_wavefront_waves : float | Expression
-        wavefront error of any shape, rms [waves]: a number from 0 to 0.18; default 0.0
+        rms wavefront error of any shape [waves]: a number from 0 to 0.18; default 0.0
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
 
     Notes
@@ -903,15 +912,15 @@ def exit_pupil(
     Parameters
     ----------
     shape : Literal['clear', 'half_moon', 'cassegrain', 'hinged', 'cassegrain_slit', 'spider', 'file']
-        form of the aperture: one of clear, half_moon, cassegrain, hinged, cassegrain_slit, spider,
+        shape of the aperture: one of clear, half_moon, cassegrain, hinged, cassegrain_slit, spider,
         file; default 'clear'
     size_x : int | Expression
         samples of the pupil array across: a whole number from 2 to 8192; default 512
     size_y : int | Expression
         samples of the pupil array along: a whole number from 2 to 8192; default 512
     radius : float | Expression | None
-        radius of the aperture; empty: 75, of a file the circle round it [samples]: a number of at
-        least 0 or empty; default empty
+        radius of the aperture; empty: 75, or for a file the circle around it [samples]: a number of
+        at least 0 or empty; default empty
     obscuration_radius : float | Expression
         radius of the central obscuration [samples]: a number of at least 0; default 25.0
     slit_width : float | Expression
@@ -921,7 +930,7 @@ def exit_pupil(
     vane_width : float | Expression
         width of a vane [samples]: a number of at least 0; default 4.0
     path : str | PathLike[str] | None
-        amplitude transmission, real or complex `.npy`, for `file`; empty: of the map: a file name
+        amplitude transmission, real or complex `.npy`, for `file`; empty: from the map: a file name
         or empty; default empty
     wavefront_path : str | PathLike[str] | None
         map of the wavefront error, for `file`, relative to the network file's folder: a file name
@@ -929,8 +938,8 @@ def exit_pupil(
     wavefront_unit : Literal['waves', 'rad', 'um', 'nm']
         unit of the map: one of waves, rad, um, nm; default 'waves'
     map_wavelength_um : float | Expression | None
-        wavelength of a map in waves or rad; empty: as its header has it, else the band's mean [µm]:
-        a number of at least 0 or empty; default empty
+        wavelength of a map in waves or rad; empty: from its header, else the middle of the band
+        [µm]: a number of at least 0 or empty; default empty
     defocus_waves : float | Expression
         defocus W20 at the rim [waves]: a number from -100 to 100; default 0.0
     zernike_waves : Sequence[float]
@@ -982,24 +991,25 @@ def exit_pupil_mtf(
     size_y_cm : float | Expression
         height of the whole pupil array [cm]: a number above 0; default 25.6
     method : Literal['exact', 'autocorrelation']
-        closed form where there is one, or always the sampled pupil: one of exact, autocorrelation;
+        the closed form if there is one, or always the sampled pupil: one of exact, autocorrelation;
         default 'exact'
     interpolation : Literal['none', 'linear', 'bilinear']
-        from the sampled pupil's lags to the image's: one of none, linear, bilinear; default
-        'bilinear'
+        interpolation from the sampled pupil to the image's frequencies: one of none, linear,
+        bilinear; default 'bilinear'
     wavelengths : int | Expression
-        wavelengths over the band; 1 is the band's mean: a whole number from 1 to 256; default 1
+        number of wavelengths over the band; 1 uses the band's mean: a whole number from 1 to 256;
+        default 1
     weighting : Literal['uniform', 'photons', 'energy']
-        wavelengths count all alike, as in 1996, by photons, or by energy: one of uniform, photons,
-        energy; default 'uniform'
+        weight of the wavelengths: equal, as in 1996, by photons, or by energy: one of uniform,
+        photons, energy; default 'uniform'
     source_K : float | Expression | None
-        black body that lights the band; empty: the picture's mean, or sunlight [K]: a number from 0
-        to 1e+06 or empty; default empty
+        black body whose spectrum fills the band; empty: the picture's mean, or sunlight [K]: a
+        number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
-        CSV of µm and the detector's response, which weights the light besides, or empty: a file
-        name or empty; default empty
+        CSV of µm and detector response, an additional weight of the light, or empty: a file name or
+        empty; default empty
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
 
     Notes
@@ -1025,7 +1035,7 @@ def gaussian_mtf(
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     sigma_x_mrad : float | Expression
         standard deviation of the blur across [mrad]: a number of at least 0; default 0.0
@@ -1074,28 +1084,28 @@ def mtf_file(
         CSV table of MTF, relative to the network file's folder; empty: no blur: a file name or
         empty; default empty
     frequency_unit : Literal['file', 'cyc/mm', 'cyc/mrad', 'cyc/pixel']
-        unit of the frequencies; `file`: as its line of names has it: one of file, cyc/mm, cyc/mrad,
+        unit of the frequencies; `file`: from the file's header line: one of file, cyc/mm, cyc/mrad,
         cyc/pixel; default 'file'
     direction : Literal['file', 'x', 'y', 'radial']
-        axis on which the curve acts; `file`: by its column's name, radial for `mtf`: one of file,
+        axis on which the curve acts; `file`: from its column's name; `mtf` is radial: one of file,
         x, y, radial; default 'file'
     normalise : Literal['refuse', 'at_zero']
-        an MTF that is not 1 at 0: an error, or divided by its value there: one of refuse, at_zero;
-        default 'refuse'
+        what to do if the MTF is not 1 at zero frequency: refuse it, or divide by that value: one of
+        refuse, at_zero; default 'refuse'
     field : int | Expression
-        field of a listing of Zemax, counted from 0 without the limit: a whole number from 0 to
-        1000; default 0
+        field position in a Zemax listing, counted from 0 without the diffraction limit: a whole
+        number from 0 to 1000; default 0
     focal_length_mm : float | Expression | None
-        focal length, for cyc/mm and cyc/pixel; empty: of Init & Trans [mm]: a number of at least 0
-        or empty; default empty
+        focal length, for cyc/mm and cyc/pixel; empty: from Init & Trans [mm]: a number of at least
+        0 or empty; default empty
     detector_x_um : float | Expression | None
-        pixel pitch across, for cyc/pixel; empty: of Init & Trans [µm]: a number of at least 0 or
+        pixel pitch across, for cyc/pixel; empty: from Init & Trans [µm]: a number of at least 0 or
         empty; default empty
     detector_y_um : float | Expression | None
-        pixel pitch along, for cyc/pixel; empty: of Init & Trans [µm]: a number of at least 0 or
+        pixel pitch along, for cyc/pixel; empty: from Init & Trans [µm]: a number of at least 0 or
         empty; default empty
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
 
     Notes
@@ -1137,26 +1147,25 @@ def psf_file(
         picture of a point, relative to the network file's folder; empty: no blur: a file name or
         empty; default empty
     band : int | Expression | None
-        band or channel of a file of several, counted from 0: a whole number of at least 0 or empty;
-        default empty
+        band or channel to use, counted from 0: a whole number of at least 0 or empty; default empty
     sample_pitch : float | Expression | None
-        distance of the file's samples across, in `pitch_unit`; empty: as the file has it: a number
-        of at least 0 or empty; default empty
+        sampling interval of the file across, in `pitch_unit`; empty: from the file: a number of at
+        least 0 or empty; default empty
     sample_pitch_y : float | Expression | None
-        distance of the file's samples along; empty: as across: a number of at least 0 or empty;
+        sampling interval of the file along; empty: as across: a number of at least 0 or empty;
         default empty
     pitch_unit : Literal['um', 'mrad']
         unit of both: µm at the focal plane, or mrad: one of um, mrad; default 'um'
     focal_length_mm : float | Expression | None
-        focal length, for µm; empty: of Init & Trans [mm]: a number of at least 0 or empty; default
-        empty
+        focal length, for µm; empty: from Init & Trans [mm]: a number of at least 0 or empty;
+        default empty
     centroid : Literal['kept', 'removed']
-        whether a centre of gravity beside the middle of the file shifts the picture: one of kept,
-        removed; default 'kept'
+        whether a centroid away from the file's middle shifts the picture: one of kept, removed;
+        default 'kept'
     background : float | Expression
-        subtracted from every sample, in the file's numbers: a number; default 0.0
+        background to subtract from every sample, in the file's unit: a number; default 0.0
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
 
     Notes
@@ -1181,13 +1190,13 @@ def crosstrack_mtf(
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     dwell_time_s : float | Expression
-        time one sample is collected [s]: a number of at least 0; default 0.0
+        dwell time of one sample [s]: a number of at least 0; default 0.0
     scan_velocity_mrad_per_s : float | Expression | None
-        velocity of the scan; empty: of Init & Trans [mrad/s]: a number of at least 0 or empty;
-        default empty
+        scan velocity; empty: from Init & Trans [mrad/s]: a number of at least 0 or empty; default
+        empty
 
     Notes
     -----
@@ -1213,14 +1222,14 @@ def alongtrack_mtf(
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     velocity_m_per_s : float | Expression | None
-        velocity of the platform; empty: of Init & Trans [m/s]: a number or empty; default empty
+        velocity of the platform; empty: from Init & Trans [m/s]: a number or empty; default empty
     integration_time_s : float | Expression
         integration time [s]: a number of at least 0; default 0.0
     range_m : float | Expression | None
-        altitude or distance; empty: of Init & Trans [m]: a number of at least 0 or empty; default
+        altitude or distance; empty: from Init & Trans [m]: a number of at least 0 or empty; default
         empty
 
     Notes
@@ -1253,7 +1262,7 @@ def relative_motion_mtf(
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     image_velocity_x : float | Expression
         velocity of the image across [m/s]: a number; default 0.0
@@ -1266,9 +1275,9 @@ def relative_motion_mtf(
     integration_time_s : float | Expression
         integration time [s]: a number of at least 0; default 0.0
     range_m : float | Expression | None
-        distance; empty: of Init & Trans [m]: a number of at least 0 or empty; default empty
+        distance; empty: from Init & Trans [m]: a number of at least 0 or empty; default empty
     model : Literal['published', 'line']
-        rectangle (eq. 4.31) or straight smear: one of published, line; default 'published'
+        rectangle (eq. 4.31), or a straight smear: one of published, line; default 'published'
 
     Notes
     -----
@@ -1292,7 +1301,7 @@ def jitter_mtf(
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     sigma_mrad : float | Expression
         rms motion per axis [mrad]: a number of at least 0; default 0.02
@@ -1323,7 +1332,7 @@ def vibration_mtf(
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     amplitude_x_mrad : float | Expression
         amplitude across [mrad]: a number of at least 0; default 0.0
@@ -1367,26 +1376,26 @@ def line_of_sight(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        seed from the network's seed and this node's name, or the one typed in: one of automatic,
-        typed; default 'automatic'
+        take the seed from the network's seed and this node's name, or the value below: one of
+        automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
     rms_x_mrad : float | Expression
         rms motion across [mrad]: a number from 0 to 1e+06; default 0.0
     rms_y_mrad : float | Expression
         rms motion along [mrad]: a number from 0 to 1e+06; default 0.0
     corner_Hz : float | Expression
-        half of the power density at low frequencies is left here [Hz]: a number from 1e-06 to
-        1e+09; default 5.0
+        frequency at which the power density has fallen to half its low-frequency value [Hz]: a
+        number from 1e-06 to 1e+09; default 5.0
     psd_path : str | PathLike[str] | None
-        CSV of Hz and mrad²/Hz (across, along), in place of rms and corner, or empty: a file name or
-        empty; default empty
+        CSV of Hz and mrad²/Hz (across, along), used instead of rms and corner, or empty: a file
+        name or empty; default empty
     integration_time_s : float | Expression
-        length of an exposure [s]: a number from 0 to 1e+06; default 0.01
+        exposure time [s]: a number from 0 to 1e+06; default 0.01
     frame_rate_Hz : float | Expression
         frame rate [Hz]: a number from 1e-06 to 1e+09; default 30.0
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
 
     Notes
@@ -1416,7 +1425,7 @@ def detector_mtf(
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     detector_x_um : float | Expression | None
         detector pitch across [µm]: a number of at least 0 or empty; default empty
@@ -1454,18 +1463,18 @@ def charge_eff_mtf(
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     detectors_per_line : int | Expression
         number of transfers: a whole number from 0 to 1e+09; default 640
     efficiency : float | Expression
-        share of the charge that each transfer moves on: a number from 0 to 1; default 0.99999
+        fraction of the charge that each transfer moves on: a number from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
-        product of all transfers, eqs. 4.57-4.58, or the leading term of the product: one of exact,
+        the exact product over all transfers (eqs. 4.57-4.58), or its leading term: one of exact,
         published, leading; default 'exact'
     nyquist : Literal['image', 'detector']
-        charge packets are one image sample apart, or one detector pitch: one of image, detector;
-        default 'image'
+        distance between charge packets: one image sample, or one detector pitch: one of image,
+        detector; default 'image'
 
     Notes
     -----
@@ -1492,18 +1501,18 @@ def charge_eff_phase(
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     detectors_per_line : int | Expression
         number of transfers: a whole number from 0 to 1e+09; default 640
     efficiency : float | Expression
-        share of the charge that each transfer moves on: a number from 0 to 1; default 0.99999
+        fraction of the charge that each transfer moves on: a number from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
-        product of all transfers, eqs. 4.57-4.58, or the leading term of the product: one of exact,
+        the exact product over all transfers (eqs. 4.57-4.58), or its leading term: one of exact,
         published, leading; default 'exact'
     nyquist : Literal['image', 'detector']
-        charge packets are one image sample apart, or one detector pitch: one of image, detector;
-        default 'image'
+        distance between charge packets: one image sample, or one detector pitch: one of image,
+        detector; default 'image'
 
     Notes
     -----
@@ -1534,20 +1543,20 @@ def tdi_mtf(
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
-        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     stages : int | Expression
-        stages that add their charge: a whole number from 1 to 10000; default 64
+        stages whose charge is added: a whole number from 1 to 10000; default 64
     phases : int | Expression
-        clock phases of a stage, steps of the charge; 0: no steps: a whole number from 0 to 100;
-        default 4
+        clock phases per stage, in which the charge moves; 0: smooth motion: a whole number from 0
+        to 100; default 4
     velocity_mismatch_percent : float | Expression
-        how much faster the image is than the charge [%]: a number from -99 to 1000; default 0.0
+        how much faster the image moves than the charge [%]: a number from -99 to 1000; default 0.0
     direction : Literal['y', 'x']
         axis of the motion: along (y) or across (x): one of y, x; default 'y'
     detector_um : float | Expression | None
-        pitch of the stages; empty: the detector's along the motion [µm]: a number of at least 0 or
-        empty; default empty
+        pitch of the stages; empty: the detector's pitch along the motion [µm]: a number of at least
+        0 or empty; default empty
     focal_length_mm : float | Expression | None
         effective focal length [mm]: a number of at least 0 or empty; default empty
 
@@ -1583,20 +1592,20 @@ def spectral_response(
     Parameters
     ----------
     shape : Literal['file', 'rectangle', 'gaussian']
-        form of the response, or a file of it: one of file, rectangle, gaussian; default 'rectangle'
+        shape of the response, or a file: one of file, rectangle, gaussian; default 'rectangle'
     path : str | PathLike[str] | None
         CSV of µm and response, 0 to 1: a file name or empty; default empty
     centre_um : float | Expression | None
-        middle of the response; empty: of the picture's band [µm]: a number from 0 to 1000 or empty;
-        default empty
+        centre wavelength; empty: the middle of the picture's band [µm]: a number from 0 to 1000 or
+        empty; default empty
     width_um : float | Expression | None
-        width, of a Gaussian its full width at half maximum; empty: of the picture's band [µm]: a
+        width (for a Gaussian, the full width at half maximum); empty: the picture's band [µm]: a
         number from 0 to 1000 or empty; default empty
     peak : float | Expression
         largest response: a number from 0 to 1; default 1.0
     source_K : float | Expression | None
-        black body that weights one band; empty: the scene's, or sunlight [K]: a number from 0 to
-        1e+06 or empty; default empty
+        black body whose spectrum weights a single band; empty: the scene's, or sunlight [K]: a
+        number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -1667,22 +1676,22 @@ def focal_plane(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        seed from the network's seed and this node's name, or the one typed in: one of automatic,
-        typed; default 'automatic'
+        take the seed from the network's seed and this node's name, or the value below: one of
+        automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
     integration_time_s : float | Expression
         integration time of one stage [s]: a number above 0 to 10000; default 0.001
     tdi_stages : int | Expression
-        stages of time delay and integration that add their charge: a whole number from 1 to 10000;
+        stages of time delay and integration whose charge is added: a whole number from 1 to 10000;
         default 1
     frames_averaged : int | Expression
-        frames that are averaged: a whole number from 1 to 1e+06; default 1
+        number of frames averaged: a whole number from 1 to 1e+06; default 1
     quantum_efficiency : float | Expression
         electrons per photon within the band: a number above 0 to 1; default 0.7
     response : str | PathLike[str] | None
-        CSV of µm and quantum efficiency, in place of the number, or empty: a file name or empty;
-        default empty
+        CSV of µm and quantum efficiency, used instead of the number, or empty: a file name or
+        empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
         or empty; default empty
@@ -1690,24 +1699,25 @@ def focal_plane(
         longest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
         or empty; default empty
     photon_weighting : Literal['scene', 'source', 'middle']
-        photons of a radiance: as of its own temperature, of the source, of the middle: one of
-        scene, source, middle; default 'scene'
+        spectrum that converts radiance to photons: the scene's own temperature, the source, or the
+        middle of the band: one of scene, source, middle; default 'scene'
     source_K : float | Expression
-        temperature of the source of light [K]: a number above 0 to 1e+06; default 5800.0
+        temperature of the light source [K]: a number above 0 to 1e+06; default 5800.0
     optics_transmission : float | Expression
         transmission of the optics: a number above 0 to 1; default 1.0
     optics_K : float | Expression | None
         temperature of the optics; empty: no emission [K]: a number from 0 to 10000 or empty;
         default empty
     cold_shield_efficiency : float | Expression
-        share of the housing that the cold shield hides: a number from 0 to 1; default 1.0
+        fraction of the housing that the cold shield hides: a number from 0 to 1; default 1.0
     housing_K : float | Expression | None
         temperature of the housing past the cold shield; empty: no emission [K]: a number from 0 to
         10000 or empty; default empty
     dark_current_e_per_s : float | Expression
-        dark current of a pixel [e-/s]: a number from 0 to 1e+15; default 0.0
+        dark current per pixel [e-/s]: a number from 0 to 1e+15; default 0.0
     rule_07 : bool
-        dark current of HgCdTe by Rule 07 in place of the number: true or false; default False
+        take the dark current of HgCdTe from Rule 07 instead of the number: true or false; default
+        False
     detector_K : float | Expression | None
         temperature of the detector, for Rule 07 [K]: a number from 0 to 1000 or empty; default
         empty
@@ -1715,29 +1725,30 @@ def focal_plane(
         cutoff of the detector material, for Rule 07 [µm]: a number from 0 to 100 or empty; default
         empty
     full_well_e : float | Expression | None
-        electrons a pixel holds; empty: any number [e-]: a number of at least 0 or empty; default
-        empty
+        electrons that a pixel holds; empty: unlimited [e-]: a number of at least 0 or empty;
+        default empty
     nonlinearity_percent : float | Expression
-        what is missing at the full well; growing with the square of the electrons [%]: a number
+        signal lost at the full well; the loss grows with the square of the electrons [%]: a number
         from 0 to 25; default 0.0
     read_noise_e : float | Expression
         read noise [e-]: a number from 0 to 1e+12; default 0.0
     prnu_percent : float | Expression
-        spread of the response among pixels [%]: a number from 0 to 100; default 0.0
+        PRNU: spread of the response between pixels [%]: a number from 0 to 100; default 0.0
     dsnu_e : float | Expression
-        spread of the dark level among pixels [e-]: a number from 0 to 1e+12; default 0.0
+        DSNU: spread of the dark level between pixels [e-]: a number from 0 to 1e+12; default 0.0
     bad_pixel_percent : float | Expression
-        dead and hot pixels, some in clusters [%]: a number from 0 to 100; default 0.0
+        share of dead and hot pixels, some in clusters [%]: a number from 0 to 100; default 0.0
     bits : int | Expression
-        bits of the converter, 0 for none [bit]: a whole number from 0 to 24; default 0
+        bits of the converter; 0: no converter [bit]: a whole number from 0 to 24; default 0
     gain_e_per_dn : float | Expression | None
-        electrons of one number; empty: the full well is the last [e-/DN]: a number of at least 0 or
-        empty; default empty
+        electrons per digital number; empty: the full well is the last number [e-/DN]: a number of
+        at least 0 or empty; default empty
     offset_dn : float | Expression
-        number of no electrons [DN]: a number from -1.67772e+07 to 1.67772e+07; default 0.0
+        digital number of zero electrons [DN]: a number from -1.67772e+07 to 1.67772e+07; default
+        0.0
     units : Literal['dn', 'electrons', 'radiance']
-        what the picture is given in; all are of the digitized picture: one of dn, electrons,
-        radiance; default 'dn'
+        unit of the output; every unit shows the digitized picture: one of dn, electrons, radiance;
+        default 'dn'
 
     Notes
     -----
@@ -1785,22 +1796,23 @@ def microbolometer(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        seed from the network's seed and this node's name, or the one typed in: one of automatic,
-        typed; default 'automatic'
+        take the seed from the network's seed and this node's name, or the value below: one of
+        automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
     netd_mK : float | Expression
-        NETD of the data sheet [mK]: a number from 0 to 1e+06; default 50.0
+        NETD from the data sheet [mK]: a number from 0 to 1e+06; default 50.0
     reference_f_number : float | Expression
-        F-number of that NETD: a number from 0.1 to 1000; default 1.0
+        F-number at which that NETD was measured: a number from 0.1 to 1000; default 1.0
     reference_K : float | Expression
-        background of that NETD [K]: a number from 1 to 10000; default 300.0
+        background temperature at which that NETD was measured [K]: a number from 1 to 10000;
+        default 300.0
     reference_integration_time_s : float | Expression | None
-        integration time of that NETD; empty: the camera's [s]: a number from 0 to 1000 or empty;
-        default empty
+        integration time at which that NETD was measured; empty: the camera's [s]: a number from 0
+        to 1000 or empty; default empty
     f_number : float | Expression | None
-        F-number of the camera; empty: of Init & Trans: a number from 0.1 to 1000 or empty; default
-        empty
+        F-number of the camera; empty: from Init & Trans: a number from 0.1 to 1000 or empty;
+        default empty
     optics_transmission : float | Expression
         transmission of the optics: a number above 0 to 1; default 1.0
     integration_time_s : float | Expression | None
@@ -1817,14 +1829,15 @@ def microbolometer(
     frame_rate_Hz : float | Expression
         frame rate [Hz]: a number from 1e-06 to 1e+09; default 30.0
     corner_Hz : float | Expression
-        where 1/f noise equals the white; 0: none [Hz]: a number from 0 to 1e+09; default 0.0
+        corner frequency, where 1/f noise equals white noise; 0: no 1/f noise [Hz]: a number from 0
+        to 1e+09; default 0.0
     longest_period_s : float | Expression
         slowest 1/f noise: time since the last correction [s]: a number from 1e-09 to 1e+09; default
         60.0
     response_percent : float | Expression
-        spread of the response among pixels [%]: a number from 0 to 100; default 0.0
+        PRNU: spread of the response between pixels [%]: a number from 0 to 100; default 0.0
     offset_mK : float | Expression
-        spread of the offset among pixels, at the data sheet's background [mK]: a number from 0 to
+        spread of the offset between pixels, at the data sheet's background [mK]: a number from 0 to
         1e+09; default 0.0
 
     Notes
@@ -1861,21 +1874,23 @@ def nuc(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        seed from the network's seed and this node's name, or the one typed in: one of automatic,
-        typed; default 'automatic'
+        take the seed from the network's seed and this node's name, or the value below: one of
+        automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
     method : Literal['none', 'one_point', 'two_point']
-        references: none, one or two: one of none, one_point, two_point; default 'two_point'
+        number of reference sources: none, one or two: one of none, one_point, two_point; default
+        'two_point'
     low_K : float | Expression
-        temperature of the reference, of the cooler one [K]: a number from 1 to 10000; default 290.0
+        temperature of the reference, or of the cooler one [K]: a number from 1 to 10000; default
+        290.0
     high_K : float | Expression
         temperature of the warmer reference [K]: a number from 1 to 10000; default 310.0
     reference_frames : int | Expression
-        frames of a reference that are averaged: a whole number from 1 to 100000; default 16
+        reference frames that are averaged: a whole number from 1 to 100000; default 16
     drift_K : float | Expression
-        rms among pixels of the offset that has come since, as scene temperature [K]: a number from
-        0 to 10000; default 0.0
+        offset drift since the correction, rms between pixels, as scene temperature [K]: a number
+        from 0 to 10000; default 0.0
 
     Notes
     -----
@@ -1905,18 +1920,20 @@ def poisson_noise(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        seed from the network's seed and this node's name, or the one typed in: one of automatic,
-        typed; default 'automatic'
+        take the seed from the network's seed and this node's name, or the value below: one of
+        automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
     width_px : float | Expression
-        standard deviation of the local mean's weights [px]: a number of at least 0; default 5.0
+        standard deviation of the Gaussian that weights the local mean [px]: a number of at least 0;
+        default 5.0
     percent : float | Expression
-        share of the local mean [%]: a number of at least 0; default 1.0
+        fraction of the local mean [%]: a number of at least 0; default 1.0
     photons_per_unit : float | Expression | None
         photons per unit of radiance, for `photon`: a number of at least 0 or empty; default empty
     mode : Literal['published', 'photon']
-        add a deviate, or replace by one: one of published, photon; default 'published'
+        add a Poisson deviate, or replace the sample by one: one of published, photon; default
+        'published'
 
     Notes
     -----
@@ -1968,10 +1985,10 @@ def electronics_noise(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        seed from the network's seed and this node's name, or the one typed in: one of automatic,
-        typed; default 'automatic'
+        take the seed from the network's seed and this node's name, or the value below: one of
+        automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
@@ -1984,15 +2001,15 @@ def electronics_noise(
         detector material, for D*: one of HgCdTe, InSb, PtSi, Si, Si:Ga, Si:As, manual; default
         'HgCdTe'
     d_star : float | Expression | None
-        D* typed in, in place of the material's [cm √Hz/W]: a number of at least 0 or empty; default
+        D*, used instead of the material's [cm √Hz/W]: a number of at least 0 or empty; default
         empty
     optics_transmission : float | Expression
         transmission of the optics: a number above 0 to 1; default 1.0
     filter_transmission : float | Expression
         transmission of the filter: a number above 0 to 1; default 1.0
     scan_mirror_rate_Hz : float | Expression | None
-        turns of the scan mirror; empty: scan velocity of Init & Trans [Hz]: a number of at least 0
-        or empty; default empty
+        revolutions of the scan mirror; empty: scan velocity from Init & Trans [Hz]: a number of at
+        least 0 or empty; default empty
     time_constant_s : float | Expression | None
         detector time constant; empty: the dwell time [s]: a number of at least 0 or empty; default
         empty
@@ -2002,37 +2019,38 @@ def electronics_noise(
         SNR of the amplifier; empty: no amplifier noise: a number of at least 0 or empty; default
         empty
     snr_reference : Literal['mean', 'contrast']
-        what the SNR refers to: mean, or max − min: one of mean, contrast; default 'mean'
+        signal that the SNR refers to: mean, or max − min: one of mean, contrast; default 'mean'
     gain_percent : float | Expression
-        spread of gain [%]: a number of at least 0; default 0.0
+        spread of the gain between detectors [%]: a number of at least 0; default 0.0
     bias_percent : float | Expression
-        spread of bias, of the mean [%]: a number of at least 0; default 0.0
+        spread of the bias between detectors, relative to the mean [%]: a number of at least 0;
+        default 0.0
     gain_model : Literal['per_pixel', 'published', 'literal']
-        gain scales each pixel, adds a share of the mean, or eq. 4.59 as printed: one of per_pixel,
-        published, literal; default 'per_pixel'
+        per_pixel scales each pixel, published adds a fraction of the mean, literal is eq. 4.59 as
+        printed: one of per_pixel, published, literal; default 'per_pixel'
     noise_variability_percent : float | Expression
-        spread of the noise among detectors [%]: a number of at least 0; default 0.0
+        spread of the noise level between detectors [%]: a number of at least 0; default 0.0
     use_mtf : bool
         apply the pre-amplifier's MTF and PTF: true or false; default False
     post_filter : Literal['none', 'lowpass', 'highpass', 'boost']
         filter after the amplifier: one of none, lowpass, highpass, boost; default 'none'
     post_corner_Hz : float | Expression | None
-        corner, or boost frequency, of the post filter [Hz]: a number of at least 0 or empty;
-        default empty
+        corner frequency, or boost frequency, of the post filter [Hz]: a number of at least 0 or
+        empty; default empty
     post_poles : int | Expression
         poles of the post filter: a whole number from 1 to 100; default 1
     post_gain : float | Expression
         gain of the boost: a number from 1 to 1e+06; default 2.0
     bits : Literal[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 32, 64]
-        bits per pixel, 0 for none [bit]: one of 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14,
-        15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 32, 64; default 0
+        bits per pixel; 0: no quantization [bit]: one of 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
+        13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 32, 64; default 0
     range_low : float | Expression | None
-        lowest level; empty: the picture's least [W/m²/sr]: a number or empty; default empty
+        lowest level; empty: the picture's minimum [W/m²/sr]: a number or empty; default empty
     range_high : float | Expression | None
-        highest level; empty: the picture's greatest [W/m²/sr]: a number or empty; default empty
+        highest level; empty: the picture's maximum [W/m²/sr]: a number or empty; default empty
     background_K : float | Expression | None
-        background; empty: brightness temperature of the mean [K]: a number of at least 0 or empty;
-        default empty
+        background temperature; empty: brightness temperature of the mean [K]: a number of at least
+        0 or empty; default empty
 
     Notes
     -----
@@ -2064,7 +2082,7 @@ def periodic_noise(
     Parameters
     ----------
     amplitude : float | Expression
-        amplitude, in the unit of the picture: a number; default 0.0
+        amplitude, in the picture's unit: a number; default 0.0
     xi : float | Expression
         frequency across [cyc/mrad]: a number; default 0.1
     eta : float | Expression
@@ -2072,7 +2090,7 @@ def periodic_noise(
     phase_deg : float | Expression
         phase at the first sample [deg]: a number; default 0.0
     modulation : float | Expression
-        depth of the modulation: a number from 0 to 1; default 0.0
+        modulation depth: a number from 0 to 1; default 0.0
     modulation_xi : float | Expression
         frequency of the modulation across [cyc/mrad]: a number; default 0.01
     modulation_eta : float | Expression
@@ -2105,7 +2123,7 @@ def noise_file(
     band : int | Expression
         band or channel, counted from 0: a whole number of at least 0; default 0
     scale : float | Expression
-        factor that brings the noise to the picture's unit: a number; default 1.0
+        factor that converts the file to the picture's unit: a number; default 1.0
 
     Notes
     -----
@@ -2143,26 +2161,27 @@ def noise_3d_source(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        seed from the network's seed and this node's name, or the one typed in: one of automatic,
-        typed; default 'automatic'
+        take the seed from the network's seed and this node's name, or the value below: one of
+        automatic, typed; default 'automatic'
     seed : int | Expression
-        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+        seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
     sigma_tvh : float | Expression
-        random from sample to sample and frame to frame: a number from 0 to 1e+15; default 0.0
+        random noise, from pixel to pixel and frame to frame: a number from 0 to 1e+15; default 0.0
     sigma_tv : float | Expression
-        of rows, from frame to frame: a number from 0 to 1e+15; default 0.0
+        row noise that changes from frame to frame: a number from 0 to 1e+15; default 0.0
     sigma_th : float | Expression
-        of columns, from frame to frame: a number from 0 to 1e+15; default 0.0
+        column noise that changes from frame to frame: a number from 0 to 1e+15; default 0.0
     sigma_t : float | Expression
-        of whole frames from one to the next: a number from 0 to 1e+15; default 0.0
+        flicker of the whole frame: a number from 0 to 1e+15; default 0.0
     sigma_vh : float | Expression
-        fixed from sample to sample: a number from 0 to 1e+15; default 0.0
+        fixed pattern, pixel by pixel: a number from 0 to 1e+15; default 0.0
     sigma_v : float | Expression
-        fixed from row to row: a number from 0 to 1e+15; default 0.0
+        fixed pattern, row by row: a number from 0 to 1e+15; default 0.0
     sigma_h : float | Expression
-        fixed from column to column: a number from 0 to 1e+15; default 0.0
+        fixed pattern, column by column: a number from 0 to 1e+15; default 0.0
     corner_Hz : float | Expression
-        where 1/f noise equals sigma_tvh; 0: none [Hz]: a number from 0 to 1e+09; default 0.0
+        corner frequency, where 1/f noise equals sigma_tvh; 0: no 1/f noise [Hz]: a number from 0 to
+        1e+09; default 0.0
     frame_rate_Hz : float | Expression
         frame rate, for 1/f noise [Hz]: a number from 1e-06 to 1e+09; default 30.0
     longest_period_s : float | Expression
@@ -2194,15 +2213,14 @@ def mtf_slices(
     Parameters
     ----------
     direction : Literal['horizontal', 'vertical', 'angle', 'both']
-        line of frequencies; both: horizontal and vertical: one of horizontal, vertical, angle,
+        direction of the slice; both: horizontal and vertical: one of horizontal, vertical, angle,
         both; default 'horizontal'
     angle_deg : float | Expression
-        direction of the line: 0 horizontal, 90 vertical [deg]: a number from -360 to 360; default
-        45.0
+        angle of the slice: 0 horizontal, 90 vertical [deg]: a number from -360 to 360; default 45.0
     samples : int | Expression
-        points of each curve: a whole number from 2 to 65536; default 257
+        points on each curve: a whole number from 2 to 65536; default 257
     stages : bool
-        each stage too, not the total alone: true or false; default True
+        show every stage, not only the total: true or false; default True
 
     Notes
     -----
@@ -2246,13 +2264,13 @@ def measured_mtf(
     Parameters
     ----------
     method : Literal['slanted_edge', 'row_average']
-        ISO 12233's way for a slanted edge, or the thesis' way for an upright one: one of
+        ISO 12233 for a slanted edge, or the thesis's method for an upright edge: one of
         slanted_edge, row_average; default 'slanted_edge'
     target : Literal['edge', 'line']
-        what is in the region; a line's width counts as blur: one of edge, line; default 'edge'
+        what the region shows; the width of a line counts as blur: one of edge, line; default 'edge'
     direction : Literal['automatic', 'horizontal', 'vertical']
-        across (an upright edge), along, or whichever changes most: one of automatic, horizontal,
-        vertical; default 'automatic'
+        across (an upright edge), along, or automatic: the direction of the larger change: one of
+        automatic, horizontal, vertical; default 'automatic'
     region_x : int | Expression
         first column of the region [px]: a whole number of at least 0; default 0
     region_y : int | Expression
@@ -2263,19 +2281,19 @@ def measured_mtf(
     region_height : int | Expression | None
         rows; empty: to the picture's end [px]: a whole number of at least 0 or empty; default empty
     window : Literal['tukey', 'hamming', 'none']
-        weight of the line spread; tukey: level over its middle half: one of tukey, hamming, none;
+        window on the line spread; tukey: flat over its middle half: one of tukey, hamming, none;
         default 'tukey'
     samples : int | Expression
         points of the curve: a whole number from 2 to 4096; default 129
     clip_left_px : int | Expression | None
-        first sample across that is not level; empty: found [px]: a whole number of at least 0 or
-        empty; default empty
+        first sample of the edge across; empty: found automatically [px]: a whole number of at least
+        0 or empty; default empty
     clip_right_px : int | Expression | None
-        last sample across that is not level; empty: found [px]: a whole number of at least 0 or
-        empty; default empty
+        last sample of the edge across; empty: found automatically [px]: a whole number of at least
+        0 or empty; default empty
     axis : Literal['cyc_per_mrad', 'cyc_per_pixel']
-        unit of the frequency; without a sampling interval always per pixel: one of cyc_per_mrad,
-        cyc_per_pixel; default 'cyc_per_mrad'
+        unit of the frequency axis; always cycles per pixel if the picture has no sampling interval:
+        one of cyc_per_mrad, cyc_per_pixel; default 'cyc_per_mrad'
 
     Notes
     -----
@@ -2357,11 +2375,12 @@ def figures_of_merit(
     Parameters
     ----------
     model : Literal['ratches_1976', 'flir92']
-        temporal noise alone, or three-dimensional noise and a limit by sampling: one of
-        ratches_1976, flir92; default 'flir92'
+        temporal noise only, or three-dimensional noise with a sampling limit: one of ratches_1976,
+        flir92; default 'flir92'
     scanning : Literal['automatic', 'parallel_scan', 'serial_scan', 'staring']
-        automatic: as Init & Trans's platform, line serial, push parallel, array staring: one of
-        automatic, parallel_scan, serial_scan, staring; default 'automatic'
+        how the picture is scanned; automatic: from Init & Trans's platform (line: serial, push:
+        parallel, array: staring): one of automatic, parallel_scan, serial_scan, staring; default
+        'automatic'
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
@@ -2369,55 +2388,58 @@ def figures_of_merit(
         longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
     background_K : float | Expression | None
-        background; empty: brightness temperature of the mean [K]: a number of at least 0 or empty;
-        default empty
+        background temperature; empty: brightness temperature of the picture's mean [K]: a number of
+        at least 0 or empty; default empty
     snr_threshold : float | Expression
-        SNR at which half of the observers resolve or detect: a number above 0 to 1000; default 2.5
+        SNR at which half of the observers resolve the bars or detect the target: a number above 0
+        to 1000; default 2.5
     frame_rate_Hz : float | Expression | None
         frames per second; empty: a single still frame [Hz]: a number of at least 0 or empty;
         default 30.0
     eye_integration_s : float | Expression
         time over which the eye averages frames [s]: a number above 0 to 10; default 0.2
     mdtd_window : Literal['target', 'image']
-        MDTD: the eye averages over the target, or over its blurred image: one of target, image;
-        default 'target'
+        MDTD: whether the eye averages over the target or over its blurred image: one of target,
+        image; default 'target'
     eye_limit_mrad : float | Expression | None
-        MDTD: largest angle in the scene the eye averages over; empty: no limit [mrad]: a number of
-        at least 0 or empty; default empty
+        MDTD: largest angle in the scene over which the eye averages; empty: no limit [mrad]: a
+        number of at least 0 or empty; default empty
     target_size_m : float | Expression
-        size of the target: the root of its area [m]: a number above 0 to 1e+06; default 2.3
+        size of the target: the square root of its area [m]: a number above 0 to 1e+06; default 2.3
     target_delta_K : float | Expression
-        target less background [K]: a number from -10000 to 10000; default 2.0
+        temperature difference between target and background [K]: a number from -10000 to 10000;
+        default 2.0
     extinction_per_km : float | Expression
-        extinction of the air in the band, where no Atmospheric Path gives it [1/km]: a number from
-        0 to 1e+06; default 0.2
+        extinction of the air in the band, used if there is no Atmospheric Path [1/km]: a number
+        from 0 to 1e+06; default 0.2
     n50_detection : float | Expression
-        cycles at which half detect; 1 goes with one direction's MRTD: a number above 0 to 1000;
+        cycles for 50 % detection; 1 for the MRTD of one direction: a number above 0 to 1000;
         default 0.75
     n50_recognition : float | Expression
-        cycles at which half recognize; 4 goes with one direction's MRTD: a number above 0 to 1000;
+        cycles for 50 % recognition; 4 for the MRTD of one direction: a number above 0 to 1000;
         default 3.0
     n50_identification : float | Expression
-        cycles at which half identify; 6.4 goes with one direction's MRTD: a number above 0 to 1000;
+        cycles for 50 % identification; 6.4 for the MRTD of one direction: a number above 0 to 1000;
         default 6.0
     ttp_threshold : Literal['mrtd', 'system_contrast_threshold']
-        TTP: threshold of eye and MRTD, or the published one through MTF and noise: one of mrtd,
-        system_contrast_threshold; default 'mrtd'
+        TTP: contrast threshold from the eye and the MRTD, or the published one from MTF and noise:
+        one of mrtd, system_contrast_threshold; default 'mrtd'
     v50 : float | Expression
-        TTP value at which half succeed; published ones go with system_contrast_threshold: a number
+        TTP value for 50 % success; published values belong to system_contrast_threshold: a number
         above 0 to 10000; default 18.8
     scene_contrast_K : float | Expression
-        TTP: difference shown as the display's mean [K]: a number above 0 to 10000; default 5.0
+        TTP: temperature difference that the display shows as its mean luminance [K]: a number above
+        0 to 10000; default 5.0
     display_cd_m2 : float | Expression
         TTP: mean luminance of the display [cd/m²]: a number above 0 to 1e+06; default 34.0
     display_deg : float | Expression
-        TTP: side of the display at the eye [deg]: a number above 0 to 180; default 15.0
+        TTP: angle that the display fills at the eye [deg]: a number above 0 to 180; default 15.0
     magnification : float | Expression | None
-        TTP: angle on the display over that in the scene; empty: it fills the display: a number of
-        at least 0 or empty; default empty
+        TTP: angle on the display over angle in the scene; empty: the picture fills the display: a
+        number of at least 0 or empty; default empty
     range_max_km : float | Expression | None
-        end of the curve; empty: where detection is unlikely [km]: a number from 0 to 1e+06 or
-        empty; default empty
+        longest range of the curve; empty: where detection becomes unlikely [km]: a number from 0 to
+        1e+06 or empty; default empty
 
     Notes
     -----
@@ -2447,14 +2469,14 @@ def noise_budget(
     Parameters
     ----------
     frequency : float | Expression
-        frequency of the MTFs, as a share of the picture's Nyquist frequency [Nyquist]: a number
+        frequency of the MTFs, as a fraction of the picture's Nyquist frequency [Nyquist]: a number
         above 0 to 1; default 0.5
     noise : Literal['all', 'temporal', 'fixed']
-        all noise, what changes from frame to frame, or what stays: one of all, temporal, fixed;
-        default 'all'
+        all noise, noise that changes from frame to frame, or fixed patterns: one of all, temporal,
+        fixed; default 'all'
     show : Literal['share', 'amount']
-        bars: share in percent, or amount: standard deviation, and −ln of the MTF: one of share,
-        amount; default 'share'
+        bars show the share in percent, or the amount: standard deviation, and −ln of the MTF: one
+        of share, amount; default 'share'
 
     Notes
     -----
@@ -2517,10 +2539,11 @@ def compare_images(
     Parameters
     ----------
     average : Literal['axes', 'radial']
-        MTF ratio on both frequency axes, or in rings: one of axes, radial; default 'axes'
+        MTF ratio along both frequency axes, or averaged in rings: one of axes, radial; default
+        'axes'
     edges : Literal['reflect', 'periodic']
-        frame mirrored without end, or repeated as the plain FFT sees it: one of reflect, periodic;
-        default 'reflect'
+        how the frame continues beyond its edges: mirrored, or repeated as in a plain FFT: one of
+        reflect, periodic; default 'reflect'
 
     Notes
     -----
@@ -2553,12 +2576,12 @@ def spatial_blur(
     Parameters
     ----------
     truncation : Literal['half_width', 'error', 'none']
-        where kernels end: after `half_width_px`, as `error` allows, or with the frame: one of
-        half_width, error, none; default 'half_width'
+        where kernels are truncated: after `half_width_px`, where `error` allows, or at the frame's
+        size: one of half_width, error, none; default 'half_width'
     half_width_px : int | Expression
-        samples kept on either side [px]: a whole number from 0 to 65536; default 16
+        samples kept on each side [px]: a whole number from 0 to 65536; default 16
     error : float | Expression
-        largest error, as a share of the scene's departure from its mean: a number from 0 to 1;
+        largest error, as a fraction of the scene's departure from its mean: a number from 0 to 1;
         default 0.001
 
     Notes
@@ -2609,22 +2632,23 @@ def line_by_line(
     look_angle_deg : float | Expression
         view angle from nadir of the frame's middle [deg]: a number above -90 below 90; default 0.0
     nadir_column : float | Expression | None
-        sample of a scan line that looks at nadir, from 0; empty: look angle [px]: a number from
-        -65536 to 131072 or empty; default empty
+        sample of a scan line that looks at nadir, counted from 0; empty: from the look angle [px]:
+        a number from -65536 to 131072 or empty; default empty
     spacing : Literal['frame', 'flight', 'typed']
-        lines at nadir as far apart as the frame's interval, as velocity and scan rate of Init &
-        Trans make it (a line each turn), or as typed: one of frame, flight, typed; default 'frame'
+        spacing of lines at nadir: the frame's interval, one line per turn at Init & Trans's
+        velocity and scan rate, or the value below: one of frame, flight, typed; default 'frame'
     line_spacing_m : float | Expression | None
         distance of scan lines on the ground [m]: a number of at least 0 or empty; default empty
     altitude_m : float | Expression | None
-        altitude; empty: of Init & Trans [m]: a number of at least 0 or empty; default empty
+        altitude; empty: from Init & Trans [m]: a number of at least 0 or empty; default empty
     method : Literal['nodes', 'direct']
-        planar factors: blended from a few intervals, or summed for each: one of nodes, direct;
-        default 'nodes'
+        planar factors: interpolated between a few intervals, or summed exactly for each: one of
+        nodes, direct; default 'nodes'
     nodes : int | Expression | None
-        intervals to blend; empty: by tolerance: a whole number from 0 to 32 or empty; default empty
+        intervals to interpolate between; empty: as many as the tolerance needs: a whole number from
+        0 to 32 or empty; default empty
     tolerance : float | Expression
-        largest error of the transfer function by blending: a number from 0 to 1; default 1e-05
+        largest error of the transfer function by interpolation: a number from 0 to 1; default 1e-05
 
     Notes
     -----
@@ -2676,56 +2700,56 @@ def camera_geometry(
     Parameters
     ----------
     kind : Literal['line', 'pushbroom', 'framing']
-        line scanner, pushbroom, or framing camera that takes all lines at once: one of line,
+        line scanner, pushbroom, or framing camera, which exposes all lines at once: one of line,
         pushbroom, framing; default 'line'
     altitude_m : float | Expression
         height above the ground [m]: a number above 0; default 1000.0
     ground_interval_m : float | Expression | None
-        the scene's sampling on the ground; empty: its angular interval × altitude [m]: a number of
-        at least 0 or empty; default empty
+        sampling interval of the scene on the ground; empty: its angular interval × altitude [m]: a
+        number of at least 0 or empty; default empty
     ground_interval_y_m : float | Expression | None
-        the scene's sampling down the picture; empty: as across [m]: a number of at least 0 or
-        empty; default empty
+        the same interval down the picture; empty: as across [m]: a number of at least 0 or empty;
+        default empty
     columns : int | Expression | None
-        samples across; empty: as the scene has: a whole number from 1 to 65536 or empty; default
+        samples across; empty: as in the scene: a whole number from 1 to 65536 or empty; default
         empty
     rows : int | Expression | None
-        lines along; empty: as the scene has: a whole number from 1 to 65536 or empty; default empty
+        lines along; empty: as in the scene: a whole number from 1 to 65536 or empty; default empty
     fov_x_deg : float | Expression | None
         field of view across; empty: columns × pitch / focal length [deg]: a number from 0 below 180
         or empty; default 20.0
     pitch_x_um : float | Expression | None
-        pitch of samples across [µm]: a number of at least 0 or empty; default empty
+        pixel pitch across [µm]: a number of at least 0 or empty; default empty
     pitch_y_um : float | Expression | None
-        pitch of samples along; empty: as across [µm]: a number of at least 0 or empty; default
-        empty
+        pixel pitch along; empty: as across [µm]: a number of at least 0 or empty; default empty
     focal_length_mm : float | Expression | None
         focal length [mm]: a number of at least 0 or empty; default empty
     velocity_m_per_s : float | Expression | None
-        flight over the ground; empty: lines join at nadir [m/s]: a number of at least 0 or empty;
-        default empty
+        ground speed; empty: consecutive lines touch at nadir [m/s]: a number of at least 0 or
+        empty; default empty
     line_rate_Hz : float | Expression | None
-        lines a second; empty: lines join at nadir [Hz]: a number of at least 0 or empty; default
-        empty
+        lines per second; empty: consecutive lines touch at nadir [Hz]: a number of at least 0 or
+        empty; default empty
     roll_deg : float | Expression
-        view turned to the right [deg]: a number from -89 to 89; default 0.0
+        look angle to the right [deg]: a number from -89 to 89; default 0.0
     pitch_deg : float | Expression
-        view turned ahead [deg]: a number from -89 to 89; default 0.0
+        look angle ahead [deg]: a number from -89 to 89; default 0.0
     yaw_deg : float | Expression
-        heading, clockwise from down the picture [deg]: a number from -180 to 180; default 0.0
+        heading, clockwise from straight down the picture [deg]: a number from -180 to 180; default
+        0.0
     offset_x_m : float | Expression
-        camera right of the scene's middle [m]: a number; default 0.0
+        position of the camera, right of the scene's middle [m]: a number; default 0.0
     offset_y_m : float | Expression
-        camera below the scene's middle [m]: a number; default 0.0
+        position of the camera, below the scene's middle [m]: a number; default 0.0
     interpolation : Literal['area', 'bilinear', 'cubic']
-        between the scene's samples: level areas, straight, or parabolas: one of area, bilinear,
-        cubic; default 'area'
+        how the scene is taken between its samples: constant areas, straight lines, or parabolas:
+        one of area, bilinear, cubic; default 'area'
     strips : int | Expression
-        strips a footprint is cut into where it lies askew: a whole number from 1 to 64; default 4
+        strips that an oblique footprint is cut into: a whole number from 1 to 64; default 4
     outside : Literal['refuse', 'fill']
-        where the camera sees past the scene: one of refuse, fill; default 'refuse'
+        what the camera sees beyond the scene: one of refuse, fill; default 'refuse'
     fill_value : float | Expression
-        what is there, in the scene's unit: a number; default 0.0
+        value beyond the scene, in the scene's unit: a number; default 0.0
 
     Notes
     -----
@@ -2768,16 +2792,16 @@ def image_quality(
     Parameters
     ----------
     range_m : float | Expression | None
-        range to the ground; empty: that of Init & Trans [m]: a number of at least 0 or empty;
-        default empty
+        range to the ground; empty: from Init & Trans [m]: a number of at least 0 or empty; default
+        empty
     off_nadir_deg : float | Expression
-        view off nadir along, which stretches the ground sample [deg]: a number from 0 to 89;
-        default 0.0
+        look angle off nadir along the track, which stretches the ground sample [deg]: a number from
+        0 to 89; default 0.0
     snr : float | Expression | None
-        SNR typed in; empty: mean signal over temporal noise: a number of at least 0 or empty;
-        default empty
+        SNR, if you know it; empty: mean signal over temporal noise: a number of at least 0 or
+        empty; default empty
     overshoot : float | Expression | None
-        overshoot H typed in; empty: that of the chain: a number of at least 0 or empty; default
+        overshoot H, if you know it; empty: from the chain: a number of at least 0 or empty; default
         empty
     noise_gain : float | Expression
         noise gain G of the sharpening: a number from 0 to 1e+06; default 1.0

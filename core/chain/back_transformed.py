@@ -44,7 +44,7 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
     if magnitude.grid.shape != phase.grid.shape:
         raise DataError(
             f"magnitude is {magnitude.grid.columns} × {magnitude.grid.rows} samples and phase "
-            f"{phase.grid.columns} × {phase.grid.rows}: only equal sizes combine"
+            f"{phase.grid.columns} × {phase.grid.rows}: both must have the same size"
         )
     grid = magnitude.grid
     like = magnitude.image or phase.image

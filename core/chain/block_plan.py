@@ -94,9 +94,9 @@ def least_scratch(recipes: Iterable[Recipe], blocks: BlockRun, policy: Policy) -
 
 def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
     error = DataError(
-        f"{_what(recipe)} takes a picture of {shape[0]} × {shape[1]} samples "
-        f"as a whole, which --memory {amount_text(disk.memory_bytes)} does not hold, and cannot be "
-        "made in blocks: give more memory, or leave the node out"
+        f"{_what(recipe)} needs the whole picture of {shape[0]} × {shape[1]} samples, does not "
+        f"run in blocks, and --memory {amount_text(disk.memory_bytes)} is too small for it: "
+        "give more memory, or leave the node out"
     )
     return error if recipe.node is None else error.at(recipe.node)
 
@@ -106,7 +106,7 @@ def _what(recipe: Recipe) -> str:
         if not recipe.one_source:
             return "the magnitude of one picture with the phase of another"
         if recipe.sampled is not None and not recipe.sampled.folds:
-            return "sampling by pixels that are no whole number of samples apart"
+            return "sampling with a pixel pitch that is not a whole number of samples"
         return "filtering every band at its own wavelength"
     name = recipe.in_words or type(recipe).__name__
     if isinstance(recipe, Step):

@@ -374,7 +374,7 @@ def _brought(
     if link.input in inputs:
         raise NetworkError(f"two links come into the input {link.input}")
     if source is None or link.output not in source.outputs:
-        raise NetworkError(f"the link {link} brings nothing: there is no such output")
+        raise NetworkError(f"the link {link} starts at an output that does not exist")
     value = source.outputs[link.output]
     if value.port_type not in port.types:
         kinds = " or ".join(port.types)
@@ -418,9 +418,10 @@ def sum_caution(
         return None
     low, high = bands.band_um
     return Caution(
-        f"works on the sum of the picture's {bands.count} bands, {low:.4g} to {high:.4g} µm: "
-        "behind it there are none",
-        "count them by a detector first, with Focal Plane or Spectral Response, or leave it out",
+        f"the picture's {bands.count} bands, {low:.4g} to {high:.4g} µm, are summed here, and "
+        "the nodes after this one have no bands",
+        "put Focal Plane or Spectral Response before it, which sum the bands as a detector "
+        "does, or leave it out",
         node,
     )
 

@@ -131,7 +131,7 @@ class _Account:
         keys = {port: _key(value) for port, value in made.items()}
         unseen = tuple(port for port, key in keys.items() if key not in self.known)
         if unseen:
-            text = f"whole array of {', '.join(unseen)} not requested: it was not made"
+            text = f"{', '.join(unseen)} not requested, so the whole array was not computed"
             yield Skip(name, "unseen", text, ports=unseen)
         yield from self._unchanged(name, set(keys.values()))
         for value in made.values():
@@ -157,9 +157,9 @@ class _Account:
         steps = self._steps.get(name, [])
         reused = [key for key in steps if key not in self.computed]
         if len(reused) < len(steps) and reused:
-            text = f"{len(reused)} of {len(steps)} steps unchanged: their values were there already"
+            text = f"{len(reused)} of {len(steps)} steps unchanged: their values were reused"
         elif reused or (not steps and keys & self.was_there):
-            text = "unchanged: its values, or what is made of them, were there already"
+            text = "unchanged: its values were reused"
         else:
             return
         share = (len(steps) - len(reused)) / len(steps) if steps else 0.0
@@ -177,10 +177,10 @@ class _Account:
         for key, region in self.parts if shares else ():
             if key == image.key:
                 alone = sum(share < 1 for share in shares)
-                made = f"{alone} of {len(shares)} steps made no more than they take"
+                made = f"{alone} of {len(shares)} steps computed only the samples needed"
                 text = (
                     f"{region.columns} × {region.rows} of {image.columns} × {image.rows} samples "
-                    f"were wanted: {made if alone else 'the whole was made'}"
+                    f"were needed: {made if alone else 'the whole picture was computed'}"
                 )
                 yield Skip(maker, "region", text, share=sum(shares) / len(shares))
 
@@ -204,18 +204,18 @@ class _Account:
         rank = recipe.rank(self.work)
         if rank is not None and rank.bound > 0.0:
             count, every = rank.shares.shape
-            text = f"{count} wavelengths transformed, which stand for those of {every} bands"
+            text = f"{count} wavelengths transformed to represent {every} bands"
             yield Skip(maker, "wavelengths", text, bound=rank.bound, share=count / every)
         counted, left_out = recipe.spent(self.work)
         for stage in left_out:
-            text = f"{stage.label or 'the stage'} left out: it changes less than the error budget"
+            text = f"{stage.label or 'the stage'} left out: its effect is below the error budget"
             yield Skip(stage.node or "", "below_budget", text, bound=stage.bound)
         for factor in counted:
             if isinstance(factor, Planar) and factor.cutoff is not None:
                 reach = zip((grid.nyquist_x, grid.nyquist_y), factor.cutoff, strict=True)
                 across, along = (min(1.0, nyquist / cutoff) for nyquist, cutoff in reach)
                 if across * along < 1:
-                    text = "its OTF was evaluated within the image's band alone"
+                    text = "its OTF was evaluated only within the image's band"
                     yield Skip(factor.node or "", "pupil_centre", text, share=across * along)
 
 

@@ -124,8 +124,7 @@ class Image:
         """
         if self.interval_x_mrad is None or self.interval_y_mrad is None:
             raise DataError(
-                "the image does not say its sampling interval: give fov_x_deg and fov_y_deg "
-                "where it is read"
+                "the image has no sampling interval: give fov_x_deg and fov_y_deg where it is read"
             )
         return Grid(self.rows, self.columns, self.interval_x_mrad, self.interval_y_mrad)
 
@@ -165,7 +164,9 @@ class SpectrumWire:
         """With further factors, whose keys alone are hashed."""
         count = len(self.factors) + len(factors)
         if count > MOST_STAGES:
-            raise NetworkError(f"{count:,} stages in one chain: at most {MOST_STAGES:,} are taken")
+            raise NetworkError(
+                f"{count:,} stages in one chain; at most {MOST_STAGES:,} are allowed"
+            )
         longer = replace(self, factors=self.factors + factors)
         vars(longer)["_chained"] = _chained(self._chained, factors)
         return longer

@@ -90,7 +90,7 @@ def around(
     """Put a backdrop behind nodes; a `NetworkError` if none of them has a point."""
     boxes = _boxes(network, names, sizes).values()
     if not boxes:
-        raise NetworkError("there are no nodes to put a backdrop behind")
+        raise NetworkError("select the nodes for the backdrop first")
     left, top, right, bottom = hull(boxes)
     width, height = right - left + 2 * MARGIN, bottom - top + 2 * MARGIN + HEAD
     return add(network, Backdrop(title, left - MARGIN, top - MARGIN - HEAD, width, height))

@@ -146,13 +146,13 @@ def _with_values_for(part: Network, values: Any, network: Network) -> Network:
 
 def _read(text: str, library: Library) -> tuple[Network, Any]:
     """The nodes, and the values of parameters that follow what was not copied."""
-    strange = "holds no copied nodes, and no network"
+    strange = "contains no copied nodes and no network"
     document = _read_format(text, (NODES_FORMAT, FORMAT), strange)
     document["format"] = FORMAT
     values = document.pop(_VALUES, None)
     part = parse_network(json.dumps(document), library=library, name_of_source=SOURCE)
     if not part.nodes:
-        raise NetworkError(f"{SOURCE} holds no nodes")
+        raise NetworkError(f"{SOURCE} contains no nodes")
     try:
         check_new_wires(replace(part, links=()), part, library)
     except NetworkError as error:
@@ -277,13 +277,13 @@ def copied_values(node: Node, declared: Declaration | None) -> str:
 
 def read_values(text: str) -> CopiedValues:
     """What `copied_values` gave; a `NetworkError` if the text holds no values, in one line."""
-    strange = "holds no values of a node"
+    strange = "contains no parameter values"
     document = _read_format(text, (VALUES_FORMAT,), strange)
     values, units = document.get("values"), document.get("units", {})
     if not isinstance(values, dict) or not values:
         raise NetworkError(f"{SOURCE} {strange}")
     if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
-        raise NetworkError(f"{SOURCE}: the units of values must be texts by parameter")
+        raise NetworkError(f"{SOURCE}: the units must be texts by parameter")
     return CopiedValues(values, units)
 
 
@@ -309,7 +309,7 @@ def pasted_values(
     for name in names:
         declared = declaration_of(name)
         if declared is None:
-            left_out.append(f"{shown(name)} is of an unknown module")
+            left_out.append(f"{shown(name)} belongs to an unknown module")
             continue
         missing = [key for key in copied.values if declared.parameter(key) is None]
         if missing:

@@ -131,7 +131,7 @@ class Document:
         """
         target = path or self.path
         if target is None:
-            raise NetworkError("the network has no file yet: say where it is to be saved")
+            raise NetworkError("the network has no file yet: choose where to save it")
         if not over and self.is_own(target) and (done := self.disagreement()):
             raise ChangedFileError(f"{target} has been {done} since it was opened or saved here")
         text = save_network(self.network, target, library=self.library)
@@ -186,7 +186,7 @@ def mark_of(path: Path) -> str:
     """
     try:
         if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait
-            return "no regular file"
+            return "not a regular file"
         with path.open("rb") as file:
             # More than the largest network: the mark then differs from every network's.
             return mark(file.read(LARGEST + 1))

@@ -59,7 +59,7 @@ def group(
     """
     members = tuple(dict.fromkeys(names))
     if not members:
-        raise NetworkError("select the nodes that are to be grouped first")
+        raise NetworkError("select the nodes to group first")
     for member in members:
         network.node(member)
     fresh = fresh_name(name, set(network.nodes) - set(members))
@@ -101,7 +101,7 @@ def group(
         if "cycle" not in error.message:
             raise
         raise NetworkError(
-            f"these nodes cannot be one: a way leads out of them and back in ({error.message})"
+            f"these nodes cannot be grouped: a path leads out of them and back in ({error.message})"
         ) from None
     return fresh, operation
 
@@ -115,7 +115,7 @@ def ungroup(
     """
     node = _macro(network, name)
     if node.disabled:
-        raise NetworkError(f"{shown(name)} is disabled: enable it, then ungroup it")
+        raise NetworkError(f"{shown(name)} is disabled: enable it first, then ungroup it")
     taken = set(network.nodes) - {name}
     body, fresh = node.macro or Network(), {}
     for inner in body.nodes:
@@ -284,7 +284,7 @@ def _plain_nodes(
 def _macro(network: Network, name: str) -> Node:
     node = network.node(name)
     if node.macro is None:
-        raise NetworkError(f"{shown(name)} is no macro: there is nothing to ungroup")
+        raise NetworkError(f"{shown(name)} is not a macro, so it cannot be ungrouped")
     return node
 
 

@@ -62,7 +62,9 @@ class Inside(Operation):
     def apply(self, network: Network) -> Network:
         node = network.node(self.macro)
         if node.macro is None:
-            raise NetworkError(f"{shown(self.macro)} is no macro: nothing lies inside of it")
+            raise NetworkError(
+                f"{shown(self.macro)} is not a macro, so there are no nodes inside it"
+            )
         after = self.operation.apply(node.macro)
         if after is node.macro:
             return network
@@ -190,7 +192,7 @@ def expose(network: Network, node: str, parameter: str) -> Operation:
     """
     *macros, inner = path_of(network, node)
     if not macros:
-        raise NetworkError(f"{shown(node)} lies in no macro that could show its parameters")
+        raise NetworkError(f"{shown(node)} is not inside a macro that could show its parameters")
     shown_already = exposed_as(network, node, parameter)
     if shown_already:
         raise NetworkError(
@@ -225,8 +227,8 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
         itself = (node, parameter_of) == (path[-1], name)
         if (reference.node, reference.parameter) == (path[-1], name) and not itself:
             raise NetworkError(
-                f"{shown(macro)}.{name} cannot be hidden: {shown(node)}.{parameter_of} follows it; "
-                "unlink that first"
+                f"{shown(macro)}.{name} cannot be hidden, because {shown(node)}.{parameter_of} "
+                "follows it; unlink that first"
             )
     steps: tuple[Operation, ...] = (at_level(path, taking),)
     given = container.nodes[path[-1]].params.get(name, ABSENT)
@@ -252,11 +254,11 @@ def rename_exposed(network: Network, macro: str, old: str, new: str) -> Operatio
 def _with_exposed_renamed(network: Network, *, macro: str, old: str, new: str) -> Network:
     node = network.node(macro)
     if node.macro is None:
-        raise NetworkError(f"{shown(macro)} is no macro")
+        raise NetworkError(f"{shown(macro)} is not a macro")
     entries = parameters_of(node.macro)
     _known(macro, entries, old)
     if new != old and new in entries:
-        raise NetworkError(f"{shown(macro)} has a parameter {shown(new)} already")
+        raise NetworkError(f"{shown(macro)} already has a parameter {shown(new)}")
 
     def name_of(name: str) -> str:
         return new if name == old else name
@@ -296,7 +298,7 @@ def _body(network: Network, macros: list[str] | tuple[str, ...]) -> Network:
     for macro in macros:
         body = network.node(macro).macro
         if body is None:
-            raise NetworkError(f"{shown(macro)} is no macro")
+            raise NetworkError(f"{shown(macro)} is not a macro")
         network = body
     return network
 

@@ -136,8 +136,8 @@ def check_plain(value: Any, what: str) -> None:
             rest += item
         elif not _storable(item):
             raise NetworkError(
-                f"{shown(what)} cannot be {item!r:.80}: only finite numbers, texts, true, false, "
-                "null, lists and objects of them can be saved"
+                f"{shown(what)} cannot be {item!r:.80}: only finite numbers, texts, true, "
+                "false, null, and lists and objects of them can be saved"
             )
 
 
@@ -200,7 +200,7 @@ class SetField(Operation):
                 if name in ("name", "description") and not isinstance(value, str):
                     raise NetworkError(f"the network's {name} must be a text, not {value!r:.80}")
                 return _with(network, name, value, _OF_NETWORK)
-        raise NetworkError(f"{'.'.join(self.path)} is no field that can be set by itself")
+        raise NetworkError(f"{'.'.join(self.path)} cannot be set by itself")
 
 
 def _with(target: _Fielded, name: str, value: Any, own: tuple[str, ...]) -> _Fielded:
@@ -284,7 +284,7 @@ class Add(Operation):
         nodes, layout = dict(network.nodes), dict(network.layout)
         for placed in self.placed:
             if placed.node.id in nodes:
-                raise NetworkError(f"there is a node {shown(placed.node.id)} already")
+                raise NetworkError(f"there is already a node {shown(placed.node.id)}")
             nodes[placed.node.id] = placed.node
             if placed.at is not None:
                 layout[placed.node.id] = _finite(placed.node.id, placed.at)
@@ -347,7 +347,7 @@ class Rename(Operation):
     def apply(self, network: Network) -> Network:
         network.node(self.old)
         if self.new != self.old and self.new in network.nodes:
-            raise NetworkError(f"there is a node {shown(self.new)} already")
+            raise NetworkError(f"there is already a node {shown(self.new)}")
 
         def name_of(name: str) -> str:
             return self.new if name == self.old else name
@@ -402,7 +402,9 @@ def keeping_values(
 def _finite(name: str, at: Point) -> Point:
     x, y = float(at[0]), float(at[1])
     if not (math.isfinite(x) and math.isfinite(y)):
-        raise NetworkError(f"{shown(name)} cannot lie at {x:g}, {y:g}: only at finite numbers")
+        raise NetworkError(
+            f"{shown(name)} cannot be placed at {x:g}, {y:g}: coordinates must be finite"
+        )
     return x, y
 
 
@@ -445,7 +447,7 @@ def output_toggled(network: Network, library: Library, name: str) -> Operation:
         return SetOutput(())
     declared = declared_node(node, library)
     if declared is not None and not has_picture(declared):
-        raise NetworkError(f"{shown(name)} cannot be the output: it makes no picture")
+        raise NetworkError(f"{shown(name)} cannot be the output: it has no picture")
     return SetOutput((picture_node(node, library),))
 
 
@@ -461,7 +463,7 @@ def picture_node(node: Node, library: Library) -> str:
     for name in pictures[:1]:
         inner = node.macro.nodes[face_of_macro(node.macro).outputs[name][0]]
         return f"{node.id}{SEPARATOR}{picture_node(inner, library)}"
-    raise NetworkError(f"{shown(node.id)} shows no picture: mark the node inside of it")
+    raise NetworkError(f"{shown(node.id)} shows no picture: mark the node inside it")
 
 
 def has_picture(declared: Declaration) -> bool:

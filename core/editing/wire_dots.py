@@ -137,7 +137,9 @@ def _as_field(dots: Dots) -> list[dict[str, Any]]:
 def _with_points(network: Network, link: Link, points: list[Point], label: str) -> Operation:
     for at in points:
         if not all(math.isfinite(number) for number in at):
-            raise NetworkError(f"a dot cannot lie at {at[0]:g}, {at[1]:g}: only at finite numbers")
+            raise NetworkError(
+                f"a dot cannot be placed at {at[0]:g}, {at[1]:g}: coordinates must be finite"
+            )
     return with_dots(network, {link: tuple(points)}, label)
 
 

@@ -41,7 +41,7 @@ class Region:
         for name, least in (("top", 0), ("left", 0), ("rows", 1), ("columns", 1)):
             value = getattr(self, name)
             if not isinstance(value, Integral) or value < least:
-                raise ParameterError(f"region's {name}", value, f"a whole number, {least} or above")
+                raise ParameterError(f"region's {name}", value, f"a whole number, {least} or more")
 
     def __str__(self) -> str:
         return f"{self.top}:{self.bottom},{self.left}:{self.right}"

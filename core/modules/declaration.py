@@ -447,5 +447,5 @@ def where_absent(key: str, library: Library) -> str:
     if fault is not None:
         return f"it is of the package {package}, which is installed, but {fault}"
     if any(package_of(other) == package for other in library):
-        return f"the package {package} is installed, and has no such module"
-    return f"it is of the package {package}, which is not installed here"
+        return f"the package {package} is installed but has no such module"
+    return f"it belongs to the package {package}, which is not installed here"

@@ -159,12 +159,14 @@ def checked(
     except Cancelled:
         raise
     except ImagechainError as error:
-        result = Caution(f"its check {check} was not possible: {error.message}", "mend that first")
+        result = Caution(
+            f"its check {check} was not possible: {error.message}", "correct that first"
+        )
     except Exception as error:  # a fault of the method alone: network and other checks are sound
         fault = plug_in_error(error, node)
         what = fault.message if fault else with_place(error)
-        remedy = "not of the network; what it checks may be wrong or right"
-        whose = "a fault of its package" if fault else "a fault of this program"
+        remedy = "not an error in the network; the condition was not checked"
+        whose = "an error in its package" if fault else "an error in this program"
         result = Caution(f"its check {check} failed ({what})", f"{whose}, {remedy}")
     if isinstance(result, Recipe):
         return PendingCheck(node, check, result)

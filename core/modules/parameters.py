@@ -106,7 +106,7 @@ class Parameter:
         is_number = self.kind in ("number", "integer")
         if unit and is_number and isinstance(value, str) and _WITH_UNIT.fullmatch(value):
             allowed = (
-                f"{self.allowed()} in {unit}; another unit is converted behind '=': '={value}'"
+                f"{self.allowed()} in {unit}; to convert another unit, begin with '=': '={value}'"
             )
             return ParameterError(self.name, value, allowed)
         return ParameterError(self.name, value, self.allowed(), unit=unit)

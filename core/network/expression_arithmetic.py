@@ -24,7 +24,7 @@ _MOST_BITS = 4096  # of a fraction: beyond, its next double is taken
 
 def no_references(reference: Reference) -> float:
     """For arithmetic among numbers alone: it always raises `ExpressionError`."""
-    raise ExpressionError(f"{reference.text} is another parameter: to follow it, begin with =")
+    raise ExpressionError(f"{reference.text} is another parameter: begin with = to follow it")
 
 
 def value_of(expression: Expression, *, unit: str, lookup: Lookup = no_references) -> int | float:
@@ -99,7 +99,7 @@ def _computed(step: Step, taken: list[_Number]) -> _Number:
     if step.kind == "function":
         function, _, units = FUNCTIONS[step.name]
         if units == "none" and any(with_units):
-            raise ExpressionError(f"{step.name} takes pure numbers, without a unit")
+            raise ExpressionError(f"{step.name} needs pure numbers, without a unit")
         text = f"{step.name}({', '.join(map(_short, values))})"
         return _attempt(text, function, values), units == "keeps" and any(with_units)
     operation, has_unit = _OPERATIONS[step.name]
@@ -118,7 +118,7 @@ def _attempt(text: str, function: Callable[..., Any], values: list[Exact]) -> Ex
     except OverflowError:
         raise ExpressionError(f"{text} is too large for a number") from None
     except ValueError:
-        raise ExpressionError(f"{text} has no value that is a real number") from None
+        raise ExpressionError(f"{text} is not a real number") from None
 
 
 def _either(left: bool, right: bool) -> bool:
@@ -127,21 +127,25 @@ def _either(left: bool, right: bool) -> bool:
 
 def _of_product(left: bool, right: bool) -> bool:
     if left and right:
-        raise ExpressionError("two numbers with units are multiplied: give one of them without")
+        raise ExpressionError(
+            "two numbers with units are multiplied: remove the unit from one of them"
+        )
     return left or right
 
 
 def _of_quotient(left: bool, right: bool) -> bool:
     if right and not left:
         raise ExpressionError(
-            "a number is divided by one with a unit: for 1/60 deg write (1/60) deg"
+            "a number is divided by a number with a unit: for 1/60 deg write (1/60) deg"
         )
     return left and not right
 
 
 def _of_power(left: bool, right: bool) -> bool:
     if left or right:
-        raise ExpressionError("^ takes pure numbers: write the unit behind, as (2^3) mm")
+        raise ExpressionError(
+            "^ needs pure numbers: write the unit after the parentheses, as in (2^3) mm"
+        )
     return False
 
 

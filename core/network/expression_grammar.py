@@ -181,16 +181,18 @@ class _Reader:
         if not self.given.strip():
             return ExpressionError(f"the expression is empty; it takes {ALLOWED}")
         if self.at >= len(self.text):
-            return ExpressionError(f"the expression ends where {wanted} should follow")
+            return ExpressionError(f"the expression is not complete; expected: {wanted}")
         match = _NAME.match(self.text, self.at) or _NUMBER.match(self.text, self.at)
         next_text = match[0] if match else self.given[self.at]
         place = f"at character {self.at + 1}"
         if next_text == ",":
             return ExpressionError(
-                f"',' {place} stands where {wanted} should: it sets the arguments of min and max "
-                "apart, a decimal point is '.'"
+                f"',' {place} is not allowed here; expected: {wanted}. A comma separates the "
+                "arguments of min and max; the decimal point is '.'"
             )
-        return ExpressionError(f"{shown(next_text)} {place} stands where {wanted} should")
+        return ExpressionError(
+            f"{shown(next_text)} {place} is not allowed here; expected: {wanted}"
+        )
 
     def end(self) -> None:
         if self.at < len(self.text):
@@ -198,8 +200,8 @@ class _Reader:
             if word and self.steps[-1].kind in ("number", "reference"):
                 unit = word[0]
                 hint = similar(unit) or "; an operator such as * may be missing"
-                raise ExpressionError(f"{shown(unit)} is no unit that is known{hint}")
-            raise self.fault("an operator, as + - * / ^,")
+                raise ExpressionError(f"{shown(unit)} is not a known unit{hint}")
+            raise self.fault("an operator such as + - * / ^")
 
     def sum(self, depth: int, *, angle: bool) -> None:
         self.product(depth, angle=angle)
@@ -277,7 +279,7 @@ class _Reader:
             raise ExpressionError(f"there is no function {shown(name)}{hint}")
         _, wanted, units = FUNCTIONS[name]
         if self.text[self.at : self.at + 1] == ")":
-            raise ExpressionError(f"{name}() has nothing between its parentheses")
+            raise ExpressionError(f"{name}() has no arguments")
         count = 1
         self.sum(depth + 1, angle=units == "angle")
         while self.operator(","):
@@ -285,7 +287,7 @@ class _Reader:
             count += 1
         self.closed()
         if count != wanted if wanted is not None else count < 2:
-            allowed = "two numbers or more" if wanted is None else "one number"
+            allowed = "two or more numbers" if wanted is None else "one number"
             raise ExpressionError(f"{name} takes {allowed}, not {count}")
         self.steps.append(Step("function", name, count=count))
 
@@ -312,7 +314,7 @@ def _number(match: re.Match[str]) -> Fraction | float:
 
 def _no_parameter(name: str) -> ExpressionError:
     if name in FUNCTIONS:
-        return ExpressionError(f"{name} is a function: put its numbers behind it in parentheses")
-    text = f"{shown(name)} is no number and no parameter"
+        return ExpressionError(f"{name} is a function: write its arguments in parentheses after it")
+    text = f"{shown(name)} is not a number or a parameter"
     hint = close(name, [*FUNCTIONS, "pi"])
-    return ExpressionError(text + (hint or ": write NODE.PARAMETER, as init.f_number"))
+    return ExpressionError(text + (hint or ": write NODE.PARAMETER, such as init.f_number"))

@@ -47,7 +47,7 @@ class LinkError(ParameterError):
         self.why = why
 
 
-_ONLY = "only a number or a whole number can follow others"
+_ONLY = "only numbers and whole numbers can follow others"
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def with_references(node: Node, moved: Moved) -> Node:
         if isinstance(text, str) and (new := rewritten(text, moved)) != text:
             if len(new) > LONGEST:
                 raise NetworkError(
-                    f"an expression that names it would have {len(new)} characters; at most "
+                    f"an expression that uses it would have {len(new)} characters; at most "
                     f"{LONGEST} are allowed"
                 )
             changed[name] = {**raw, EXPRESSION: new}
@@ -262,7 +262,7 @@ class _Survey:
         for loop in cycles(graph):
             way = way_round(f"{shown(node)}.{name}" for node, name in map(tuple, loop))
             for node, name in map(tuple, loop):
-                self._refuse((node, name), f"it follows itself: {way}; give one of them a value")
+                self._refuse((node, name), f"it follows itself: {way}; give one of these a value")
 
     def evaluate(self) -> None:
         graph: Any = self.followers
@@ -312,7 +312,7 @@ class _Survey:
             raise ExpressionError(f"{text} has no value itself")
         module = self.library.get(node.module)
         if module is None:
-            raise ExpressionError(f"{text} is of an unknown module")
+            raise ExpressionError(f"{text} belongs to an unknown module")
         declared = declaration(module)
         parameter = declared.parameter(parameter_name)
         if parameter is None:
@@ -341,10 +341,10 @@ class _Survey:
 def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> Expression:
     text = raw[EXPRESSION]
     if not isinstance(text, str):
-        raise ExpressionError("an expression must be a text")
+        raise ExpressionError("an expression must be text")
     if len(raw) > 1:
         others = ", ".join(shown(name) for name in raw if name != EXPRESSION)
-        raise ExpressionError(f"beside its expression it has {others:.80}: it may have none")
+        raise ExpressionError(f"it has {others:.80} beside its expression, which is not allowed")
     if parameter.kind not in ("number", "integer"):
         kind = {"switch": "a switch", "choice": "a choice", "path": "a file name"}
         what = kind.get(parameter.kind, "a text" if parameter.kind == "text" else "a list")
@@ -355,7 +355,7 @@ def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> Expression:
 def _number(value: Any, text: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         what = "is empty" if value is None else f"is {shown(str(thaw(value)))}"
-        raise ExpressionError(f"{text} {what}: an expression takes numbers")
+        raise ExpressionError(f"{text} {what}; an expression needs numbers")
     return value
 
 

@@ -189,9 +189,7 @@ def checked_depth(level: int, where: str) -> None:
     Raises `NetworkError`, saying how deep they may lie.
     """
     if level > DEEPEST:
-        raise NetworkError(
-            f"{shown(where)}: macros lie more than {DEEPEST} deep one inside the other"
-        )
+        raise NetworkError(f"{shown(where)}: macros are nested more than {DEEPEST} deep")
 
 
 # What a macro shows of its inside: ports and parameters, by the inner node they stand for.
@@ -283,7 +281,7 @@ def interface_of(extra: Mapping[str, Any], where: str = "macro") -> Interface:
     for name, entry in _entries(extra, INPUTS, where):
         several = entry if isinstance(entry, list) else [entry]
         if not several:
-            raise NetworkError(f"{where}.{INPUTS}.{shown(name)} names no inner input")
+            raise NetworkError(f"{where}.{INPUTS}.{shown(name)} does not name an inner input")
         inputs[name] = tuple(_end(each, f"{where}.{INPUTS}.{shown(name)}") for each in several)
     outputs, parameters = (
         {
@@ -302,8 +300,8 @@ def _entries(extra: Mapping[str, Any], kind: str, where: str) -> list[tuple[str,
     for name in entries:
         if not name.strip() or any(mark in name for mark in ".=/") or not name.isprintable():
             raise NetworkError(
-                f"{where}.{kind} has the name {name!r:.80}: it must not be blank, nor hold '.', "
-                "'=', '/' or a control character"
+                f"{where}.{kind} has the name {name!r:.80}: it must not be blank, nor contain "
+                "'.', '=', '/' or a control character"
             )
     return list(entries.items())
 

@@ -104,7 +104,7 @@ class Link:
         for text in (start, end):
             node, _, port = text.rpartition(".")
             if not node or not port:
-                raise NetworkError(f"{text!r:.80} names no port: write NODE.PORT")
+                raise NetworkError(f"{text!r:.80} is not a port: write NODE.PORT")
             ends += [node, port]
         return cls(*ends)
 
@@ -316,7 +316,7 @@ def check_seed(seed: object) -> None:
 def cycle_error(loop: tuple[str, ...]) -> NetworkError:
     """The error for links that form a cycle, placed on its first node."""
     way = way_round(loop)
-    return NetworkError(f"the links form a cycle: {way}; take one of them away", node=loop[0])
+    return NetworkError(f"the links form a cycle: {way}; remove one of them", node=loop[0])
 
 
 def way_round(loop: Iterable[str]) -> str:
@@ -347,13 +347,13 @@ def with_marks(network: Network, marked: Collection[str], extra: Mapping[str, An
 def marked_twice(marked: tuple[str, ...]) -> NetworkError:
     """The error for several nodes marked as the output."""
     named = ", ".join(map(shown, marked[:8])) + (", …" if marked[8:] else "")
-    return NetworkError(f"{len(marked)} nodes are marked final ({named}): one may be")
+    return NetworkError(f"{len(marked)} nodes are marked final ({named}); only one may be")
 
 
 def _check_extra(extra: Mapping[str, Any], taken: tuple[str, ...]) -> None:
     for name in extra:
         if name in taken:
-            raise NetworkError(f"the extra field {name} is one that has a meaning of its own")
+            raise NetworkError(f"the extra field {name} has a meaning of its own")
 
 
 def _set(target: object, **values: Any) -> None:

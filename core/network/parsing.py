@@ -52,7 +52,7 @@ def _version(document: dict[str, Any]) -> int:
         raise NetworkError(f"not an Imagechain network: its format must be {FORMAT!r}, {instead}")
     version = _field(document, "version", int, "")
     if version < 1:
-        raise NetworkError(f"version = {version} is not allowed: a whole number from 1")
+        raise NetworkError(f"version = {version} is not allowed: a whole number, 1 or more")
     if version > VERSION:
         raise NetworkError(
             f"version {version} is of a newer Imagechain: this one reads up to {VERSION}"
@@ -219,7 +219,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         seen: set[str] = set()
         for name, _ in pairs:
             if name in seen:
-                raise NetworkError(f"the key {shown(name)} comes twice in one object")
+                raise NetworkError(f"the key {shown(name)} occurs twice in one object")
             seen.add(name)
     return fields
 
@@ -239,7 +239,7 @@ def _number(text: str) -> float:
 
 
 def _constant(text: str) -> float:
-    raise NetworkError(f"{text} is no number that JSON allows")
+    raise NetworkError(f"{text} is not a number in JSON")
 
 
 def _walk(data: Any) -> None:
@@ -259,4 +259,4 @@ def _check_text(text: str) -> None:
     try:
         text.encode()
     except UnicodeEncodeError:
-        raise NetworkError(f"{text!r:.80} is no valid Unicode text") from None
+        raise NetworkError(f"{text!r:.80} is not valid Unicode text") from None

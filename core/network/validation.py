@@ -140,7 +140,7 @@ class _Survey:
             elif not keep_unknown:
                 absent = where_absent(node.module, self.library)
                 hint = f": {absent}" if absent else self._close(node.module, self.library)
-                hint = hint or "; the command `imagechain modules` lists those there are"
+                hint = hint or "; the command `imagechain modules` lists all modules"
                 self._add(f"there is no module {shown(node.module)}{hint}", node.id)
 
     def _parameters(self, node: Node, declared: Declaration) -> None:
@@ -185,7 +185,8 @@ class _Survey:
             if len(links) > 1:
                 sources = ", ".join(shown(link.text()[0]) for link in links[:8])
                 self._add(
-                    f"the input {shown(port)} has {len(links)} links ({sources}); it takes one",
+                    f"the input {shown(port)} has {len(links)} links ({sources}); only one is "
+                    "allowed",
                     name if name in self.network.nodes else None,
                 )
 
@@ -297,8 +298,8 @@ def _one_name_twice(network: Network) -> Iterator[NetworkError]:
     for name, count in names.items():
         if count > 1:
             yield NetworkError(
-                f"{shown(name)} is the name of {count} nodes, one of them inside of a macro: "
-                "give one of them another id"
+                f"{shown(name)} is the name of {count} nodes, one of them inside a macro: give "
+                "one of them another id"
             )
 
 
@@ -317,16 +318,16 @@ def _of_macro(node: Node, body: Network, library: Library) -> Iterator[Imagechai
             if count > 1:
                 given = "fed by" if kind == "input" else "set by"
                 yield NetworkError(
-                    f"the inner {kind} {shown(text(end))} is {given} {count} {kind}s of the macro: "
-                    "it takes one",
+                    f"the inner {kind} {shown(text(end))} is {given} {count} {kind}s of the "
+                    "macro; only one is allowed",
                     node=node.id,
                 )
     for link in body.links:
         for name, targets in face.inputs.items():
             if (link.target, link.input) in targets:
                 yield NetworkError(
-                    f"its input {shown(name)} feeds {shown(link.text()[1])}, which has a link "
-                    f"inside already ({link})",
+                    f"its input {shown(name)} feeds {shown(link.text()[1])}, which already has "
+                    f"a link inside ({link})",
                     node=node.id,
                 )
     for name, value in node.params.items():

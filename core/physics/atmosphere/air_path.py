@@ -192,7 +192,7 @@ class AirPath:
             if not total > 0.0:
                 raise DataError(
                     f"a black body of {source_K:g} K emits nothing from {cut_on_um:g} to "
-                    f"{cut_off_um:g} µm, and cannot weight the transmission there"
+                    f"{cut_off_um:g} µm, so it cannot weight the transmission"
                 )
             passed = float(weight @ np.exp(-self.depth(wavelength))) / total
             return PathBand(min(passed, 1.0), float(width @ self.added(wavelength)))
@@ -349,7 +349,7 @@ def transmission_at_ranges(
     if not total > 0.0:
         raise DataError(
             f"a background of {background_K:g} K emits nothing from {cut_on_um:g} to "
-            f"{cut_off_um:g} µm, and cannot weight the transmission there"
+            f"{cut_off_um:g} µm, so it cannot weight the transmission"
         )
     depth = np.sum([path.depth_per_m(wavelength) for path in paths], axis=0)
     return _passed(depth, weight / total, distance)
@@ -377,6 +377,6 @@ def _no_range() -> ParameterError:
     return ParameterError(
         "range_m",
         None,
-        "the range of the path: here, on Camera, or on Init & Trans by its context",
+        "the range of the path: set it here, on Camera, or on Init & Trans and connect its context",
         unit="m",
     )

@@ -114,7 +114,9 @@ def d_star(
     efficiency = quantum_efficiency(wavelength_um, material=material)
     events = _noise_events(material, background_K, half_angle_deg)
     if not events > 0.0:
-        allowed = f"too cold to limit {material.name}, whose own noise is not known: type D* in"
+        allowed = (
+            f"too low to limit {material.name}, whose own noise is not known: enter D* instead"
+        )
         raise ParameterError("background_K", background_K, allowed, unit="K")
     per_joule = efficiency * np.asarray(wavelength_um, dtype=float) / _HC_J_UM
     return np.asarray(100.0 * per_joule / sqrt(events))
@@ -280,7 +282,7 @@ class ResponseCurve:
     def __post_init__(self) -> None:
         if self.shape == "file":
             if len(self.points) < 2:
-                raise ParameterError("path", len(self.points), "two points of a response or more")
+                raise ParameterError("path", len(self.points), "two or more points of a response")
             return
         positive("centre_um", self.centre_um, unit="µm")
         positive("width_um", self.width_um, unit="µm")
@@ -369,6 +371,6 @@ class ResponseCurve:
         if not total > 0.0:
             raise DataError(
                 f"a black body of {source_K:g} K emits nothing from {cut_on_um:g} to "
-                f"{cut_off_um:g} µm, and cannot weight the response there"
+                f"{cut_off_um:g} µm, so it cannot weight the response"
             )
         return float(weight @ self.at(wavelength)) / total

@@ -107,7 +107,7 @@ def dwell_time_s(*, interval_mrad: float, scan_velocity_mrad_per_s: float) -> fl
     """
     velocity = finite("scan_velocity_mrad_per_s", scan_velocity_mrad_per_s, unit="mrad/s")
     if velocity == 0.0:
-        allowed = "not zero where the time constant is to follow from the scan"
+        allowed = "not zero if the time constant comes from the scan"
         raise ParameterError("scan_velocity_mrad_per_s", velocity, allowed, unit="mrad/s")
     return positive("interval_mrad", interval_mrad, unit="mrad") / abs(velocity)
 

@@ -418,8 +418,8 @@ def two_point_gain(*, low: Array, high: Array) -> Array:
     mean = float(response.mean())
     if mean == 0.0 or not np.isfinite(mean):
         raise DataError(
-            f"both references give {float(np.mean(low)):.6g} on average: a correction of gain "
-            "needs two that differ, and none beyond what the detector holds"
+            f"both references give {float(np.mean(low)):.6g} on average: a gain correction "
+            "needs two references with different signals, and neither saturated"
         )
     share = response / mean
     good = share > LEAST_RESPONSE

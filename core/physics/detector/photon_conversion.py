@@ -194,8 +194,8 @@ class CountedPhotons(PhotonWeights):
         low, high = math.log(_COLDEST_K), math.log(_HOTTEST_K)
         if not above(low) < 0.0 < above(high):
             raise DataError(
-                f"{mean:.6g} photons/s/m²/sr are those of no black body from {_COLDEST_K:g} to "
-                f"{_HOTTEST_K:g} K"
+                f"no black body from {_COLDEST_K:g} to {_HOTTEST_K:g} K gives {mean:.6g} "
+                "photons/s/m²/sr"
             )
         return math.exp(brent_root(above, low=low, high=high))
 

@@ -24,7 +24,7 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 End = Literal["corner", "soft", "other"]
 
-_REMEDY = "Expose less, or widen the range"
+_REMEDY = "Expose less, or widen the range of numbers"
 _SHARE = 0.02  # of an edge's samples, at a limit that is known
 _PILED = 0.1  # of a side's, at one that is not
 _TIMES = 3  # as often as any other value
@@ -147,7 +147,7 @@ def why_cut_off(
     ]
     wide = float(np.ptp(distance[between])) > _PIXEL_RAMP
     if "corner" in ends and (wide or "soft" in ends):
-        return "clipped: it runs into the picture's extreme value in a sharp corner"
+        return "clipped: it meets the picture's extreme value at a sharp corner"
     return ""
 
 
@@ -167,7 +167,10 @@ def why_piled_up(*, value: Vector, distance: Vector, extremes: tuple[float, floa
         return ""
     near = np.abs(distance) < _BESIDE
     if np.mean(~np.isin(value[near], extremes)) * 2.0 * _BESIDE < _LEAST_STEP:
-        return "clipped: nearly all of its samples have two values, and little is left of its blur"
+        return (
+            "clipped: nearly all of its samples have one of two values, and little of its "
+            "blur is left"
+        )
     between = (value > low + 0.01 * contrast) & (value < high - 0.01 * contrast)
     inner = distance[between & near]
     wide = len(inner) > 0 and float(np.ptp(inner)) > _PIXEL_RAMP
@@ -187,14 +190,14 @@ def why_piled_up(*, value: Vector, distance: Vector, extremes: tuple[float, floa
         )
         if share < _ALL_AT_LIMIT:
             if _has_noise(distance[side], value[side], extremes):
-                return f"clipped: {what}, and others there have noise"
+                return f"clipped: {what}, while other samples there have noise"
             continue
         noisy = _has_noise(distance[other], value[other], extremes)
         if noisy and outward > 0.0:
-            return f"clipped: {what}, and the other side has noise"
+            return f"clipped: {what}, while the other side has noise"
         limits = _CORNER if noisy else _SHARP_CORNER
         if (noisy or wide) and _is_corner(value, outward * distance, limit, limits):
-            return f"clipped: {what}, and the edge runs into it in a sharp corner"
+            return f"clipped: {what}, and the edge meets it at a sharp corner"
     return ""
 
 
@@ -224,7 +227,7 @@ def without_those_at(
             if made[place].used:
                 reason = (
                     f"clipped: {share:.0%} of its samples have the picture's extreme value "
-                    f"{limit:.6g}, at which {cut} others are cut off"
+                    f"{limit:.6g}, where {cut} others are cut off"
                 )
                 made[place] = replace(made[place], used=False, why_not=reason)
     return made
@@ -338,8 +341,7 @@ def refuse_corner(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread) -> Non
     wide = float(np.ptp(between)) > _PIXEL_RAMP
     if "corner" in ends and (wide or "soft" in ends):
         raise DataError(
-            "the picture is clipped: the edge runs into its extreme value in a sharp corner. "
-            + _REMEDY
+            "the picture is clipped: the edge meets its extreme value at a sharp corner. " + _REMEDY
         )
 
 

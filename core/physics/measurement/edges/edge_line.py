@@ -141,7 +141,7 @@ def _follow(signal: Matrix, line: EdgeLine, columns: int) -> EdgeLine:
     if margin < _MARGIN:
         raise DataError(
             f"the edge leaves the region, or comes within {_MARGIN:g} samples of its side: "
-            "choose a region that it crosses in the middle, from end to end"
+            "choose a region that the edge crosses in the middle, from end to end"
         )
     half = min(margin, max(_MARGIN, 2.5 * _width(signal, middle)))
     away = np.arange(columns) - middle[:, np.newaxis]
@@ -179,8 +179,8 @@ def _refuse_direction(slope: float) -> None:
     angle = math.degrees(math.atan(abs(slope)))
     if angle > _LARGEST_ANGLE_DEG:
         raise DataError(
-            f"the edge stands at about {angle:.0f}° to the rows' normal, where across cannot be "
-            f"distinguished from along: turn it to 2° to 10°, at most {_LARGEST_ANGLE_DEG:g}°"
+            f"the edge is at about {angle:.0f}° to the rows' normal, where across and along "
+            f"cannot be distinguished: turn it to 2° to 10°, at most {_LARGEST_ANGLE_DEG:g}°"
         )
 
 
@@ -188,14 +188,16 @@ def _refuse_line(line: EdgeLine, columns: int) -> None:
     _refuse_direction(line.slope)
     if line.scatter > max(1.0, columns / 64.0):
         raise DataError(
-            f"no straight edge found: its places in the rows scatter by {line.scatter:.2g} samples "
-            "about a line. Choose a region with one straight edge, or one with less noise"
+            f"no straight edge found: its positions in the rows scatter by {line.scatter:.2g} "
+            "samples about a line. Choose a region with one straight edge, or one with less "
+            "noise"
         )
     crossed = abs(line.slope) * (line.rows - 1)
     if crossed < 1.0:
         raise DataError(
-            f"the edge is not slanted: over {line.rows} rows it crosses {crossed:.2g} samples of "
-            "at least 1. Turn it by 2° to 10°, take more rows, or use method = row_average"
+            f"the edge is not slanted: over {line.rows} rows it crosses {crossed:.2g} samples; "
+            "it must cross at least 1. Turn it by 2° to 10°, use more rows, or set method = "
+            "row_average"
         )
 
 

@@ -158,13 +158,13 @@ def _examined(
     if _BLURRED * least < _least_contrast(piece.length) * noise:
         return replace(
             rough,
-            why_not=f"too little contrast: about {least / noise:.2g} times the noise, of at "
-            f"least {_least_contrast(piece.length):.2g} for its length",
+            why_not=f"too little contrast: about {least / noise:.2g} times the noise; an edge "
+            f"of its length needs at least {_least_contrast(piece.length):.2g}",
         )
     room = _frame_reach(piece, picture.shape, clear)
     reach = min(float(room.max()), float(_LARGEST_REACH + _BEYOND))
     if reach < _LEAST_REACH:
-        return replace(rough, why_not=f"too near to the frame's side: {reach:.1f} samples")
+        return replace(rough, why_not=f"too close to the frame's border: {reach:.1f} samples")
     samples = rectangle_samples(
         picture=picture,
         middle=(piece.x, piece.y),
@@ -208,12 +208,12 @@ def _in_turn(pieces: Sequence[Piece], shape: tuple[int, ...]) -> list[Piece]:
 def _enough(used: int, examined: int) -> str:
     """Why the rest of the candidates was not looked at."""
     if used >= _ENOUGH_USED:
-        return f"not looked at: {used} edges that are clearer or farther apart can be used"
+        return f"not examined: {used} edges that are stronger or farther apart can be used"
     if used == 0:
-        return f"less clear than {examined} others, of which none can be used"
+        return f"weaker than {examined} others, none of which can be used"
     return (
-        f"not looked at: less clear than {examined} others, of which {used} can be used, or "
-        "crowded among them"
+        f"not examined: weaker than {examined} others, of which {used} can be used, or too "
+        "close to them"
     )
 
 
@@ -266,11 +266,11 @@ def _settled(
     if edge.reach < _WIDTHS_IN_REACH * edge.softness:
         return replace(
             edge,
-            why_not=f"its spread, {edge.softness:.2g} samples wide, does not end within the "
-            f"{edge.reach:g} samples that belong to it",
+            why_not=f"the edge spread, {edge.softness:.2g} samples wide, is wider than the "
+            f"clear area of {edge.reach:g} samples around the edge",
         )
     if off > _OFF_COURSE:
-        return replace(edge, why_not=f"not straight: parts of it lie {off:.2g} samples off")
+        return replace(edge, why_not=f"not straight: parts of it are {off:.2g} samples off a line")
     radius = (edge.length / 2.0) ** 2 / max(2.0 * abs(edge.bend), 1e-9)
     if radius < _BENT_REACH * edge.reach:
         return replace(edge, why_not=f"not straight: bends by {abs(edge.bend):.2g} samples")
@@ -398,10 +398,10 @@ def _within_surroundings(
         piece_length = (last - first) * length / cells
         if piece_length < _LEAST_LENGTH:
             reasons[reach_now] = (
-                "too near to the frame's side"
+                "too close to the frame's border"
                 if not in_frame.any()
                 else (
-                    f"its sides or its contrast differ along it by "
+                    "its sides or its contrast vary along it, by "
                     f"{_beside(off, wide, reach_now) / contrast:.0%} of the contrast"
                 )
             )
@@ -418,7 +418,7 @@ def _within_surroundings(
             start, end = (k * length / cells - length / 2 for k in (first, last))
             best = (score, start, end, float(reach_now), sides)
     if best is None:
-        why_not = reasons[min(reasons)] if reasons else "too near to the frame"
+        why_not = reasons[min(reasons)] if reasons else "too close to the frame's border"
         return replace(nothing, why_not=why_not)
     _, start, end, reach, (low, high, noise) = best
     start, end = max(start, -length / 2.0 + _ENDS), min(end, length / 2.0 - _ENDS)
@@ -439,11 +439,14 @@ def _least_contrast(length: float) -> float:
 
 def _contrast_reason(contrast: float, noise_sigma: float, length: float) -> str:
     if not contrast > 0.0:
-        return "too little contrast: farther from it, its bright side is no brighter than the other"
+        return (
+            "too little contrast: farther from the edge, its bright side is no brighter "
+            "than the other"
+        )
     times = contrast / max(noise_sigma, 1e-300)
     return (
-        f"too little contrast: {times:.2g} times the noise, of at least "
-        f"{_least_contrast(length):.2g} for its length"
+        f"too little contrast: {times:.2g} times the noise; an edge of its length needs at "
+        f"least {_least_contrast(length):.2g}"
     )
 
 
@@ -498,7 +501,7 @@ def _sides(
     for change, error in steps:
         if change > _LEVEL * contrast + 3.0 * error:
             return (
-                f"{reach} samples from it a side is not level: it changes by "
+                f"a side is not level: {reach} samples from the edge it changes by "
                 f"{change / contrast:.0%} of the contrast"
             )
     seen = min(reach + _BEYOND, wide)

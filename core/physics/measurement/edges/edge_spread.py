@@ -70,8 +70,8 @@ def reach(*, line: EdgeLine, columns: int) -> int:
     samples = float(min(middle.min(), columns - 1 - middle.max()))
     if samples < _LEAST_REACH:
         raise DataError(
-            f"the region is too small: {max(samples, 0.0):.2g} samples lie beside the edge in "
-            f"every row, of at least {_LEAST_REACH:g}. Widen it, or use fewer rows"
+            f"the region is too small: it has {max(samples, 0.0):.2g} samples beside the edge "
+            f"in every row and needs at least {_LEAST_REACH:g}. Widen it, or use fewer rows"
         )
     return math.floor(samples * BINS_PER_SAMPLE - 0.5)
 
@@ -111,8 +111,8 @@ def edge_spread(
     count = np.bincount(place, minlength=2 * bins + 1)
     if not count.all():
         raise DataError(
-            f"at {abs(line.angle_deg):.3g}° the rows repeat each other's samples, and the edge "
-            "cannot be supersampled: turn it to 2° to 10°, or take more rows"
+            f"at {abs(line.angle_deg):.3g}° the rows repeat each other's samples, so the edge "
+            "cannot be supersampled: turn it to 2° to 10°, or use more rows"
         )
     mean = np.bincount(place, values, 2 * bins + 1) / count
     scatter = np.sqrt(np.bincount(place, (values - mean[place]) ** 2, 2 * bins + 1) / count)

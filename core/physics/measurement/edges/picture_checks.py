@@ -44,18 +44,18 @@ def why_no_picture(*, picture: NDArray[np.floating], interpolated_too: bool = Fa
     shift, shift_error = row_shift(picture=picture)
     if abs(shift) > max(_LEAST_SHIFT, _SURE * shift_error):
         return (
-            f"interlaced: its odd rows lie {abs(shift):.2g} samples beside the even ones; measure "
-            "one field"
+            f"interlaced: its odd rows are shifted by {abs(shift):.2g} samples against the "
+            "even rows; measure one field"
         )
     interpolated = why_interpolated(picture=picture)
     if interpolated and not interpolated_too:
-        return f"{interpolated}; measure samples of one filter"
+        return f"{interpolated}; measure the samples of one filter"
     period = 2 if interpolated else 1
     sure = [block_steps(picture=view, period=period) for view in (picture, picture.T)]
     if min(sure) > _SURE_EITHER and math.hypot(*sure) > _SURE_OF_BLOCKS:
         return (
-            "compressed in blocks of 8 × 8 samples (JPEG): steps at their borders are larger than "
-            f"others ({math.hypot(*sure):.0f} standard deviations)"
+            "compressed in blocks of 8 × 8 samples (JPEG): steps at the borders of blocks are "
+            f"larger than others ({math.hypot(*sure):.0f} standard deviations)"
         )
     return ""
 
@@ -68,9 +68,9 @@ def why_interpolated(*, picture: NDArray[np.floating]) -> str:
     if not abs(mosaic) > max(_MOSAIC, _SURE * mosaic_error):
         return ""
     return (
-        "interpolated: samples of one colour of a chessboard have "
-        f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the others', as where a "
-        "mosaic of colour filters was filled in"
+        "interpolated: as in a checkerboard, samples of one colour have "
+        f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the others, which "
+        "demosaicing of a colour filter mosaic causes"
     )
 
 

@@ -179,15 +179,15 @@ def photon_transfer(
     fitted += [dark] if dark is not None else []
     if len({field.mean_dn for field in fitted}) < 2:
         raise DataError(
-            f"{int(used.sum())} of {len(levels)} levels lie below {_USED:g} of saturation; a "
-            "photon transfer curve needs 2 or more of different brightness, or one and dark frames "
-            "that do not end at zero"
+            f"{int(used.sum())} of {len(levels)} levels are below {_USED:g} of saturation; a "
+            "photon transfer curve needs 2 or more levels of different brightness, or one "
+            "level and dark frames that are not clipped at zero"
         )
     line = _Line.through(fitted, foot)
     if not line.slope > 0.0:
         raise DataError(
-            "the temporal variance does not rise with the mean: these are no flat fields of a "
-            "camera whose shot noise shows"
+            "the temporal variance does not rise with the mean: these are not flat fields "
+            "whose shot noise can be measured"
         )
     gain = 1.0 / line.slope
     read, error = _read_noise(dark, line, gain, known=zero is not None)
@@ -226,14 +226,14 @@ def _check(levels: Sequence[FlatField], dark: FlatField | None) -> None:
     for field in [*levels, *([dark] if dark is not None else [])]:
         if not all(map(math.isfinite, (field.mean_dn, field.temporal_dn2, field.fixed_dn2))):
             raise DataError(
-                "the numbers of a level are too large for their variance to be known: allowed are "
-                "those of a camera, some millions at most"
+                "the numbers of a level are too large to compute their variance; a camera "
+                "gives some millions at most"
             )
     brightest = max(level.mean_dn for level in levels)
     if dark is not None and dark.mean_dn >= brightest:
         raise DataError(
-            f"the dark frames' mean, {dark.mean_dn:.6g}, is not below that of the brightest level, "
-            f"{brightest:.6g}: give frames without light as --dark"
+            f"the dark frames' mean, {dark.mean_dn:.6g}, is not below the mean of the "
+            f"brightest level, {brightest:.6g}: give frames without light as --dark"
         )
 
 
@@ -261,7 +261,7 @@ class _Line:
         freedom = np.array([(field.frames - 1.0) * field.pixels for field in fields])
         least = _LEAST_VARIANCE * y.max()
         if not least > 0.0:
-            raise DataError("no level has noise: a photon transfer curve is one of noise")
+            raise DataError("no level has noise, so there is no photon transfer curve")
         model = np.maximum(y, least)
         for _ in range(_ROUNDS):
             weights = freedom / (2.0 * model**2)

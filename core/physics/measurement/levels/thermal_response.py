@@ -104,7 +104,7 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
     many = len(set(kelvin.tolist()))
     if many < 2:
         raise DataError(
-            "SiTF is the change with temperature: give frames of two temperatures or more"
+            "SiTF is the change with temperature: give frames of two or more temperatures"
         )
     means = np.array([one.field.mean_dn for one in ordered])
     variance = np.array([_variance_of_mean(one.noise) for one in ordered])
@@ -118,7 +118,7 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
     falls = np.diff(means)[later] * rise[0] <= 0.0
     if not abs(rise[0]) > _LEAST_RISE * of_rise[0] or falls.any() or (slope * rise[0] <= 0.0).any():
         raise DataError(
-            "the mean does not rise, or fall, with the temperature throughout, beyond its noise: "
+            "the mean does not rise or fall steadily with temperature, beyond its noise: "
             + ", ".join(f"{mean:.6g} at {at:.6g} K" for mean, at in zip(means, kelvin, strict=True))
         )
     allowed = np.full(len(slope), _BAND * span**2)
@@ -159,7 +159,7 @@ def filled(frame: NDArray[np.floating], good: Mask) -> Vector:
     if good.all():
         return np.asarray(frame, np.float64)
     if not good.any():
-        raise DataError("no pixel of the fields is like the others: these are no uniform fields")
+        raise DataError("no pixel behaves like the others: these are not uniform fields")
     samples = np.array(frame, np.float64)
     known, wanted = np.flatnonzero(good), np.flatnonzero(~good)
     after = np.searchsorted(known, wanted).clip(1, max(known.size - 1, 1)) if known.size > 1 else 0

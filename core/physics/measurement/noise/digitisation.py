@@ -28,7 +28,9 @@ def clipped_ends(*, picture: Matrix) -> tuple[float | None, float | None]:
     """
     low, high = float(picture.min()), float(picture.max())
     if not (math.isfinite(low) and math.isfinite(high)):
-        raise DataError("the picture has samples that are not finite numbers: noise needs finite")
+        raise DataError(
+            "the picture has samples that are not finite numbers, so its noise cannot be measured"
+        )
     if low == high:
         return None, None
     return (

@@ -75,7 +75,9 @@ class SceneFrames:
         """
         samples = np.asarray(frame, np.float64)
         if not np.isfinite(samples).all():
-            raise DataError("a frame has samples that are not finite numbers: noise needs finite")
+            raise DataError(
+                "a frame has samples that are not finite numbers, so the noise cannot be measured"
+            )
         self._cube.add(samples)
         if self._first is None:
             self._first = samples.copy()
@@ -206,7 +208,7 @@ def _settled(
 
 
 def _it_moves(share: float) -> str:
-    return f"{share:.0%} of the scene change between the frames: it moves"
+    return f"{share:.0%} of the pixels change between the frames: the scene or the camera moved"
 
 
 def _by_level(level: Vector, power: Vector, inside: NDArray[np.bool_]) -> Vector:

@@ -40,8 +40,8 @@ Vector = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _COMPRESSED = (
-    f"the picture was compressed in blocks of {SIDE} × {SIDE} samples, as JPEG does: its noise is "
-    "no longer the camera's"
+    f"the picture was compressed in blocks of {SIDE} × {SIDE} samples, as JPEG does, so its "
+    "noise is no longer the camera's"
 )
 _LEAST_BLOCKS = 24
 _COARSE_STEPS = 0.5  # deviations of the noise in steps, below which rounding does not add 1/12
@@ -120,15 +120,16 @@ def noise_of_picture(
     largest = float(np.abs(picture).max())
     if largest > _LARGEST or 0.0 < largest < _SMALLEST:
         raise DataError(
-            f"noise needs a picture whose largest number is between {_SMALLEST:g} and "
-            f"{_LARGEST:g}, not {largest:.3g}: give it in another unit"
+            "noise can be measured only if the picture's largest number is between "
+            f"{_SMALLEST:g} and {_LARGEST:g}, not {largest:.3g}: give the picture in another "
+            "unit"
         )
     low, high = clipped_ends(picture=picture)
     good = samples_that_count(picture=picture, avoid=avoid, low=low, high=high)
     blocks = picture_blocks(picture=picture, good=good, check=check)
     check()
     if avoid is not None and avoid.all():
-        return _nothing("no sample is left to measure in", math.nan, None)
+        return _nothing("no samples are left to measure", math.nan, None)
     mean = float(picture.mean() if avoid is None else picture[~avoid].mean())
     step = rounding_step(picture=picture)
     check()
@@ -172,7 +173,7 @@ def _still(blocks: PictureBlocks) -> bool:
 def _hidden(step: float | None) -> str:
     if step is None:
         return "the flat areas have no noise"
-    return f"the noise is finer than the converter's step of {step:.4g}, which hides it"
+    return f"the noise is smaller than the converter's step of {step:.4g}, which hides it"
 
 
 def _measured(
@@ -197,7 +198,7 @@ def _measured(
     strong = bool(lines) and lines[0].amplitude > _STRONG * math.sqrt(max(at_mean, 0.0))
     if not refusal and strong and not flat.even:
         amplitude = f"{lines[0].amplitude:.3g}"
-        refusal = f"a pattern all over the picture, of amplitude {amplitude}, hides the noise"
+        refusal = f"a pattern of amplitude {amplitude} all over the picture hides the noise"
     if not refusal and (at_mean <= 0.0 or _CONFIDENCE * error > 2.0 * _WITHIN * at_mean):
         known = "not at all"
         if at_mean > 0.0:
@@ -219,7 +220,7 @@ def _measured(
     if flat.even:
         figures = gain_and_read_noise(line=line, level=level, rounding=rounding, offset=offset)
     else:
-        reason = "the noise differs from place to place by more than its level explains"
+        reason = "the noise differs from place to place by more than the signal level explains"
         remarks.append(
             reason
             + ": sigma is the root of its mean variance (noise filter of the camera, or fine "
@@ -268,33 +269,36 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
     falls = structure.middle > _WHITE + 3.0 * structure.middle_error
     if falls:
         return (
-            "the noise of the flattest areas falls towards fine waves (coarse, middle and fine "
-            f"ones have power {1 + structure.coarse:.2f} : {1 + structure.middle:.2f} : 1): it was "
-            "blurred after it arose, or texture is everywhere"
+            "the noise of the flattest areas falls towards high frequencies (low, middle and "
+            f"high frequencies have power {1 + structure.coarse:.2f} : "
+            f"{1 + structure.middle:.2f} : 1): it was blurred after it arose, or there is "
+            "texture everywhere"
         )
     if structure.middle < -_WHITE - 3.0 * structure.middle_error:
         return (
-            "the noise of the flattest areas rises towards fine waves (middle and fine ones have "
-            f"power {1 + structure.middle:.2f} : 1): it was sharpened, or a fine pattern lies over "
-            "it that was not found"
+            "the noise of the flattest areas rises towards high frequencies (middle and high "
+            f"frequencies have power {1 + structure.middle:.2f} : 1): it was sharpened, or a "
+            "fine pattern that was not found covers the picture"
         )
     if structure.coarse < -max(_LACKING, _SURE * structure.coarse_error):
         return (
-            "the noise of the flattest areas rises towards fine waves (coarse ones have "
-            f"{1 + structure.coarse:.2f} of their power): it was sharpened after it arose"
+            "the noise of the flattest areas rises towards high frequencies (low frequencies "
+            f"have {1 + structure.coarse:.2f} of their power): it was sharpened after it arose"
         )
     if abs(flat.lean) > _WHITE + 3.0 * flat.lean_error:
         first, then = ("rows", "columns") if flat.lean > 0.0 else ("columns", "rows")
         return (
-            f"the noise of the flattest areas falls along the {first} more than along the {then} "
-            f"(their middle waves differ by {abs(flat.lean):.2f} of the fine ones' power): it was "
-            f"blurred along the {first} after it arose, or texture is everywhere"
+            f"the noise of the flattest areas falls along the {first} more than along the "
+            f"{then} (their middle frequencies differ by {abs(flat.lean):.2f} of the high "
+            f"frequencies' power): it was blurred along the {first} after it arose, or there "
+            "is texture everywhere"
         )
     share = np.count_nonzero(flat.chosen) / math.prod(blocks.grid)
     if not flat.even and (share < _LEAST_UNEVEN or structure.coarse > _COARSE_UNEVEN):
         return (
-            f"no areas of even noise: {share:.0%} of the picture seem flat, and their coarse waves "
-            f"have {1 + structure.coarse:.2f} times the power of the fine: texture is everywhere"
+            f"no areas of uniform noise: {share:.0%} of the picture seem flat, and their low "
+            f"frequencies have {1 + structure.coarse:.2f} times the power of the high ones: "
+            "there is texture everywhere"
         )
     return ""
 
