@@ -1,4 +1,4 @@
-"""Imagechain: electro-optical and infrared sensors as a chain of transfer functions and noise.
+"""Simulate electro-optical and infrared cameras as a chain of transfer functions and noise.
 
     import imagechain as ic
 
@@ -8,7 +8,7 @@
     result.image()                                  # the picture, a numpy array
     result.readouts, result.curves()                # figures and transfer functions
 
-or a chain of one's own:
+or build your own chain:
 
     chain = ic.Chain("Mine", seed=1)
     chain.add(ic.scene(radiance, fov_x_deg=10, fov_y_deg=8))
@@ -16,8 +16,8 @@ or a chain of one's own:
     chain.add(ic.modules.gaussian_mtf(sigma_x_mrad=0.3, sigma_y_mrad=0.3), name="blur")
     chain.add(ic.modules.back_transform())
 
-`ic.modules` has every module, with its parameters, their units and ranges. `ic.measure` measures
-pictures of a camera, and `ic.fit` fits a chain's parameters to them.
+`ic.modules` has every module, with the units and ranges of its parameters. `ic.measure` measures a
+camera's pictures, and `ic.fit` fits a chain's parameters to them.
 """
 
 from __future__ import annotations

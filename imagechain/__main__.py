@@ -6,7 +6,7 @@ import sys
 
 
 def main() -> int:
-    """Run the command line; gives the exit code."""
+    """Run the command line and return the exit code."""
     from app.command.cli import main as command
 
     return command()

@@ -1,4 +1,4 @@
-"""What must hold of any module: those who write one run it over theirs, in their tests."""
+"""Checks that every module must pass; run them on your own modules, in your tests."""
 
 from nodes.module_battery import check_module, faults_of
 

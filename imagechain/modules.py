@@ -1,6 +1,6 @@
 """Every module as a function of its parameters: ``ic.modules.gaussian_mtf(sigma_x_mrad=0.3)``.
 
-Those of another installed package stand below its name: ``ic.modules.acme_optics.glare_mtf()``.
+Modules of another installed package are under its name: ``ic.modules.acme_optics.glare_mtf()``.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Our packages `core`, `nodes`, `app` and `networks`, whatever else has these names.
+"""Load our packages `core`, `nodes`, `app` and `networks`, whatever else has these names.
 
-They are imported by these plain names, and the folder of the user's script is the first that Python
-searches. So they are loaded from where this package itself lies, before anything else of ours. Only
-what Python brings along may be imported here.
+They are imported by these plain names, and Python searches the folder of the user's script first.
+So they are loaded from the folder of this package, before anything else of ours. Import only the
+standard library here.
 """
 
 from __future__ import annotations
@@ -19,31 +19,31 @@ NAMES = ("core", "nodes", "app", "networks")
 
 
 def load_own_packages(root: Path) -> None:
-    """Load the four packages from the folder that holds this one.
+    """Load the four packages from the folder of this one.
 
     Parameters
     ----------
     root : Path
-        That folder.
+        The folder that holds this package.
 
     Raises
     ------
     ImportError
-        Where another package of one of these names has been imported already.
+        If another package with one of these names has already been imported.
 
     Warns
     -----
     UserWarning
-        Where a folder or file of one of these names would have come first, and is hidden now; not
-        in the command, which imports nothing of the user's, nor once more in a child process.
+        If a folder or file with one of these names would have come first, and is now hidden. The
+        command does not warn, as it imports nothing of the user's; nor does a child process.
     """
     others = [name for name in NAMES if not _is_own(sys.modules.get(name), root)]
     taken = [name for name in others if name in sys.modules]
     if taken:
         where = "; ".join(f"{name} from {_place(sys.modules[name])}" for name in taken)
         raise ImportError(
-            f"imagechain cannot be imported: another package of the name of one of its own has "
-            f"been imported before ({where}); rename it, or import imagechain first",
+            f"imagechain cannot be imported: another package with the name of one of its own is "
+            f"already imported ({where}); rename it, or import imagechain first",
             name="imagechain",
         )
     hidden = [place for name in others for place in _in_front(name, root)]
@@ -52,8 +52,8 @@ def load_own_packages(root: Path) -> None:
     if hidden and not _is_command_or_child():
         what = "them" if len(hidden) > 1 else "it"
         warnings.warn(
-            f"{', '.join(hidden)} cannot be imported beside imagechain, which has a package of "
-            f"its own of that name: rename {what}",
+            f"{', '.join(hidden)} cannot be imported together with imagechain, which has its own "
+            f"package of that name: rename {what}",
             UserWarning,
             stacklevel=3,
         )

@@ -1,8 +1,8 @@
-"""What a module of one's own is written with.
+"""Import from here what your own modules need.
 
     from imagechain.plug_in import Context, Magnitude, MtfModule, MtfOutputs, NodeContext, Param
 
-The names here stay where they are; those of the layers below may move.
+The names here are stable; names in the layers below may move.
 """
 
 from core.chain.linear_change import Linear

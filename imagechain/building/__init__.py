@@ -1,1 +1,1 @@
-"""Chains: opened, built and changed."""
+"""Open, build and change chains."""

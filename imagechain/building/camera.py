@@ -1,4 +1,4 @@
-"""A chain planned once, that makes a picture of each fresh array of its scene."""
+"""A chain that is planned once and then makes a picture of each new frame of its scene."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ Array = NDArray[Any]
 
 
 class Camera:
-    """What a chain makes of frames: ``camera(frame)``, to the bits of a run on that scene.
+    """A chain as a function: ``camera(frame)`` equals a run on that scene, bit for bit.
 
-    `Chain.camera` makes it. Only its outputs are computed; what frames share is made once, and
-    nothing else of a frame stays. It may be sent to other processes.
+    `Chain.camera` makes it. Only its outputs are computed. What all frames share is computed once;
+    everything else is discarded after each frame. It can be sent to other processes.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class Camera:
         self._plan = self._engine.plan(self._network, folder=plan.folder, held=self._held)
         _refuse_faults(self._plan)
         if way_of_running(self._plan, policy, None).in_blocks:
-            raise UsageError(f"size = {size}: its pictures are too large for memory: use run")
+            raise UsageError(f"size = {size}: the pictures are too large for memory; use run")
         self._asked: set[str] = set()
         self._count, self._lock = itertools.count(), threading.Lock()
 
@@ -90,7 +90,7 @@ class Camera:
 
     @plain_errors
     def __call__(self, frame: Any, *, seed: int | None = None, number: int = 0) -> Any:
-        """The picture of a frame, read-only; of several outputs, each by its ``NODE.PORT``.
+        """Return the picture of a frame, read-only; several outputs come by ``NODE.PORT``.
 
         Parameters
         ----------
@@ -98,15 +98,15 @@ class Camera:
             The scene's samples, (rows, columns), or (rows, columns, 3) in colour, as
             `Chain.replace_scene` takes them.
         seed : int, optional
-            Of all noise, fixed patterns included; by default the chain's own.
+            Seed of all noise, fixed patterns included; by default the chain's own.
         number : int
-            Which frame of a sequence it is, from 0: temporal noise of its own, the same fixed
-            patterns, as ``run(frames=…)`` has them.
+            Number of the frame in a sequence, from 0. Each has its own temporal noise and the same
+            fixed patterns, as in ``run(frames=…)``.
 
         Raises
         ------
         ImagechainError
-            If the frame is not of the camera's size or has a sample that is not finite.
+            If the frame does not have the camera's size, or a sample is not finite.
         """
         if not (isinstance(number, Integral) and int(number) >= 0):
             raise ParameterError("number", number, "a whole number, 0 or more")
@@ -147,11 +147,11 @@ class Camera:
     def _samples(self, frame: Any) -> HeldSamples:
         unit = getattr(frame, "attrs", {}).get("units", self._unit)
         if unit != self._unit:
-            raise UsageError(f"a frame in {unit}: say unit={unit!r} when the camera is made")
+            raise UsageError(f"the frame is in {unit}: make the camera with unit={unit!r}")
         array = grey(np.asarray(frame))
         if array.shape != self._size:
             shape, size = (" × ".join(map(str, one)) for one in (array.shape, self._size))
-            raise DataError(f"a frame of {shape} samples: the camera was made for {size}")
+            raise DataError(f"the frame has {shape} samples: the camera was made for {size}")
         held = HeldSamples.of(array, "the frame")
         vars(held)["key"] = f"frame {next(self._count)}"  # not shared: its content needs no hash
         return held
@@ -184,7 +184,7 @@ def _checked_size(size: Any) -> tuple[int, int]:
     except (TypeError, ValueError):
         rows = columns = None
     if not all(isinstance(side, Integral) and int(side) >= 1 for side in (rows, columns)):
-        raise ParameterError("size", size, "two whole numbers: rows and columns of a frame")
+        raise ParameterError("size", size, "two whole numbers, 1 or more, for rows and columns")
     return int(rows), int(columns)
 
 
@@ -193,11 +193,11 @@ def _ports(plan: Plan, outputs: str | Sequence[str] | None) -> tuple[str, ...]:
     if outputs is None:
         final = find_output(plan)
         if final.port is None:
-            raise NetworkError(f"{final.missing}: name outputs")
+            raise NetworkError(f"{final.missing}: give outputs")
         return (final.port,)
     ports = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     if not ports:
-        raise ParameterError("outputs", outputs, "one NODE.PORT or more")
+        raise ParameterError("outputs", outputs, "at least one NODE.PORT")
     for port in ports:
         plan.output(port)
     return ports

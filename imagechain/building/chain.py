@@ -1,4 +1,4 @@
-"""Chains: opened or built, changed in place, run."""
+"""Open or build a chain, change it in place, and run it."""
 
 from __future__ import annotations
 
@@ -41,19 +41,19 @@ Precision = Literal["single", "double"]
 
 
 class Chain:
-    """A network of modules that can be changed and run.
+    """A network of modules that you can change and run.
 
-    Changes are made in place; `with_` and `copy` give another chain. What has been computed is
-    kept, and shared with copies, so that a run after a change repeats only what follows it.
+    Changes are made in place; `with_` and `copy` return another chain. Computed values are kept
+    and shared with copies, so a run after a change computes only what depends on the change.
 
     Parameters
     ----------
     name : str
         Title, for reports and files.
     seed : int
-        Of the noise; the same seed gives the same noise, to the bit.
+        Seed of the noise; the same seed gives the same noise, bit for bit.
     description : str
-        What it shows.
+        What the chain shows.
     """
 
     @plain_errors
@@ -73,7 +73,7 @@ class Chain:
 
     @property
     def name(self) -> str:
-        """Its title."""
+        """Title of the chain."""
         return self.network.name
 
     @name.setter
@@ -83,7 +83,7 @@ class Chain:
 
     @property
     def description(self) -> str:
-        """What it shows."""
+        """What the chain shows."""
         return self.network.description
 
     @description.setter
@@ -103,12 +103,12 @@ class Chain:
 
     @property
     def folder(self) -> Path:
-        """What file names of the chain are relative to."""
+        """Folder that the chain's file names are relative to."""
         return self._state.folder
 
     @property
     def network(self) -> Network:
-        """The network as the engine has it; immutable."""
+        """The network that the engine computes; immutable."""
         return self._state.network
 
     @property
@@ -142,12 +142,12 @@ class Chain:
 
     @plain_errors
     def set(self, parameter: str | Mapping[str, Any], value: Any = ABSENT) -> Chain:
-        """Set a parameter, or several of them at once; gives the chain itself.
+        """Set one parameter, or several at once; returns the chain itself.
 
         Parameters
         ----------
         parameter : str or mapping
-            ``"NODE.PARAMETER"``, or values by that.
+            ``"NODE.PARAMETER"``, or a mapping of these to values.
         value
             The value in the parameter's own unit; an `Expression`, or a text that begins with
             ``=``, makes the parameter follow others. File names are relative to the current folder.
@@ -155,7 +155,7 @@ class Chain:
         Raises
         ------
         ImagechainError
-            If there is no such parameter, or it does not take the value; nothing is changed then.
+            If there is no such parameter, or the value is not allowed; then nothing changes.
         """
         if isinstance(parameter, str):
             if value is ABSENT:
@@ -163,20 +163,21 @@ class Chain:
             parameter = {parameter: value}
         if not isinstance(parameter, Mapping) or not all(isinstance(k, str) for k in parameter):
             raise UsageError(
-                f"set({shown(repr(parameter))}): give NODE.PARAMETER as a text, or values by that"
+                f"set({shown(repr(parameter))}): give NODE.PARAMETER as a text, "
+                "or a mapping of these to values"
             )
         self._state = self._state.with_values(parameter, self._engine.library)
         return self
 
     @plain_errors
     def get(self, parameter: str) -> Any:
-        """The value of ``NODE.PARAMETER``; of an expression, what comes out of it."""
+        """The value of ``NODE.PARAMETER``; an expression is evaluated."""
         node, _, name = parameter.rpartition(".")
         return self[node][name]
 
     @plain_errors
     def reset(self, parameter: str) -> Chain:
-        """Leave ``NODE.PARAMETER`` at its default; gives the chain itself."""
+        """Reset ``NODE.PARAMETER`` to its default; returns the chain itself."""
         self._state = self._state.with_values({parameter: ABSENT}, self._engine.library)
         return self
 
@@ -184,7 +185,7 @@ class Chain:
     def with_(
         self, parameters: Mapping[str, Any] | None = None, *, seed: int | None = None
     ) -> Chain:
-        """Another chain with other values, as `set` takes them; this one stays as it is."""
+        """Return a copy with other values, as for `set`; this chain does not change."""
         other = self.copy()
         other.set(parameters or {})
         if seed is not None:
@@ -192,7 +193,7 @@ class Chain:
         return other
 
     def copy(self) -> Chain:
-        """Another chain that is like this one."""
+        """Return an independent copy of the chain."""
         chain = Chain._of(self._state, self._engine)
         chain._planned = self._planned
         return chain
@@ -216,28 +217,28 @@ class Chain:
         after: str | ChainNode | None = None,
         wired: bool = True,
     ) -> ChainNode:
-        """Add a module, wired to the chain with its context, magnitude and phase; gives its node.
+        """Add a module, wired to the chain with context, magnitude and phase; returns its node.
 
         Parameters
         ----------
         part : Part
-            Of `ic.modules`, or `ic.scene`.
+            From `ic.modules`, `ic.preset` or `ic.scene`.
         name : str, optional
-            What the node is called; default its module's key, of an array ``scene``.
+            Name of the node; by default the module's key, or ``scene`` for an array.
         after : str or ChainNode, optional
-            The node to go on from; it comes between that and the one that follows. Default is the
-            node added last whose value goes nowhere yet.
+            The node to continue from; the new node goes between it and the one that follows. By
+            default the last added node whose output does not yet lead on.
         wired : bool
-            Whether wires are made at all.
+            Whether to make wires at all.
 
         Raises
         ------
         ImagechainError
-            If it fits nowhere, or the name is taken.
+            If the module fits nowhere, or the name is taken.
         """
         if not isinstance(part, Part):
             raise UsageError(
-                f"add({part!r:.80}): give what ic.modules.NAME(…) or ic.scene(…) makes"
+                f"add({part!r:.80}): give a module, as from ic.modules.NAME(…) or ic.scene(…)"
             )
         before = after.name if isinstance(after, ChainNode) else after
         id_, self._state = self._state.with_part(
@@ -247,12 +248,12 @@ class Chain:
 
     @plain_errors
     def link(self, start: str, end: str) -> Chain:
-        """Wire an output to an input, both as ``NODE.PORT``; a wire it had there goes.
+        """Wire an output to an input, both as ``NODE.PORT``; replaces the input's earlier wire.
 
         Raises
         ------
         NetworkError
-            If they do not fit, or the wire would close a circle.
+            If the ports do not fit, or the wire would close a loop.
         """
         link = Link.between(start, end)
         wrong = refusal(self.network, self._engine.library, link)
@@ -263,25 +264,25 @@ class Chain:
 
     @plain_errors
     def unlink(self, start: str, end: str) -> Chain:
-        """Take a wire away."""
+        """Remove a wire."""
         self._state = self._state.done(Rewire(remove=(Link.between(start, end),)))
         return self
 
     @plain_errors
     def remove(self, name: str) -> Chain:
-        """Take a node out, with its wires."""
+        """Remove a node and its wires."""
         self._state = self._state.without(name)
         return self
 
     @plain_errors
     def rename(self, old: str, new: str) -> Chain:
-        """Call a node by another name, wherever it is mentioned."""
+        """Rename a node, wherever it is mentioned."""
         self._state = self._state.renamed(old, new)
         return self
 
     @property
     def scene(self) -> tuple[str, ...]:
-        """How the picture given for the scene was taken, in words; empty if none was given."""
+        """How your picture of the scene was interpreted, in words; empty if you gave none."""
         return self._state.scene
 
     @scene.setter
@@ -301,28 +302,29 @@ class Chain:
         band_um: tuple[float, float] | None = None,
         unit: str = "",
     ) -> Chain:
-        """Put a picture of your own in place of the scene; gives the chain itself.
+        """Replace the scene with your own picture; returns the chain itself.
 
-        ``chain.scene = picture`` does it without further words. What is left out follows from the
-        file and the scene before; `chain.scene` says how.
+        ``chain.scene = picture`` does the same without options. What you leave out is taken from
+        the file and the scene before; `chain.scene` says how.
 
         Parameters
         ----------
         picture : path or array
-            A picture or cube; of an array (rows, columns), or (rows, columns, 3) in colour.
+            A file with a picture or cube, or an array (rows, columns) or (rows, columns, 3), in
+            colour.
         node : str, optional
-            The scene, where the chain has several.
+            The node of the scene, if the chain has several.
         fov_deg : (float, float), optional
             Field of view across and along, degrees.
         range_m : float, optional
-            Distance, m.
+            Distance to the scene, m.
         sample_m : float, optional
-            Size of a sample on the scene, m, in place of the field of view.
+            Size of a sample on the scene, m, instead of the field of view.
         band_um : (float, float), optional
             Shortest and longest wavelength, µm.
         unit : str
-            A unit of radiance, ``K``, ``C``, ``reflectance``, or ``relative``: scaled to the range
-            of the scene before. Default is the file's unit, else ``relative``.
+            A unit of radiance, ``K``, ``C``, ``reflectance``, or ``relative``, which scales to the
+            range of the scene before. By default the file's unit, else ``relative``.
         """
         is_file = isinstance(picture, str | PathLike)
         own = OwnScene(
@@ -339,12 +341,12 @@ class Chain:
     @property
     @plain_errors
     def final(self) -> str | None:
-        """The picture that the chain delivers, ``NODE.PORT``; None where it cannot be known."""
+        """Port of the final picture, ``NODE.PORT``; None if it cannot be determined."""
         return find_output(self._state.plan(self._engine)).port
 
     @plain_errors
     def mark_final(self, node: str) -> Chain:
-        """Take the picture of a node for the one that the chain delivers."""
+        """Make the picture of a node the chain's final picture."""
         self._state = self._state.done(SetOutput((node,)))
         return self
 
@@ -364,37 +366,39 @@ class Chain:
         scratch: str | PathLike[str] | None = None,
         threads: int = 0,
     ) -> Result:
-        """Compute the chain; what has not changed since an earlier run is not computed again.
+        """Compute the chain; what has not changed since an earlier run is reused.
 
         Parameters
         ----------
         precision : "single" or "double"
-            Of pictures and spectra.
+            Precision of pictures and spectra.
         tolerance : float, optional
             Error budget: stages that together change the picture by less than this share of its
-            range are left out. Default is below rounding; 0 leaves out only what changes nothing.
+            range are left out. By default it is below rounding; 0 leaves out only what has no
+            effect.
         seed : int, optional
-            Other noise than that of the chain's own seed.
+            Seed of the noise, instead of the chain's own.
         frames : int, optional
-            So many frames of each picture, each with temporal noise of its own and the same fixed
-            patterns: pictures then are (frames, rows, columns).
+            Number of frames of each picture, each with its own temporal noise and the same fixed
+            patterns. Pictures are then (frames, rows, columns).
         outputs : sequence of str, optional
-            Compute only these, ``NODE.PORT``; all else once the result is asked for it.
+            Compute only these, ``NODE.PORT``; the rest is computed when you access it.
         region : (slice, slice), optional
-            Rows and columns of the pictures to compute; they have the bits of the whole picture.
+            Rows and columns of the pictures to compute, bit for bit as in the whole picture.
         memory : int or str, optional
-            Bytes, or "2GB", that pictures may take; by default half of what the process may. Where
-            they would take more, they are made in blocks, with the same bits, and lie on disk:
-            arrays are mapped then.
+            Memory for pictures, in bytes or as "2GB"; by default half of what the process may use.
+            Larger pictures are computed in blocks, with the same bits, and kept on disk as
+            memory-mapped arrays.
         scratch : path, optional
-            Folder of what lies on disk, by default the current one; gone with the last array.
+            Folder for these arrays, by default the current one. Their files are removed with the
+            last array.
         threads : int
-            0 takes as many as there are; results do not depend on it.
+            Number of threads; 0 uses as many as there are. Results do not depend on it.
 
         Raises
         ------
         ImagechainError
-            The first fault, as the command `imagechain run` has it.
+            The first error, as in the command `imagechain run`.
         """
         options = RunOptions.of(
             Policy(precision, tolerance, threads), frames, outputs, region, memory, scratch
@@ -404,7 +408,7 @@ class Chain:
         chain = self
 
         def smaller(error: ImagechainError) -> Plan:
-            """Without the judges that cannot judge a scene of one's own; else the error."""
+            """Without the analysis that cannot use your own scene; else the error."""
             nonlocal chain
             library = self._engine.library
             while True:
@@ -436,48 +440,49 @@ class Chain:
         threads: int = 0,
         **scene: Any,
     ) -> Camera:
-        """The chain planned once for many frames: ``camera(frame)`` gives the picture of each.
+        """Plan the chain once for many frames: ``camera(frame)`` returns the picture of each.
 
-        It has the bits of `run` on a chain with that scene, without figures and read-outs.
+        The pictures equal those of `run` with that scene, bit for bit; there are no curves or
+        read-outs.
 
         Parameters
         ----------
         size : (int, int)
             Rows and columns of the frames.
         outputs : str or sequence of str, optional
-            What is made, ``NODE.PORT``; of several a frame gives a dictionary. Default is the
-            picture that the chain delivers.
+            Ports to compute, ``NODE.PORT``; with a sequence, each frame gives a dictionary. By
+            default the final picture.
         precision, tolerance, threads
-            As of `run`.
+            As for `run`.
         **scene
-            What is known of the frames, as `replace_scene` takes it: ``unit="K"``.
+            What you know about the frames, as for `replace_scene`: ``unit="K"``.
 
         Raises
         ------
         ImagechainError
-            If there is no such output or scene, or the chain has a fault.
+            If there is no such output or scene, or the chain has an error.
         """
         policy = Policy(precision, tolerance, threads)
         return Camera(self._state, size, outputs, policy, scene, self._engine)
 
     @plain_errors
     def check(self) -> Check:
-        """What is wrong with the chain, and what its modules warn of, without computing it."""
+        """Errors and warnings of the chain, without computing it."""
         return checked(lambda: self._state.plan(self._engine))
 
     # Files
 
     @plain_errors
     def save(self, path: str | PathLike[str]) -> Path:
-        """Write the chain to a network file, which command and editor open.
+        """Write the chain to a network file that the command and the editor can open.
 
-        Scenes from arrays are written beside it, as ``NAME_NODE.npy``. From then on file names are
-        relative to its folder.
+        Scenes from arrays are written beside it, as ``NAME_NODE.npy``, cubes as ``.img``. From then
+        on file names are relative to its folder.
 
         Raises
         ------
         FileError
-            If a file cannot be written, or one of those beside it is another's.
+            If a file cannot be written, or an array's file exists and is not this network's.
         """
         target = whole_path(path)
         state = self._state
@@ -493,7 +498,7 @@ class Chain:
     # For what belongs to a chain
 
     def raw_node(self, name: str) -> Node:
-        """The node as the network has it; also one inside of a macro, ``MACRO/NODE``."""
+        """The node in the network; inside a macro, ``MACRO/NODE``."""
         return self._state.node(name)
 
     def declared(self, name: str) -> Declaration:
@@ -501,7 +506,7 @@ class Chain:
         return self._state.declared(name, self._engine.library)
 
     def part(self, name: str) -> Part:
-        """A node's module with what is set; names of files are whole, for a chain elsewhere."""
+        """A node's module with its set values and absolute file names, for another chain."""
         node = self.raw_node(name)
         samples = self._state.samples.get(name)
         paths = {p.name for p in self.declared(name).parameters if p.kind == "path"}
@@ -514,7 +519,7 @@ class Chain:
         return Part(node.module, params, samples, name, node.macro)
 
     def planned(self, seed: int | None = None) -> tuple[Engine, Plan]:
-        """What evaluates the chain, and the chain as planned, without a fault."""
+        """The engine, and the chain's plan without errors."""
         plan = self._planned = self._state.plan(self._engine, seed, self._planned)
         errors = plan.errors()
         if errors:
@@ -522,7 +527,7 @@ class Chain:
         return self._engine, plan
 
     def value_of(self, node: str, parameter: Parameter) -> Any:
-        """The value of a node's parameter as it enters a run."""
+        """The value of a node's parameter that a run uses."""
         return self._state.value(node, parameter, self._engine.library)
 
     def __repr__(self) -> str:
@@ -563,7 +568,7 @@ class ChainNode:
 
     @property
     def name(self) -> str:
-        """What the node is called in its chain."""
+        """Name of the node in its chain."""
         return self._name
 
     @property
@@ -573,7 +578,7 @@ class ChainNode:
 
     @property
     def title(self) -> str:
-        """Title of its module; its key, where there is no such module."""
+        """Title of its module; the key if there is no such module."""
         known = self._known
         return self.module if known is None else known.title
 
@@ -589,16 +594,16 @@ class ChainNode:
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Values of all parameters by name, those of expressions as they come out."""
+        """Values of all parameters by name; expressions are evaluated."""
         return {p.name: self._value(p) for p in self._declared.parameters}
 
     @property
     def part(self) -> Part:
-        """Its module with what is set, to be added to another chain."""
+        """Its module with its set values, to add to another chain."""
         return self._chain.part(self._name)
 
     def set(self, **values: Any) -> None:
-        """Set parameters by name; all of them or, where one is refused, none."""
+        """Set parameters by name; if one value is refused, none is set."""
         self._chain.set({f"{self._name}.{name}": value for name, value in values.items()})
 
     def help(self) -> str:
@@ -679,12 +684,12 @@ def open(network: str | PathLike[str]) -> Chain:
     Parameters
     ----------
     network : str or path
-        A path, or a name of `networks()`. File names in it are relative to its own folder.
+        A path, or a name from `networks()`. File names in it are relative to its own folder.
 
     Raises
     ------
     ImagechainError
-        If there is no such network, or it is none.
+        If there is no such network, or the file is not a network.
     """
     engine = Engine(standard_library())
     place = find_network(fspath(network))

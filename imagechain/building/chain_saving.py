@@ -1,4 +1,4 @@
-"""Writing a chain to a network file, with the arrays of its scenes beside it."""
+"""Write a chain to a network file, with the arrays of its scenes beside it."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ def saved(
     samples: Mapping[str, HeldSamples],
     given: Collection[tuple[str, str]],
 ) -> Network:
-    """Write a network and its arrays; gives the network as it was written.
+    """Write a network and its arrays; returns the network as written.
 
-    Its file names are relative to `folder` so far; `target` is the network file. `samples` are by
-    node, `given` the nodes and parameters whose file names were given in Python.
+    Its file names are relative to `folder` until then; `target` is the network file. `samples` are
+    the arrays by node; `given` are the nodes and parameters whose file names were given in Python.
 
-    Raises `FileError` if a file cannot be written, or a file of an array's name holds something
+    Raises `FileError` if a file cannot be written, or if an array's file exists, holds something
     else and is not this network's.
     """
     own = _arrays_of(target, library)
@@ -83,8 +83,7 @@ def _refuse_anothers(file: Path, held: HeldSamples, own: set[str]) -> None:
         same = False
     if not same:
         raise FileError(
-            f"{file} is there already and holds something else: save under another name, or "
-            "remove it"
+            f"{file} already exists and holds something else: save under another name, or remove it"
         )
 
 

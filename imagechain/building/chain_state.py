@@ -1,4 +1,4 @@
-"""The state of a chain, which never changes: its network, arrays and folder; and its plans."""
+"""The immutable state of a chain: its network, arrays and folder; and its plans."""
 
 from __future__ import annotations
 
@@ -50,9 +50,9 @@ class ChainState:
     """A chain at one moment.
 
     File names are relative to `folder`; `file` is the network file it was read from or last saved
-    to. `samples` are the scenes from arrays, by node; `order` the nodes as they were added, the
-    last one last; `given` nodes and parameters whose file names were given in Python; `scene` says
-    how the picture that has replaced the network's scene was taken.
+    to. `samples` are the scenes from arrays, by node; `order` lists the nodes as they were added,
+    the last one last; `given` are nodes and parameters whose file names were given in Python;
+    `scene` says how the picture that replaced the network's scene was interpreted.
     """
 
     network: Network
@@ -72,7 +72,7 @@ class ChainState:
         return ChainState, fields
 
     def node(self, name: str) -> Node:
-        """The node as the network has it; also one inside of a macro, ``MACRO/NODE``."""
+        """The node in the network; inside a macro, ``MACRO/NODE``."""
         network = self.network
         while (step := network.step_inside(name)) is not None:
             macro, name = step
@@ -91,7 +91,7 @@ class ChainState:
         return declared
 
     def value(self, name: str, parameter: Parameter, library: Library) -> Any:
-        """The value of a node's parameter as it enters a run; None of one that has none."""
+        """The value of a node's parameter that a run uses; None if it has none."""
         given = resolved(self.network, library=library).value(name, parameter.name)
         if given is None:
             given = self.node(name).params.get(parameter.name)
@@ -103,15 +103,15 @@ class ChainState:
             return given
 
     def with_values(self, values: Mapping[str, Any], library: Library) -> ChainState:
-        """With parameters set, by ``NODE.PARAMETER``; ABSENT leaves one at its default.
+        """With parameters set, by ``NODE.PARAMETER``; ABSENT resets one to its default.
 
-        Raises `ImagechainError` if there is no such parameter, or it does not take the value.
+        Raises `ImagechainError` if there is no such parameter, or the value is not allowed.
         """
         state = self
         for place, value in values.items():
             node, _, name = place.rpartition(".")
             if not node:
-                raise UsageError(f"{shown(place)} names no parameter: write NODE.PARAMETER")
+                raise UsageError(f"{shown(place)} is not a parameter: write NODE.PARAMETER")
             state = state._with_value(node, name, value, library)
         return state
 
@@ -136,7 +136,7 @@ class ChainState:
     def with_part(
         self, part: Part, library: Library, *, name: str | None, after: str | None, wired: bool
     ) -> tuple[str, ChainState]:
-        """With a node more, and its name; as `Chain.add`."""
+        """With one more node, and its name; as for `Chain.add`."""
         if part.inside is None and part.module not in library:
             raise NetworkError(no_module(part.module, library))
         if after is not None:
@@ -145,7 +145,7 @@ class ChainState:
         if id_ is None:
             id_ = fresh_name(part.name or local_key(part.module), self.network.nodes)
         elif id_ in self.network.nodes:
-            raise NetworkError(f"there is a node {shown(id_)} already")
+            raise NetworkError(f"there is already a node {shown(id_)}")
         declared = declared_node(Node(id_, part.module, macro=part.inside), library)
         assert declared is not None
         paths = {parameter.name for parameter in declared.parameters if parameter.kind == "path"}
@@ -167,7 +167,7 @@ class ChainState:
         )
 
     def with_scene(self, own: OwnScene, node: str | None, engine: Engine) -> ChainState:
-        """With a picture in place of the scene; errors as `with_own_scene`."""
+        """With a picture instead of the scene; errors as for `with_own_scene`."""
         stored = (
             None if isinstance(own.picture, np.ndarray) else fspath(self._own_path(own.picture))
         )
@@ -186,7 +186,7 @@ class ChainState:
         )
 
     def without(self, name: str) -> ChainState:
-        """Without a node, and its wires."""
+        """Without a node and its wires."""
         return replace(
             self.done(Remove((name,))),
             order=tuple(one for one in self.order if one != name),
@@ -195,7 +195,7 @@ class ChainState:
         )
 
     def renamed(self, old: str, new: str) -> ChainState:
-        """With a node called by another name, wherever it is mentioned."""
+        """With a node renamed, wherever it is mentioned."""
 
         def name_of(name: str) -> str:
             return new if name == old else name
@@ -208,7 +208,7 @@ class ChainState:
         )
 
     def _own_path(self, value: Any) -> Any:
-        """A file name given here, relative to the current folder, as the chain has it."""
+        """A file name given here, relative to the current folder, as the chain stores it."""
         if not isinstance(value, str | PathLike) or not fspath(value):
             return value
         path = Path(fspath(value))
@@ -217,12 +217,12 @@ class ChainState:
         return current_folder() / path
 
     def plain(self, library: Library, seed: int | None = None) -> Network:
-        """The network that is computed, its macros written out, checked.
+        """The network to compute, with its macros expanded, checked.
 
         Raises
         ------
         ImagechainError
-            The faults of the network.
+            The errors of the network.
         """
         if not self.network.nodes:
             raise NetworkError("the chain has no nodes: add some")
@@ -233,9 +233,9 @@ class ChainState:
         return network
 
     def plan(self, engine: Engine, seed: int | None = None, previous: Plan | None = None) -> Plan:
-        """The network planned; errors as `plain`, those of nodes stay on them.
+        """The network planned; errors as for `plain`, errors of nodes stay with the nodes.
 
-        From a `previous` plan, what has not changed since is taken over.
+        What has not changed since a `previous` plan is reused.
         """
         network = self.plain(engine.library, seed)
         held = self._held(network, engine.library, {} if previous is None else previous.nodes)
@@ -268,7 +268,7 @@ class ChainState:
 
 
 def no_module(key: str, library: Library) -> str:
-    """That there is no such module, and why, or which is like it."""
+    """Say that there is no such module, and why, or which one is similar."""
     absent = where_absent(key, library)
     return f"there is no module {shown(key)}{f': {absent}' if absent else close(key, library)}"
 
@@ -293,10 +293,10 @@ def added(
     after: str | None,
     wired: bool,
 ) -> Network:
-    """The network with a node of a module in the library, wired.
+    """The network with a node added, of a module in the library, and wired.
 
-    It goes on from the node `after`; if none is given, from the one added last that has what the
-    module takes. `order` has the nodes as they were added, the last one last.
+    It continues from the node `after`; by default from the last added node that has what the
+    module takes. `order` lists the nodes as they were added, the last one last.
 
     Raises `NetworkError` if it does not fit there.
     """
@@ -312,10 +312,10 @@ def added(
         wiring = next((found for found in every if found is not None), None)
     if wiring is None and taken.inputs:
         kinds = " or ".join(dict.fromkeys(kind for port in taken.inputs for kind in port.types))
-        where = f"{shown(after)} gives" if after is not None else "the chain's nodes give"
+        where = f"{shown(after)} has" if after is not None else "the chain has"
         raise NetworkError(
-            f"{shown(node.id)} ({taken.title}) takes {kinds}, and {where} none that leads nowhere "
-            "yet: give after=, or wired=False and link it"
+            f"{shown(node.id)} ({taken.title}) takes {kinds}, but {where} no free output of that "
+            "kind: give after=, or wired=False and link it"
         )
     # A module that takes nothing, and that nothing waits for, begins something of its own.
     return grown if wiring is None else _completed(wiring.apply(grown), library, node.id, order)
@@ -376,7 +376,7 @@ class Check:
 
 
 def checked(plan: Callable[[], Plan]) -> Check:
-    """The faults of a network, or of its plan; `plan` raises those of the network itself."""
+    """The errors of a network, or of its plan; `plan` raises the network's own errors."""
     try:
         made = plan()
         find_output(made)

@@ -1,4 +1,4 @@
-"""Studies of chains: figures and pictures at many points and over many scenes."""
+"""Study a chain: figures and pictures at many points and over many scenes."""
 
 from __future__ import annotations
 
@@ -46,43 +46,43 @@ def study(
     tolerance: float | None = None,
     threads: int = 0,
 ) -> StudyTable:
-    """Evaluate a chain at many points: a row for each, or the reason why it failed.
+    """Evaluate a chain at many points: one row for each, with the reason if it failed.
 
     Parameters
     ----------
     chain : Chain or path
         A chain, a file, or the name of a shipped network.
     vary : mapping
-        Values by ``NODE.PARAM``: a sequence or an array, or a text as of the command
+        Values by ``NODE.PARAM``: a sequence or an array, or a text as in the command
         (``"0:1:5"``, ``"1e10:1e12:7:log"``, ``"a,b"``; ``"0:1"`` for a Latin hypercube).
     over : mapping
         Files by ``NODE.PARAM``, as patterns: ``{"scene.path": "scenes/*.img"}``.
     sample : "grid", "latin" or a .csv file
-        Every value with every other, `points` drawn, or the rows of a list.
+        All combinations of the values, a Latin hypercube of `points`, or the rows of a file.
     points : int, optional
-        How many a Latin hypercube has.
+        Number of points of a Latin hypercube.
     figures : sequence of str
-        ``NODE.READOUT``; those of most use, if none are given.
+        ``NODE.READOUT``; by default the most useful ones.
     save : mapping
-        Files by ``NODE.PORT``: ``{"back.image": "out/{scene}_{point}.tif"}``.
+        Files to write, by ``NODE.PORT``: ``{"back.image": "out/{scene}_{point}.tif"}``.
     output : path, optional
-        Where the rows go (.csv, .parquet, .nc); an unfinished study is taken up from there.
+        File for the rows (.csv, .parquet, .nc); an unfinished study is resumed from it.
     summary : sequence of path
         Pictures (.png) and pages (.html) of the figures.
     jobs : int
-        Processes of this machine; 0 for all cores where that is faster than one process.
+        Number of processes on this machine; 0 uses all cores if that is faster than one process.
     scheduler : str or distributed.Client
-        The address of a Dask scheduler, or a client of one, in their place.
+        Address of a Dask scheduler, or a client of one, to use instead.
     memory_bytes : int, optional
-        How much computed values may take, all processes together; 256 MB each, if not given.
+        Memory for computed values, all processes together; by default 256 MB each.
     fresh : bool
-        Whether what an unfinished study has left is thrown away.
+        Whether to discard the rows of an unfinished study.
     precision : "single" or "double"
-        Of the pictures.
+        Precision of the pictures.
     tolerance : float, optional
-        Error budget.
+        Error budget, as for `Chain.run`.
     threads : int
-        Of each process, 0 for all there are.
+        Threads of each process; 0 uses as many as there are.
 
     Returns
     -------
@@ -92,13 +92,13 @@ def study(
     Raises
     ------
     ImagechainError
-        If it cannot be carried out. A point that fails is a row.
+        If the study cannot be carried out. A point that fails only gives a row with its error.
     """
     _check_kinds(chain, vary, over, save, sample, output, scheduler)
     counts = {"jobs": jobs, "points": points, "memory_bytes": memory_bytes, "threads": threads}
     for name, count in counts.items():
         if not (count is None or (isinstance(count, Integral) and count >= 0)):
-            raise UsageError(f"{name} = {count!r:.80} is not taken; give a whole number, 0 or more")
+            raise UsageError(f"{name} = {count!r:.80} is not allowed: a whole number, 0 or more")
     rows = run_study(
         chain.network if isinstance(chain, Chain) else fspath(chain),
         folder=chain.folder if isinstance(chain, Chain) else None,
@@ -147,9 +147,9 @@ def _check_kinds(
     distributed = sys.modules.get("distributed")
     is_client = distributed is not None and isinstance(scheduler, distributed.Client)
     if is_client and getattr(scheduler, "asynchronous", False):
-        raise UsageError("scheduler: an asynchronous Client is not taken; give one that waits")
+        raise UsageError("scheduler: an asynchronous Client is not allowed; give a synchronous one")
     if not (is_client or isinstance(scheduler, str)):
-        what = "the address of a Dask scheduler, or a distributed.Client (of a cluster: "
+        what = "the address of a Dask scheduler, or a distributed.Client (for a cluster: "
         raise _refused("scheduler", scheduler, what + "cluster.get_client())")
 
 
@@ -178,4 +178,4 @@ def _is_path(given: object) -> bool:
 
 
 def _refused(name: str, given: object, taken: str) -> UsageError:
-    return UsageError(f"{name}: {type(given).__name__} is not taken; give {taken}")
+    return UsageError(f"{name}: {type(given).__name__} is not allowed; give {taken}")

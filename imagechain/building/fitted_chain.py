@@ -1,4 +1,4 @@
-"""What `imagechain.fit` gives: values with their errors, and the chain that has them."""
+"""The result of `imagechain.fit`: values with their errors, and the chain with these values."""
 
 from __future__ import annotations
 
@@ -26,11 +26,12 @@ from nodes.files.common.file_format import HTML, JSON, suffixes
 
 
 class FittedChain:
-    """Parameters of a chain as fitted to pictures.
+    """Parameters of a chain, fitted to pictures.
 
-    `parameters` has each one's `value` and `sigma`, its standard error, both None where the
-    pictures do not determine it; `combinations` what is known of those that cannot be told apart;
-    `warnings` what to know before the values are believed; `chain` is the chain with the values.
+    `parameters` gives the `value` and the standard error `sigma` of each; both are None if the
+    pictures do not determine it. `combinations` gives what is known about parameters that cannot
+    be separated, and `warnings` what to check before you trust the values. `chain` is the chain
+    with the fitted values.
     """
 
     def __init__(self, result: FitResult, chain: Chain, pictures: tuple[str, ...]) -> None:
@@ -48,31 +49,31 @@ class FittedChain:
 
     @property
     def correlation(self) -> NDArray[np.float64]:
-        """Of the errors, in the order of `parameters`; NaN of those that are not determined."""
+        """Correlation of the errors, in the order of `parameters`; NaN if not determined."""
         return self._result.correlation.copy()
 
     @property
     def combinations(self) -> dict[str, tuple[float, float]]:
-        """Value and standard error of what is known of parameters with one effect, by its text."""
+        """Value and standard error of each combination of inseparable parameters, by its text."""
         return {one.text: (one.value, one.sigma) for one in self._result.combinations}
 
     @property
     def chi2_per_degree(self) -> float:
-        """χ² per degree of freedom: 1 where the chain leaves nothing but noise."""
+        """χ² per degree of freedom: 1 if the residuals are only noise."""
         return self._result.chi2_per_degree
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """One line each."""
+        """Warnings about the fit, one line each."""
         return self._result.warnings
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was fitted, and what assumed."""
+        """What was fitted, and what was assumed."""
         return self._result.notes
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything, as `imagechain fit --json` writes it."""
+        """The whole result, as `imagechain fit --json` writes it."""
         content: dict[str, Any] = fit_facts(self._result)
         return content
 
@@ -80,12 +81,12 @@ class FittedChain:
     def save(self, path: str | PathLike[str]) -> Path:
         """Write parameters, errors and correlations (.json), or the page of the fit (.html).
 
-        The network is written by ``fitted.chain.save``.
+        To write the network, use ``fitted.chain.save``.
 
         Raises
         ------
         ImagechainError
-            Another suffix, or the file cannot be written.
+            If the suffix is another, or the file cannot be written.
         """
         file = Path(fspath(path))
         if JSON.matches(file):
@@ -110,7 +111,7 @@ class FittedChain:
 
 File = str | PathLike[str]
 Picture = File | NDArray[Any]
-_FREE = "NODE.PARAM, a list of these, or (low, high) or None by NODE.PARAM"
+_FREE = "NODE.PARAM, a list of these, or a mapping of these to (low, high) or None"
 
 
 @plain_errors
@@ -130,23 +131,23 @@ def fit(
     Parameters
     ----------
     chain : Chain or path
-        A chain, a file, or the name of a shipped network; it stays as it is.
+        A chain, a file, or the name of a shipped network; it does not change.
     to : path or array, or a sequence of them
         Pictures of the camera: files, or arrays (rows, columns) or (frames, rows, columns); linear,
-        as the sensor gives them. One sample is one of the chain's final picture.
+        as the sensor gives them. Each sample corresponds to one of the chain's final picture.
     free : str, sequence of str, or mapping
-        What is fitted: ``NODE.PARAM`` in its own range; or ranges (low, high) by that, None for its
-        own.
+        Parameters to fit: ``NODE.PARAM`` in its own range; or a mapping of these to ranges (low,
+        high), None for its own range.
     known_scene : bool
-        Whether the chain's source is the scene of the picture, which is fitted as a whole then.
+        Whether the chain's source is the scene in the picture; then the whole picture is fitted.
     band : int, optional
-        Band or colour of files with several.
+        Band or colour to use, if the files have several.
     precision : "single" or "double"
-        Of pictures and spectra.
+        Precision of pictures and spectra.
     tolerance : float, optional
-        Error budget, as of `Chain.run`.
+        Error budget, as for `Chain.run`.
     threads : int
-        0 takes as many as there are.
+        Number of threads; 0 uses as many as there are.
 
     Returns
     -------
@@ -156,7 +157,8 @@ def fit(
     Raises
     ------
     ImagechainError
-        No edge of the pictures can be used, a parameter cannot be fitted, or a file cannot be read.
+        If no edge in the pictures can be used, a parameter cannot be fitted, or a file cannot be
+        read.
     """
     own = chain if isinstance(chain, Chain) else open_chain(chain)
     engine, plan = own.planned()
@@ -200,17 +202,17 @@ def _pictures(to: Any, band: int | None) -> tuple[tuple[str, ...], FittedPicture
     """Names for a title, and the frames of all files or of all arrays."""
     one = isinstance(to, str | PathLike | np.ndarray)
     if not one and not isinstance(to, Sequence):
-        raise UsageError("to: give a picture, a file or an array, or a list of them")
+        raise UsageError("to: give a picture (a file or an array), or a list of pictures")
     given = [to] if one else list(to)
     if not given:
-        raise UsageError("to: give a picture, a file or an array")
+        raise UsageError("to: give a picture (a file or an array); the list is empty")
     if all(isinstance(one, str | PathLike) for one in given):
         paths = [Path(fspath(one)) for one in given]
         return tuple(map(str, paths)), read_pictures(paths, band=band)
     if any(isinstance(one, str | PathLike) for one in given):
         raise UsageError("to: give files or arrays, not both")
     if band is not None:
-        raise UsageError("band goes with files: arrays have none")
+        raise UsageError("band applies to files only: arrays have no bands")
     names = tuple(f"array {number}" for number in range(1, len(given) + 1))
     frames = [
         (name, frame)

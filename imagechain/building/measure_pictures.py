@@ -1,4 +1,4 @@
-"""Measuring pictures: edges, MTF and noise of files and of arrays."""
+"""Measure edges, MTF and noise of pictures, from files or arrays."""
 
 from __future__ import annotations
 
@@ -38,25 +38,25 @@ def measure(
     dark: File | None = None,
     flats: Sequence[File] = (),
 ) -> MeasuredPictures:
-    """Measure edges, MTF and noise of pictures of one camera, as `imagechain measure` does.
+    """Measure edges, MTF and noise of one camera's pictures, as `imagechain measure` does.
 
     Parameters
     ----------
     pictures : path or array_like
-        Files of pictures or frames; or arrays, (rows, columns) or (frames, rows, columns), all of
-        one size.
+        Files of pictures or frames; or arrays, (rows, columns) or (frames, rows, columns). All must
+        have the same size.
     band : int, optional
         Band or colour of files that have several, counted from 0.
     fov_x_deg : float, optional
-        Field of view across, in place of the files' own.
+        Field of view across, degrees, instead of the files' own.
     pitch_um : float, optional
-        From one pixel to the next, for frequencies in cycles/mm.
+        Pixel pitch, µm, for frequencies in cycles/mm.
     offset_dn : float, optional
-        The number of no light, for the read noise; 0 if not given.
+        Digital number without light, for the read noise; by default 0.
     dark : path, optional
-        Frames without light, in its place.
+        File of dark frames, instead of `offset_dn`.
     flats : sequence of path
-        Files of frames of flat fields, each of another level, for the photon transfer curve.
+        Files of flat-field frames, each at another level, for the photon transfer curve.
 
     Returns
     -------
@@ -66,10 +66,10 @@ def measure(
     Raises
     ------
     ImagechainError
-        A file cannot be read, an array is no picture, or they differ in size.
+        If a file cannot be read, an array is not a picture, or the sizes differ.
     """
     if not pictures:
-        raise UsageError("measure needs a picture: a file or an array")
+        raise UsageError("measure needs a picture: give a file or an array")
     plan = MeasurePlan(
         (), band, fov_x_deg, tuple(Path(fspath(one)) for one in flats),
         None if dark is None else Path(fspath(dark)), offset_dn, pitch_um,
@@ -78,7 +78,7 @@ def measure(
         paths = tuple(Path(fspath(one)) for one in pictures)  # type: ignore[arg-type]
         return MeasuredPictures(measure_files(replace(plan, pictures=paths)))
     if plan.flats or plan.dark is not None or band is not None:
-        raise UsageError("band, dark and flats go with files: arrays have none")
+        raise UsageError("band, dark and flats apply to files only, not to arrays")
     measured = _of_arrays(pictures, fov_x_deg, offset_dn)
     return MeasuredPictures(replace(measured, pitch_um=checked_pitch(pitch_um, "pitch_um")))
 
@@ -91,7 +91,7 @@ def _of_arrays(
     files = [MeasuredFile(f"array {n}", len(own), "") for n, own in enumerate(taken, 1)]
     shapes = {frame.shape for frame in frames}
     if len(shapes) > 1:
-        raise DataError(f"pictures of one camera are of one size, not {sorted(shapes)}")
+        raise DataError(f"all pictures must have the same size: they have {sorted(shapes)}")
     rows, columns = frames[0].shape
     interval = None
     if fov_x_deg is not None:
@@ -114,13 +114,13 @@ def frames_of_arrays(pictures: Sequence[Any]) -> list[list[NDArray[np.float64]]]
     Raises
     ------
     DataError
-        An array is no picture, or has samples that are not finite.
+        If an array is not a picture, or a sample is not finite.
     """
     return [_frames(np.asarray(picture), number) for number, picture in enumerate(pictures, 1)]
 
 
 def limits_of_arrays(pictures: Sequence[Any]) -> tuple[float, float] | None:
-    """Ends of whole numbers, where all arrays have the same."""
+    """Smallest and largest number of the integer type, if it is the same for all arrays."""
     ends = {limits_of(np.asarray(picture).dtype) for picture in pictures}
     return ends.pop() if len(ends) == 1 else None
 

@@ -122,7 +122,7 @@ def test_what_a_camera_refuses():
     bad = good.copy()
     bad[3, 4] = np.nan
     refused = (
-        (lambda: camera(good.T), "a frame of 24 × 20 samples: the camera was made for 20 × 24"),
+        (lambda: camera(good.T), "the frame has 24 × 20 samples: the camera was made for 20 × 24"),
         (lambda: camera(bad), "the frame: 1 sample is not finite"),
         (lambda: camera(good[0]), "an array of 24: give (rows, columns)"),
         (lambda: camera(good.astype(complex)), "the frame has samples of type complex128"),

@@ -177,7 +177,7 @@ def test_what_fits_nowhere_is_refused_in_one_line():
     node = chain.add(ic.modules.back_transform(), name="back", wired=False)
     assert node.inputs == ("back.magnitude", "back.phase")
     assert "input magnitude needs a link" in str(chain.check().errors[0])
-    with pytest.raises(ic.NetworkError, match="there is a node back already"):
+    with pytest.raises(ic.NetworkError, match="there is already a node back"):
         chain.add(ic.modules.init_trans(), name="back")
     with pytest.raises(
         ic.NetworkError, match=r"scene\.image gives image, but back\.magnitude takes"
@@ -206,7 +206,7 @@ def test_a_scene_from_an_array_is_that_of_a_file(tmp_path, monkeypatch):
     assert document.nodes["scene"].params["path"] == "mine_scene.npy"
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "elsewhere" / "mine_scene.npy").write_bytes(b"precious")
-    with pytest.raises(ic.FileError, match=r"mine_scene\.npy is there already"):
+    with pytest.raises(ic.FileError, match=r"mine_scene\.npy already exists"):
         chain.save("elsewhere/mine.json")
     assert (tmp_path / "elsewhere" / "mine_scene.npy").read_bytes() == b"precious"
     chain.save("mine.json")  # over its own
@@ -414,7 +414,7 @@ def test_errors_are_the_commands_one_line(tmp_path):
         ("blur.sigma_x_mrad", -1, "blur: sigma_x_mrad = -1 mrad is not allowed: a number of"),
         ("blur.sigma_x", 1, "blur: sigma_x = 1 is not allowed: Gaussian MTF has no such param"),
         ("blurr.sigma_x_mrad", 1, "blurr is no node of this network; did you mean blur?"),
-        ("sigma", 1, "sigma names no parameter: write NODE.PARAMETER"),
+        ("sigma", 1, "sigma is not a parameter: write NODE.PARAMETER"),
     ):
         with pytest.raises(ic.ImagechainError) as caught:
             chain.set({"scene.width": 99, place: value})

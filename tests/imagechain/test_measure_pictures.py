@@ -55,7 +55,7 @@ def test_what_is_no_picture():
         ic.measure(np.zeros((20, 20), complex))
     with pytest.raises(ic.DataError, match="one size"):
         ic.measure(np.zeros((20, 20)), np.zeros((20, 30)))
-    with pytest.raises(ic.UsageError, match="go with files"):
+    with pytest.raises(ic.UsageError, match="apply to files only"):
         ic.measure(np.zeros((20, 20)), band=1)
 
 
