@@ -1,1 +1,1 @@
-"""Modules with their values, before they are in a chain, and what all of the package uses."""
+"""Modules with their values, before they are in a chain, and what the whole package uses."""

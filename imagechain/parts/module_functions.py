@@ -1,4 +1,4 @@
-"""A function for every module, with its parameters as arguments, and all that is known of them."""
+"""A function for every module, with its documented parameters as arguments."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _WIDTH = 96
 
 
 def module_names() -> list[str]:
-    """Keys of our modules, and names of the packages that bring others."""
+    """Keys of the built-in modules, and names of the packages that add others."""
     return sorted({package_of(key) or key for key in standard_library()})
 
 
 def package_names() -> frozenset[str]:
-    """Installed packages that bring modules."""
+    """Names of the installed packages that add modules."""
     return frozenset(filter(None, map(package_of, standard_library())))
 
 
@@ -45,7 +45,7 @@ class PackageModules:
 
 
 def module_function(key: str) -> Callable[..., Part]:
-    """The function of a module.
+    """The function that makes a module.
 
     Raises
     ------
@@ -82,12 +82,12 @@ def module_function(key: str) -> Callable[..., Part]:
 
 @plain_errors
 def part(module: str, **values: Any) -> Part:
-    """A module by its key, also one of a plug-in, with values; see ``ic.modules``.
+    """Make a module by its key, also one from a plug-in, with values; see ``ic.modules``.
 
     Raises
     ------
     ImagechainError
-        If there is no such module, or it does not take a value.
+        If there is no such module, or a value is not allowed.
     """
     library = standard_library()
     if module not in library:
@@ -96,7 +96,7 @@ def part(module: str, **values: Any) -> Part:
 
 
 def documentation(declared: Declaration) -> str:
-    """Docstring: what the module does, its parameters, ports and read-outs."""
+    """The docstring: what the module does, its parameters, ports and read-outs."""
     lines = [declared.text, ""]
     if declared.parameters:
         lines += ["Parameters", "----------"]
@@ -106,7 +106,7 @@ def documentation(declared: Declaration) -> str:
                 description(parameter), _WIDTH, initial_indent="    ", subsequent_indent="    "
             )
         lines.append("")
-    lines += ["Notes", "-----", f"{declared.title}, of the group {declared.group}."]
+    lines += ["Notes", "-----", f"{declared.title}, in the group {declared.group}."]
     inputs = [f"{port.name}{'' if port.required else ' (optional)'}" for port in declared.inputs]
     outputs = [port.name for port in declared.outputs]
     for title, names in (("Inputs", inputs), ("Outputs", outputs)):
@@ -119,7 +119,7 @@ def documentation(declared: Declaration) -> str:
 
 
 def description(parameter: Parameter) -> str:
-    """A parameter in one line: meaning, unit, what is allowed, default."""
+    """A parameter in one line: meaning, unit, allowed values, default."""
     text = parameter.param.text
     unit = f" [{parameter.param.unit}]" if parameter.param.unit else ""
     usual = "empty" if parameter.default is None else repr(default(parameter))
@@ -127,7 +127,7 @@ def description(parameter: Parameter) -> str:
 
 
 def default(parameter: Parameter) -> Any:
-    """The default as it is given in Python."""
+    """The default as a Python value."""
     return () if parameter.default == () else plain(parameter.default)
 
 
@@ -147,7 +147,7 @@ def annotation(parameter: Parameter) -> Any:
 
 
 def annotation_text(parameter: Parameter) -> str:
-    """The type of an argument as one writes it."""
+    """The type of an argument as text."""
     kinds = {
         "number": "float | Expression",
         "integer": "int | Expression",

@@ -1,4 +1,4 @@
-"""A module with its values, not yet in a chain; and expressions in the place of values."""
+"""A module with its values, not yet in a chain; and expressions instead of values."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from nodes.input_output.source_file import HeldSamples
 class Expression:
     """A number that follows other parameters: ``ic.expression("init.f_number * 0.05")``.
 
-    Numbers, ``NODE.PARAMETER``, ``+ - * / ^ ( )``, ``pi`` and functions such as ``sqrt`` and
-    ``min``; a number with a unit behind it (``3 um``) is converted to the parameter's own unit.
+    It may contain numbers, ``NODE.PARAMETER``, ``+ - * / ^ ( )``, ``pi`` and functions such as
+    ``sqrt`` and ``min``. A number with a unit (``3 um``) is converted to the parameter's own unit.
     """
 
     text: str
@@ -32,20 +32,20 @@ class Expression:
 
 @dataclass(frozen=True)
 class Part:
-    """A module with values for some of its parameters, to be added to a chain.
+    """A module with values for some of its parameters, to add to a chain.
 
     Parameters
     ----------
     module : str
         Key of the module.
     params : mapping
-        Values by parameter, as a network file has them; those left out have their default.
+        Values by parameter, as in a network file; the others have their defaults.
     samples : HeldSamples, optional
-        The scene's samples, where they come from an array.
+        The scene's samples, if they come from an array.
     name : str
-        What its node is called if nothing else is said; the module's key if empty.
+        Name of its node unless you give another; if empty, the module's key.
     inside : Network, optional
-        Of a macro, the modules inside.
+        The modules inside a macro.
     """
 
     module: str
@@ -62,18 +62,18 @@ class Part:
 
 
 def file_values(declared: Declaration, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Values as a network file has them, each checked against its parameter.
+    """Values as in a network file, each checked against its parameter.
 
     Raises
     ------
     ParameterError
-        For a parameter that there is not, or a value that is not allowed.
+        If there is no such parameter, or a value is not allowed.
     """
     return {name: file_value(declared, name, value) for name, value in values.items()}
 
 
 def file_value(declared: Declaration, name: str, value: Any, *, node: str | None = None) -> Any:
-    """A value as a network file has it; errors as `file_values`, placed on the node."""
+    """A value as in a network file; errors as for `file_values`, with the node."""
     parameter = known_parameter(declared, name, value, node=node)
     raw = simple(value)
     numeric = parameter.kind in ("number", "integer")
@@ -97,19 +97,19 @@ def known_parameter(
     Raises
     ------
     ParameterError
-        If there is none: which there are.
+        If there is none; the message names those that exist.
     """
     parameter = declared.parameter(name)
     if parameter is None:
         names = [candidate.name for candidate in declared.parameters]
-        hint = close(name, names) or f": it has {', '.join(names) or 'none'}"
+        hint = close(name, names) or f"; it has {', '.join(names) or 'none'}"
         allowed = f"{declared.title} has no such parameter{hint}"
         raise ParameterError(shown(name), value, allowed, node=node)
     return parameter
 
 
 def simple(value: Any) -> Any:
-    """Numpy's numbers and arrays, tuples and paths as plain Python values."""
+    """Convert numpy numbers, arrays, tuples and paths to plain Python values."""
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, np.ndarray):
@@ -120,7 +120,7 @@ def simple(value: Any) -> Any:
 
 
 def shown_value(value: Any) -> str:
-    """A parameter's value in a few words."""
+    """A parameter's value as a short text."""
     if value is None:
         return "-"
     if isinstance(value, bool):

@@ -1,6 +1,6 @@
 """The stub of `imagechain.modules`, for editors and type checkers.
 
-``python -m imagechain.parts.module_stub`` writes it anew; a test holds it against the library.
+``python -m imagechain.parts.module_stub`` rewrites it; a test compares it with the library.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def _function(declared: Declaration) -> str:
 
 
 def main() -> int:
-    """Write the stub of the library as it is."""
+    """Write the stub of the current library."""
     write_text(STUB, stub_text(standard_library()))
     return 0
 

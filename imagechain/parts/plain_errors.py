@@ -1,4 +1,4 @@
-"""Errors as a user is to see them: one line, without the way they took inside."""
+"""Errors as the user sees them: one line, without the traceback inside the package."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ T = TypeVar("T")
 
 
 def plain_errors(function: Callable[P, T]) -> Callable[P, T]:
-    """Let the errors of a public function end at it: no frames of what it calls, and no causes.
+    """Cut the traceback of errors at a public function: no inner frames and no causes.
 
-    The cause of a plug-in's fault stays: its traceback is for who wrote it.
+    The cause of a plug-in's error stays, because its author needs the traceback.
     """
 
     @wraps(function)
@@ -40,10 +40,10 @@ def plain_errors(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def stays_here(value: Any) -> NoReturn:
-    """As ``__reduce__`` of what holds on to an engine, and cannot go to another process."""
+    """``__reduce__`` of objects that hold an engine and cannot be sent to another process."""
     raise UsageError(
-        f"a {type(value).__name__} stays in the process that made it: send the chain, or arrays "
-        "and tables of the result: image(), dict(readouts), curves().to_frame()"
+        f"a {type(value).__name__} cannot be sent to another process: send the chain, or the "
+        "result's arrays and tables: image(), dict(readouts), curves().to_frame()"
     )
 
 
@@ -51,18 +51,18 @@ def stays_here(value: Any) -> NoReturn:
 
 
 def needed(name: str, purpose: str) -> ModuleType:
-    """The library of that name.
+    """Import the optional library of that name.
 
     Raises
     ------
     UsageError
-        Saying how it is installed.
+        If it is not installed; the message says how to install it.
     """
     try:
         return import_module(name)
     except ImportError:
         raise UsageError(
-            f"{name} is not installed, which {purpose} take: pip install {name}"
+            f"{purpose} need {name}, which is not installed: pip install {name}"
         ) from None
 
 
@@ -70,14 +70,14 @@ def needed(name: str, purpose: str) -> ModuleType:
 
 
 def text(value: object) -> str:
-    """A value as text that no page takes for its own."""
+    """A value as text, escaped for HTML."""
     return escape(printable(str(value)))
 
 
 def table(
     head: Sequence[str], rows: Iterable[Sequence[object]], *, caption: str = "", right: int = -1
 ) -> str:
-    """A table; the cells of column `right` end together."""
+    """A table, with column `right` aligned to the right."""
     titles = "".join(f'<th style="text-align:left">{text(name)}</th>' for name in head)
     lines = [f"<tr>{''.join(_cell(v, i == right) for i, v in enumerate(row))}</tr>" for row in rows]
     above = f'<caption style="text-align:left">{text(caption)}</caption>' if caption else ""
@@ -89,7 +89,7 @@ def _cell(value: object, right: bool) -> str:
 
 
 def png(content: bytes, *, alt: str, width: int | None = None) -> str:
-    """A picture within the page."""
+    """A picture embedded in the page."""
     size = f' width="{width}"' if width else ""
     data = b64encode(content).decode("ascii")
     return (
@@ -98,7 +98,7 @@ def png(content: bytes, *, alt: str, width: int | None = None) -> str:
 
 
 def block(*parts: str) -> str:
-    """Pieces below one another."""
+    """Pieces, one below the other."""
     return "<div>" + "".join(f"<div>{part}</div>" for part in parts if part) + "</div>"
 
 
@@ -106,8 +106,8 @@ def block(*parts: str) -> str:
 
 
 def users_matplotlib() -> None:
-    """Import it with the user's settings, if it is not there yet.
+    """Import it with the user's settings, if it is not imported yet.
 
-    The reports would import it with their own, and the user's plots would have these afterwards.
+    Reports would import it with their own settings, and change the user's later plots.
     """
     import matplotlib  # noqa: F401

@@ -1,4 +1,4 @@
-"""Lenses, detectors and whole cameras that come along, each a macro that states its source."""
+"""Built-in lenses, detectors and whole cameras, each a macro that states its source."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ def presets() -> dict[str, str]:
 
 @plain_errors
 def preset(name: str, **values: Any) -> Part:
-    """A lens, a detector or a camera, to be added to a chain as one node.
+    """Make a lens, a detector or a camera, to add to a chain as one node.
 
     Parameters
     ----------
     name : str
         One of `presets()`.
     **values
-        Values of the parameters that it shows.
+        Values of the parameters that the preset offers.
 
     Raises
     ------
     ImagechainError
-        If there is no such preset, or it does not take a value.
+        If there is no such preset, or a value is not allowed.
     """
     library = standard_library()
     places = {one.path.stem: one.path for one in shipped_presets(library)}

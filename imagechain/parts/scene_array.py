@@ -36,33 +36,33 @@ def scene(
     widths_um: Sequence[float] | None = None,
     scale: float = 1.0,
 ) -> Part:
-    """A scene from an array, to be added to a chain; it is copied, and no file is written.
+    """Make a scene from an array, to add to a chain; it is copied, and no file is written.
 
     Parameters
     ----------
     samples : array_like or xarray.DataArray
-        (rows, columns), the first row on top, or (bands, rows, columns); finite real numbers. Of a
-        `DataArray` the dimensions are y and x, and wavelength where it has bands, in any order;
-        its unit is the attribute ``units``, its field of view follows from coordinates with an
-        angle's ``units``, or from the attributes ``interval_x_mrad`` and ``interval_y_mrad``, its
-        band is the attribute ``band_um``.
+        (rows, columns), the first row on top, or (bands, rows, columns); finite real numbers. A
+        `DataArray` has the dimensions y and x, and wavelength if it has bands, in any order. Its
+        unit is the attribute ``units``, and its band the attribute ``band_um``. Its field of view
+        follows from the attributes ``interval_x_mrad`` and ``interval_y_mrad``, or from
+        coordinates whose ``units`` are an angle.
     fov_x_deg, fov_y_deg : float, optional
         Field of view across and along, degrees.
     unit : str, optional
-        Unit of the samples times `scale`: W/m²/sr if not given (of bands, per µm), ``K``, …
+        Unit of the samples times `scale`, for example ``K``; by default W/m²/sr (bands: per µm).
     band_um : (float, float), optional
-        Cut-on and cut-off wavelength, µm; of bands, those outside do not count.
+        Cut-on and cut-off wavelength, µm; bands outside are ignored.
     wavelengths_um : sequence of float, optional
-        Middle of every band, µm.
+        Centre wavelength of every band, µm.
     widths_um : sequence of float, optional
-        Width of every band, µm; if not given, they reach half-way to their neighbours.
+        Width of every band, µm; by default each reaches half-way to its neighbours.
     scale : float
-        Factor on the samples.
+        Factor that multiplies the samples.
 
     Raises
     ------
     ImagechainError
-        If the array is no picture, or a value is not allowed.
+        If the array is not a picture, or a value is not allowed.
     """
     stated: dict[str, Any] = {}
     if hasattr(samples, "dims") and hasattr(samples, "coords"):
@@ -94,7 +94,7 @@ def _as_array(samples: Any) -> NDArray[Any]:
     try:
         return np.asarray(samples)
     except (TypeError, ValueError) as error:  # rows of unequal length, objects
-        raise DataError(f"the array cannot be read as one of numbers: {error}") from None
+        raise DataError(f"the array cannot be converted to numbers: {error}") from None
 
 
 def _numbers(name: str, values: Any) -> tuple[float, ...] | None:

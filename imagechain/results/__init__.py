@@ -1,1 +1,1 @@
-"""What a run delivers: pictures, read-outs and curves."""
+"""Results of a run: pictures, read-outs and curves."""

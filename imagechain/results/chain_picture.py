@@ -26,7 +26,7 @@ _MOST_PX = 1024
 
 @dataclass(frozen=True, eq=False)
 class PictureValues:
-    """Where further values of a picture come from: its bands."""
+    """Where the bands of a picture come from."""
 
     work: Work
     region: Region | None = None
@@ -34,7 +34,7 @@ class PictureValues:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture that a chain has delivered.
+    """A picture that a chain has computed.
 
     Parameters
     ----------
@@ -58,31 +58,31 @@ class Picture:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """That of the samples."""
+        """Shape of the samples."""
         return self.samples.shape
 
     @property
     def interval_mrad(self) -> tuple[float | None, float | None]:
-        """From one sample to the next across and along, mrad; None where it is not known."""
+        """Sampling interval across and along, mrad; None if unknown."""
         return self._image.interval_x_mrad, self._image.interval_y_mrad
 
     @property
     def band_um(self) -> tuple[float, float] | None:
-        """Cut-on and cut-off wavelength, µm; None where they are not known."""
+        """Cut-on and cut-off wavelength, µm; None if unknown."""
         return self._image.band_um
 
     @property
     def wavelengths_um(self) -> tuple[float, ...]:
-        """Middle wavelengths of its bands, µm; none where it is one picture of all."""
+        """Centre wavelengths of its bands, µm; empty if it has no separate bands."""
         return () if self._image.bands is None else self._image.bands.centres_um
 
     @plain_errors
     def band(self, index: int) -> NDArray[Any]:
-        """Samples of one of its bands of wavelength, counted from 0; per µm where radiance is."""
+        """Samples of one wavelength band, counted from 0; radiance is per µm."""
         bands = self._image.bands
         count = 0 if bands is None else bands.count
         if bands is None or not 0 <= index < count:
-            allowed = f"0 to {count - 1}" if count else "of a picture with bands alone"
+            allowed = f"0 to {count - 1}" if count else "the picture has no bands"
             raise ParameterError("band", index, allowed)
         region = self._values.region
         samples = self._values.work.value(bands.band(index))
@@ -92,7 +92,7 @@ class Picture:
 
     @plain_errors
     def cube(self) -> NDArray[Any]:
-        """All its bands of wavelength, (bands, rows, columns), as `band` gives each."""
+        """All wavelength bands, (bands, rows, columns), each as from `band`."""
         return np.stack([self.band(index) for index in range(max(1, len(self.wavelengths_um)))])
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
@@ -100,14 +100,14 @@ class Picture:
 
     @plain_errors
     def to_xarray(self, *, bands: bool = False) -> DataArray:
-        """As a `DataArray` over y and x, mrad from the middle; unit and band as attributes.
+        """Return a `DataArray` over y and x, mrad from the middle; unit and band are attributes.
 
         Rows run downwards, so y grows downwards.
 
         Parameters
         ----------
         bands : bool
-            All bands of wavelength, over wavelength (µm), y and x, instead of their sum.
+            Give all bands, over wavelength (µm), y and x, instead of their sum.
         """
         xarray = needed("xarray", "pictures as DataArrays")
         image, region = self._image, self._values.region
@@ -158,12 +158,12 @@ class Picture:
         return f"{self.unit}/µm" if density else self.unit
 
     def to_png(self, most_px: int | None = None) -> bytes:
-        """An 8-bit grey PNG between the picture's own limits, of the first frame.
+        """Return the first frame as an 8-bit grey PNG, scaled between its own limits.
 
         Parameters
         ----------
         most_px : int, optional
-            A picture of more rows or columns is shown by means of neighbours.
+            A picture with more rows or columns is reduced by averaging neighbours.
         """
         samples = self.samples[0] if self.samples.ndim == 3 else self.samples
         samples = samples if most_px is None else _reduced(samples, most_px)
@@ -171,7 +171,7 @@ class Picture:
 
     def _first(self, what: str) -> NDArray[Any]:
         if self.samples.ndim == 3:
-            raise ParameterError("frames", len(self.samples), f"1, for {what}")
+            raise ParameterError("frames", len(self.samples), f"must be 1 for {what}")
         return self.samples
 
     def __repr__(self) -> str:

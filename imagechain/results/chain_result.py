@@ -1,4 +1,4 @@
-"""What a run of a chain delivers; pictures and figures not yet computed are, when looked at."""
+"""The result of a run; pictures and figures not yet computed are computed on access."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ Smaller = Callable[[ImagechainError], Plan]
 
 
 class Result:
-    """What a chain has delivered, with the chain as it was when it ran.
+    """The result of a run, with the chain as it was when it ran.
 
-    Pictures and figures that the run was not asked for are computed when they are looked at.
+    Pictures and figures that the run did not compute are computed when you access them.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class Result:
 
     @property
     def final(self) -> str | None:
-        """Port of the picture that the chain delivers; None where it cannot be known."""
+        """Port of the final picture; None if it cannot be determined."""
         return find_output(self._plan).port
 
     @plain_errors
@@ -75,7 +75,7 @@ class Result:
         Parameters
         ----------
         port : str, optional
-            ``NODE.PORT``; default the picture that the chain delivers.
+            ``NODE.PORT``; by default the final picture.
 
         Raises
         ------
@@ -92,15 +92,15 @@ class Result:
 
     @property
     def images(self) -> Images:
-        """Samples of every picture, by ``NODE.PORT``; each is computed when it is looked at."""
+        """Samples of every picture, by ``NODE.PORT``; each is computed when you access it."""
         return Images(self)
 
     @plain_errors
     def value(self, port: str) -> Any:
-        """What is on any port.
+        """The value on any port.
 
-        Of a picture its samples; of a magnitude, phase or transfer function the full array in FFT
-        order; of curves a `CurveData`, of a table a `TableData`.
+        A picture gives its samples; a magnitude, phase or transfer function gives the full array in
+        FFT order; curves give a `CurveData`, and a table gives a `TableData`.
         """
         value = self._plan.output(port)
         if isinstance(value, Image):
@@ -109,22 +109,24 @@ class Result:
 
     @plain_errors
     def save(self, path: str | PathLike[str], port: str | None = None) -> Path:
-        """Write what is on a port in the format of the file's suffix, as ``run --save`` does.
+        """Write the value on a port in the format of the file's suffix, as ``run --save`` does.
 
         Parameters
         ----------
         path : path
-            ``.npy``, ``.exr``, ``.tif``, ``.png``, ``.csv``, ``.zarr`` or ``.img``, which holds all
-            bands of a picture, with its header beside it.
+            ``.npy``, ``.exr``, ``.tif``, ``.png``, ``.csv``, ``.zarr`` or ``.img``; the last keeps
+            all bands of a picture, with a header file beside it.
         port : str, optional
-            ``NODE.PORT``; default the picture that the chain delivers.
+            ``NODE.PORT``; by default the final picture.
         """
         target, name = Path(fspath(path)), port if port is not None else self._port(None)
         value = self._plan.output(name)
         check_suffix(name, value, target)
         region = self._region(value) if isinstance(value, Image) else None
         if self._options.frames is not None and isinstance(value, Image):
-            raise UsageError(f"{target}: several frames are written by the command, run --frames")
+            raise UsageError(
+                f"{target}: save writes one frame only; for several use imagechain run --frames"
+            )
         save_value(value, target, self._work, port=name, region=region)
         if isinstance(value, Image) and is_cube(value, target):
             cube = cube_of(value, self._work.policy, region)
@@ -146,7 +148,7 @@ class Result:
         Parameters
         ----------
         angle_deg : float, optional
-            Along a line at this angle from ξ (0°) to η (90°); default along both axes.
+            Along a line at this angle from ξ (0°) to η (90°); by default along both axes.
         """
         evaluation = self._evaluation
         if angle_deg is not None:
@@ -156,12 +158,12 @@ class Result:
     @property
     @plain_errors
     def warnings(self) -> tuple[Caution, ...]:
-        """What the modules warn of, samples included."""
+        """Warnings of the modules, also about the samples."""
         return self._evaluation.cautions
 
     @property
     def seconds(self) -> dict[str, float]:
-        """How long each node computed; what was there already took no time."""
+        """Computing time of each node, s; reused values take none."""
         return dict(self._work.seconds)
 
     @property
@@ -171,7 +173,7 @@ class Result:
 
     @plain_errors
     def report(self, path: str | PathLike[str]) -> Path:
-        """Write the report of ``imagechain run --report``: ``.html`` or ``.json``."""
+        """Write a report, as ``imagechain run --report`` does: ``.html`` or ``.json``."""
         from app.options.option_values import report_path
         from app.report import write_report
 
@@ -183,14 +185,14 @@ class Result:
 
     @plain_errors
     def write_files(self, *, allow: Iterable[str | PathLike[str]] = ()) -> list[Path]:
-        """Write the files that the chain's own nodes name, all of them or none; gives them.
+        """Write the files that the chain's own nodes name, all or none; returns their paths.
 
         Parameters
         ----------
         allow : iterable of path
-            Further folders that a network which came in a file may write to, and over any file;
-            else it may in its own folder, and over what it has written itself. What was named
-            in Python is written in any case.
+            Further folders where a network from a file may write, over any file. Otherwise it may
+            write only in its own folder, and overwrite only files that it has written itself. Files
+            that were named in Python are always written.
         """
         from imagechain.results.file_writing import write_files
 
@@ -212,7 +214,7 @@ class Result:
         output = find_output(self._plan)
         if output.port is None:
             raise NetworkError(
-                f"{output.missing}: name one, or mark its node by chain.mark_final(NODE)"
+                f"{output.missing}: name a port, or mark its node with chain.mark_final(NODE)"
                 if output.choices
                 else output.missing
             )
@@ -222,8 +224,8 @@ class Result:
         names = image_ports(self._plan)
         inner = self._plan.network.port_names.get(port, port)
         if inner not in names and inner.rpartition(".")[0] in self._plan.nodes:
-            hint = close(port, names) or f": there are {', '.join(names) or 'none'}"
-            raise NetworkError(f"{shown(port)} is no picture of the chain{hint}")
+            hint = close(port, names) or f"; it has {', '.join(names) or 'none'}"
+            raise NetworkError(f"{shown(port)} is not a picture of the chain{hint}")
         value = self._plan.output(port)
         assert isinstance(value, Image)
         return value
@@ -299,7 +301,7 @@ class Images(Mapping[str, NDArray[Any]]):
 
 
 def image_ports(plan: Plan) -> tuple[str, ...]:
-    """Ports of the pictures of a plan, in order."""
+    """Ports of a plan's pictures, in order."""
     return tuple(
         f"{name}.{port}"
         for name, planned in plan.nodes.items()
@@ -311,15 +313,17 @@ def image_ports(plan: Plan) -> tuple[str, ...]:
 def run_plan(
     engine: Engine, plan: Plan, options: RunOptions, origin: Origin, smaller: Smaller
 ) -> Result:
-    """Compute what the options name, by default the picture that the chain delivers.
+    """Compute what the options name, by default the final picture.
 
-    All else is computed when the result is asked for it, but for pictures in blocks, whose place on
-    disk is there while they are made alone. `smaller` gives the plan without what cannot be
-    computed, or raises the error.
+    Everything else is computed on access. Pictures in blocks are the exception: their space on disk
+    exists only while they are computed. `smaller` returns the plan without what cannot be computed,
+    or raises the error.
     """
     way = way_of_running(plan, options.policy, options.memory)
     if way.in_blocks and (options.frames or 1) > 1:
-        raise ParameterError("frames", options.frames, "1, of pictures that are made in blocks")
+        raise ParameterError(
+            "frames", options.frames, "must be 1 for pictures that are computed in blocks"
+        )
     kept = way.store(None)
     most = store_bytes() if options.memory is None else min(store_bytes(), options.memory)
     engine.store.capacity_bytes = most if kept is None else kept.capacity_bytes
@@ -349,7 +353,7 @@ def _recipes(plan: Plan, ports: Sequence[str]) -> list[Recipe]:
 
 
 def _read_only(samples: NDArray[Any]) -> NDArray[Any]:
-    """A view that nobody can make writable again: what it is a view of is not either."""
+    """A view that nobody can make writable again, because its base is read-only too."""
     owner: Any = samples
     while isinstance(owner, np.ndarray):
         owner.flags.writeable = False

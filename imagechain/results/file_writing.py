@@ -1,4 +1,4 @@
-"""Writing the files that a chain's own nodes name, all of them or none."""
+"""Write the files that a chain's own nodes name, all or none."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from imagechain.results.run_options import Origin
 def write_files(
     evaluation: Evaluation, origin: Origin, allowed: Iterable[str | PathLike[str]]
 ) -> list[Path]:
-    """Write the files of write nodes; gives them.
+    """Write the files of write nodes; returns their paths.
 
     Raises
     ------
     FileError
-        For a file that cannot be written; or that the network, which came in a file, names itself
-        outside of its folder or over one that it has not written.
+        If a file cannot be written, or a network from a file names one outside its own folder or
+        one that it has not written itself.
     """
     plan = evaluation.plan
     folder = plan.folder

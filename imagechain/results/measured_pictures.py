@@ -1,4 +1,4 @@
-"""What `imagechain.measure` gives: curves as arrays, edges and noise as plain values."""
+"""The result of `imagechain.measure`: curves as arrays, edges and noise as plain values."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class MeasuredPictures:
     """MTF, edges and noise of pictures.
 
     `x` and `y` are the pooled MTFs across and along, with `frequency` (cycles/sample), `mtf`,
-    `sigma` (its standard error), `mtf50` and `mtf50_sigma`, or None, with the reason in
-    `reason_x` and `reason_y`; `edges` all edges that were seen, each with `used`, `why_not`,
-    `found` (place, angle, levels) and its own `curve`; `noise` has `sigma`, `sigma_error`,
-    `gain_e_per_dn`, `read_noise_dn`.
+    `sigma` (its standard error), `mtf50` and `mtf50_sigma`. They are None if there is no MTF;
+    `reason_x` and `reason_y` say why. `edges` lists all edges that were found, each with `used`,
+    `why_not`, `found` (place, angle, levels) and its own `curve`. `noise` has `sigma`,
+    `sigma_error`, `gain_e_per_dn` and `read_noise_dn`.
     """
 
     def __init__(self, measured: PictureMeasurement) -> None:
@@ -46,51 +46,51 @@ class MeasuredPictures:
 
     @property
     def reason_x(self) -> str:
-        """Why there is no MTF across; empty where there is."""
+        """Why there is no MTF across; empty if there is one."""
         return self._measured.reason_x
 
     @property
     def reason_y(self) -> str:
-        """Why there is no MTF along; empty where there is."""
+        """Why there is no MTF along; empty if there is one."""
         return self._measured.reason_y
 
     @property
     def edges(self) -> tuple[MeasuredEdge, ...]:
-        """All edges that were seen, used or not."""
+        """All edges that were found, used or not."""
         return self._measured.edges
 
     @property
     def noise(self) -> NoiseFigures | None:
-        """Noise of flat areas; None where there are none, see `to_dict`."""
+        """Noise of flat areas; None if there are none, see `to_dict`."""
         return self._measured.noise
 
     @plain_errors
     def without(self, edge: int) -> MeasuredPictures:
-        """The same without an edge, by its place in `edges`; this one stays as it is.
+        """Return the result without one edge, by its index in `edges`; this one does not change.
 
         Raises
         ------
         ParameterError
-            There is no such edge.
+            If there is no such edge.
         """
         many = len(self.edges)
         if not 0 <= edge < many:
-            raise ParameterError("edge", edge, f"0 to {many - 1}" if many else "none: no edges")
+            raise ParameterError("edge", edge, f"0 to {many - 1}" if many else "there are no edges")
         return MeasuredPictures(without_edge(self._measured, edge))
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything, as `imagechain measure --json` writes it."""
+        """The whole result, as `imagechain measure --json` writes it."""
         content: dict[str, Any] = json.loads(measurement_json(self._measured))
         return content
 
     @plain_errors
     def save(self, path: str | PathLike[str]) -> Path:
-        """Write everything (.json), the table of MTF for MTF File (.csv), or a page (.html).
+        """Write everything (.json), an MTF table for MTF File (.csv), or a page (.html).
 
         Raises
         ------
         ImagechainError
-            Another suffix, no MTF for a table, or the file cannot be written.
+            If the suffix is another, there is no MTF for a table, or the file cannot be written.
         """
         file = Path(fspath(path))
         write_measurement(self._measured, file)

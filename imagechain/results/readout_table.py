@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ReadoutRow:
-    """One figure; None where it has no value."""
+    """One read-out; `value` is None if it has none."""
 
     node: str
     name: str
@@ -28,7 +28,7 @@ class ReadoutRow:
 
 
 class ReadoutTable(Mapping[str, Mapping[str, Any]]):
-    """Figures as ``readouts[NODE][NAME]``; `rows` has them with unit and meaning."""
+    """Read-outs as ``readouts[NODE][NAME]``; `rows` also has their units and meanings."""
 
     def __init__(self, rows: tuple[ReadoutRow, ...], nodes: tuple[str, ...]) -> None:
         self.rows = rows
@@ -39,7 +39,9 @@ class ReadoutTable(Mapping[str, Mapping[str, Any]]):
     @plain_errors
     def __getitem__(self, node: str) -> Mapping[str, Any]:
         if node not in self._nodes:
-            raise KeyError(f"no node {shown(node)} has read-outs{close(node, self._nodes)}")
+            raise KeyError(
+                f"there is no node {shown(node)} with read-outs{close(node, self._nodes)}"
+            )
         return dict(self._nodes[node])
 
     def __iter__(self) -> Iterator[str]:
@@ -50,26 +52,28 @@ class ReadoutTable(Mapping[str, Mapping[str, Any]]):
 
     @plain_errors
     def row(self, name: str) -> ReadoutRow:
-        """The figure ``NODE.NAME`` with its unit and meaning.
+        """The read-out ``NODE.NAME`` with its unit and meaning.
 
         Raises
         ------
         ParameterError
-            If there is none.
+            If there is no such read-out.
         """
         names = [f"{row.node}.{row.name}" for row in self.rows]
         if name not in names:
-            raise ParameterError("read-out", name, f"one of the chain{close(name, names)}")
+            raise ParameterError(
+                "read-out", name, f"the chain has no such read-out{close(name, names)}"
+            )
         return self.rows[names.index(name)]
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
-        """Figures by node and name, as plain values; what is infinite is a text."""
+        """Read-outs by node and name, as plain values; infinite values are texts."""
         plain: dict[str, dict[str, Any]] = jsonable(self._nodes)
         return plain
 
     @plain_errors
     def to_frame(self) -> DataFrame:
-        """As a pandas `DataFrame`: value, unit and meaning by node and read-out.
+        """Return a pandas `DataFrame`: value, unit and meaning by node and read-out.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""How a chain is run."""
+"""Options of a run."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from core.errors import ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 
-_REGION = "two slices of rows and columns, such as numpy.s_[100:164, :64]"
+_REGION = "two slices for rows and columns, such as numpy.s_[100:164, :64]"
 
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a chain comes from, and so what it may write.
+    """Where a chain comes from, which decides what it may write.
 
     Parameters
     ----------
     file : Path or None
-        The network file; None of a chain that is in no file.
+        The network file; None if the chain is not in a file.
     given : frozenset of str
         Nodes whose files were named in Python.
     """
@@ -35,7 +35,7 @@ class Origin:
 
 @dataclass(frozen=True)
 class RunOptions:
-    """How a chain is run; as `Chain.run` takes them."""
+    """Options of a run, as for `Chain.run`."""
 
     policy: Policy
     frames: int | None = None
@@ -54,12 +54,12 @@ class RunOptions:
         memory: int | str | None,
         scratch: str | PathLike[str] | None,
     ) -> RunOptions:
-        """The options, checked.
+        """Check the options.
 
         Raises
         ------
         ParameterError
-            Saying what is allowed.
+            If an option is not allowed.
         """
         if frames is not None and not (_is_whole(frames) and 1 <= frames <= MOST_FRAMES):
             raise ParameterError("frames", frames, f"a whole number from 1 to {MOST_FRAMES}")
@@ -75,12 +75,12 @@ class RunOptions:
         return cls(policy, frames, ports, region, _bytes(memory), folder)
 
     def region_of(self, shape: tuple[int, int]) -> Region | None:
-        """The rows and columns to compute of a picture of that shape; None for all of it.
+        """The rows and columns to compute in a picture of that shape; None for all of it.
 
         Raises
         ------
         ParameterError
-            If there are none.
+            If the region is empty.
         """
         if self.region is None:
             return None
@@ -88,13 +88,13 @@ class RunOptions:
             part.indices(length) for part, length in zip(self.region, shape, strict=True)
         )
         if bottom <= top or right <= left:
-            allowed = f"{_REGION}, not empty within {shape[0]} rows and {shape[1]} columns"
+            allowed = f"{_REGION}, within the picture's {shape[0]} rows and {shape[1]} columns"
             raise ParameterError("region", self.region, allowed)
         return Region(top, left, bottom - top, right - left)
 
 
 def current_folder() -> Path:
-    """The current folder; where it was, if it has been removed since."""
+    """The current folder; its old path if it has been removed."""
     try:
         return Path.cwd()
     except FileNotFoundError:
@@ -102,7 +102,7 @@ def current_folder() -> Path:
 
 
 def whole_path(path: str | PathLike[str]) -> Path:
-    """A file's name with all of its folders; links stay."""
+    """The absolute path of a file; links are not resolved."""
     return Path(os.path.normpath(current_folder() / fspath(path)))
 
 

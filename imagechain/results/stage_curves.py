@@ -37,15 +37,15 @@ class StageCurve:
 
     @property
     def otf(self) -> NDArray[np.complex128]:
-        """Both as one complex function."""
+        """MTF and PTF as one complex function."""
         return np.asarray(self.mtf * np.exp(1j * self.ptf_rad), np.complex128)
 
 
 class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
     """Curves as ``curves[STAGE][AXIS]``.
 
-    Stages are nodes; ``"total"`` is their product before pixels are combined,
-    ``"total_with_electronics"`` that times what follows. Axes are ``"x"`` and ``"y"``, or
+    Stages are nodes; ``"total"`` is their product before pixels are combined, and
+    ``"total_with_electronics"`` also includes what follows. Axes are ``"x"`` and ``"y"``, or
     ``"line"``.
     """
 
@@ -61,7 +61,7 @@ class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
     @plain_errors
     def __getitem__(self, stage: str) -> Mapping[str, StageCurve]:
         if stage not in self._curves:
-            known = close(stage, self._curves) or f": there are {', '.join(self._curves) or 'none'}"
+            known = close(stage, self._curves) or f"; it has {', '.join(self._curves) or 'none'}"
             raise KeyError(f"the chain has no stage {shown(stage)}{known}")
         return dict(self._curves[stage])
 
@@ -79,7 +79,7 @@ class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
 
     @plain_errors
     def to_frame(self) -> DataFrame:
-        """As a pandas `DataFrame`, a row for each stage, axis and frequency.
+        """Return a pandas `DataFrame`, with a row for each stage, axis and frequency.
 
         Raises
         ------
@@ -105,7 +105,7 @@ class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
         return frame
 
     def to_png(self) -> bytes:
-        """The MTFs drawn, as in a report."""
+        """Plot the MTFs, as in a report."""
         users_matplotlib()
         drawing: bytes = self._drawn()
         return drawing
@@ -121,7 +121,7 @@ class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
 
 
 def curves_of(evaluation: Evaluation) -> StageCurves:
-    """Along both axes."""
+    """Curves along both axes."""
     known = evaluation.responses
     stages = (*known.stages, *known.beside, *known.products)
     curves = {
@@ -138,7 +138,7 @@ def curves_of(evaluation: Evaluation) -> StageCurves:
 
 
 def curves_along(evaluation: Evaluation, angle_deg: float) -> StageCurves:
-    """Along a line; the error of a stage that cannot be evaluated is raised."""
+    """Curves along a line; raises the error of a stage that cannot be evaluated."""
     known = responses_along(evaluation.chain, evaluation.work, angle_deg)
     if known.failed:
         raise known.failed[0]

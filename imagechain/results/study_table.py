@@ -20,8 +20,9 @@ _SHOWN = 20  # rows of a notebook's table
 class StudyTable(Mapping[str, list[Any]]):
     """Columns by name, as ``rows["electronics.snr"]``: a value for each point, in order.
 
-    Beside what varies and the figures: ``point``, ``key`` (of what was computed), ``seconds``,
-    ``error`` (empty where nothing is missing) and ``warnings``. `units` has each column's unit.
+    The columns are the varied parameters, the figures, ``point``, ``key`` (of what was computed),
+    ``seconds``, ``error`` (empty if nothing is missing) and ``warnings``. `units` has each column's
+    unit.
     """
 
     def __init__(self, rows: StudyRows) -> None:
@@ -33,7 +34,7 @@ class StudyTable(Mapping[str, list[Any]]):
     def __getitem__(self, name: str) -> list[Any]:
         if name not in self._columns:
             known = close(name, self._columns) or f"; it has {', '.join(self._columns)}"
-            raise ParameterError("column", name, f"one of the study{known}")
+            raise ParameterError("column", name, f"the study has no such column{known}")
         return list(self._columns[name])
 
     def __iter__(self) -> Iterator[str]:
@@ -44,17 +45,17 @@ class StudyTable(Mapping[str, list[Any]]):
 
     @property
     def failed(self) -> dict[int, str]:
-        """Why points failed, by their number."""
+        """Errors of the failed points, by number of the point."""
         return {row.place + 1: row.error for row in self._rows.failed}
 
     @property
     def warnings(self) -> dict[int, tuple[str, ...]]:
-        """What the nodes warn of, by the number of the point; only points with warnings."""
+        """Warnings of the nodes, by number of the point; only points with warnings."""
         return {row.place + 1: row.warnings for row in self._rows.rows if row.warnings}
 
     @plain_errors
     def to_frame(self) -> DataFrame:
-        """As a pandas `DataFrame`, units in the columns' names.
+        """Return a pandas `DataFrame`, with units in the column names.
 
         Raises
         ------

@@ -61,11 +61,11 @@ class Cluster:
 
 SIGMA = {"blur.sigma_x_mrad": [0.0, 1.0]}
 KINDS = {
-    "chain": ({"chain": pd.DataFrame()}, "chain: DataFrame is not allowed; give a Chain, a network"),
+    "chain": ({"chain": pd.DataFrame()}, "chain: DataFrame is not allowed; give a Chain, a"),
     "vary": ({"vary": pd.DataFrame({"a": [1]})}, "vary: DataFrame is not allowed; give {'NODE"),
     "callable": ({"vary": {"blur.sigma_x_mrad": np.sin}}, "ufunc is not allowed; give a list or"),
-    "scalar": ({"vary": {"blur.sigma_x_mrad": 1.0}}, "vary blur.sigma_x_mrad: float is not allowed"),
-    "matrix": ({"vary": {"blur.sigma_x_mrad": np.eye(2)}}, "ndarray is not allowed; give a list or"),
+    "scalar": ({"vary": {"blur.sigma_x_mrad": 1.0}}, "blur.sigma_x_mrad: float is not allowed"),
+    "matrix": ({"vary": {"blur.sigma_x_mrad": np.eye(2)}}, "ndarray is not allowed; give a list"),
     "sample": ({"sample": np.eye(2)}, "sample: ndarray is not allowed; give 'grid', 'latin', or a"),
     "over": ({"over": {"scene.path": ["a.img"]}}, "over: dict is not allowed; give a mapping of"),
     "save": ({"save": ["back.image"]}, "save: list is not allowed; give a mapping of texts"),
@@ -74,9 +74,9 @@ KINDS = {
     "figure": ({"figures": [len]}, "figures: builtin_function_or_method is not allowed; give NODE"),
     "output": ({"output": 3}, "output: int is not allowed; give the name of a .csv, .parquet or"),
     "summary": ({"summary": 3}, "summary: int is not allowed; give a file, or a list of files"),
-    "jobs": ({"jobs": "2"}, "jobs = '2' is not allowed; give a whole number, 0 or more"),
-    "fewer": ({"jobs": -2}, "jobs = -2 is not allowed; give a whole number, 0 or more"),
-    "memory": ({"memory_bytes": "1GB"}, "memory_bytes = '1GB' is not allowed; give a whole number"),
+    "jobs": ({"jobs": "2"}, "jobs = '2' is not allowed: a whole number, 0 or more"),
+    "fewer": ({"jobs": -2}, "jobs = -2 is not allowed: a whole number, 0 or more"),
+    "memory": ({"memory_bytes": "1GB"}, "memory_bytes = '1GB' is not allowed: a whole number"),
     "none": ({"scheduler": None}, "scheduler: NoneType is not allowed; give the address of a Dask"),
 }
 
