@@ -358,16 +358,16 @@ class CameraGeometry(
 ):
     """Sample a wider scene on flat ground as a line scanner, pushbroom or framing camera does.
 
-    The scene has equal steps on the ground, and its middle is below the camera. A line scanner
+    The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
     samples equal angles, so its samples grow as sec² across and sec along (panoramic distortion); a
-    pushbroom and a framing camera sample equal steps in the focal plane. Lines are flown down the
-    picture, at equal distances on the ground. Each sample is the mean of the scene over its whole
-    footprint, so nothing aliases and a uniform scene stays uniform. Blur comes afterwards: choose
-    samples finer than the detector, and combine pixels behind the detector's MTF.
+    pushbroom and a framing camera sample equal steps in the focal plane. The flight runs down the
+    picture, and its lines are equally spaced on the ground. Each sample is the mean of the scene
+    over its whole footprint, so nothing aliases and a uniform scene stays uniform. Blur comes
+    afterwards: choose samples finer than the detector, and combine pixels after the detector's MTF.
 
-    Footprints are exact if they lie along the scene's rows or columns, as without yaw; those of a
-    framing camera with roll or pitch alone are exact to 10⁻⁴ of the scene's range. Other footprints
-    are oblique and are cut into `strips`, with an estimate of the error. Source: Tantalo 1996,
+    Footprints along the scene's rows or columns, as without yaw, are exact. With roll or pitch
+    alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's range. Other footprints
+    are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo 1996,
     sections 2 and 5.3, for the Salacain camera.
     """
 

@@ -36,10 +36,11 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
     """Measure the difference between a picture and a reference of the same size.
 
     It gives the root mean square, largest and mean difference, and the peak signal-to-noise ratio,
-    whose peak is the reference's maximum less its minimum. The MTF ratio is the modulus of the
-    picture's spectrum over that of the reference, on both frequency axes, or as the root of the
-    ratio of powers in rings. Frequencies at which the reference has only rounding are left out. For
-    a frame filtered with mirrored edges, set `edges` to `reflect`, and the ratio is the MTF itself.
+    whose peak is the reference's maximum minus its minimum. The MTF ratio divides the modulus of
+    the picture's spectrum by the reference's, on both frequency axes; or it is the root of the
+    power ratio in rings. Frequencies at which the reference has only rounding errors are left out.
+    For a frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF
+    itself.
     """
 
     formulas = (

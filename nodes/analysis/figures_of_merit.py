@@ -56,39 +56,39 @@ class MeritOutputs(NamedTuple):
 class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", group="Analysis"):
     """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor that made a picture.
 
-    Transfer function and noise come from the picture's chain; nothing is drawn or measured. SNR and
-    background use the mean of the picture without noise and without gain and bias errors. Connect
-    the picture as the sensor samples it, before a frame grabber interpolates it: its samples set
-    the Nyquist frequency and the noise bandwidth.
+    Transfer function and noise are predicted from the picture's chain; no noise is drawn or
+    measured. SNR and background use the mean of the picture without noise and without gain and bias
+    errors. Connect the picture as the sensor samples it, before a frame grabber interpolates it:
+    its samples set the Nyquist frequency and the noise bandwidth.
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only, and has no sampling
     limit; `flir92` also uses fixed patterns, which do not average over time, and ends at Nyquist
     where the sensor samples. Temporal noise is averaged with its spectrum in the picture. 2-D: the
-    root of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the mean of its
-    blurred image.
+    geometric mean of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the
+    mean of its blurred image.
 
-    `scanning` says where the sensor samples: `staring` in both directions; `serial_scan` between
-    the lines that one detector scans along x; `parallel_scan` between its detectors, which lie
-    along x on platform `push` and otherwise along y. All other differences are in the picture's
+    `scanning` sets the directions in which the sensor samples: `staring` in both; `serial_scan`
+    between the lines that one detector scans along x; `parallel_scan` between its detectors, which
+    lie along x on platform `push` and otherwise along y. All other differences are in the picture's
     noise: bandwidth_Hz (one detector instead of n is n times as fast, and noisier by √n), and gain
     and bias errors on a uniform field: none on `line` with one detector; σ_h on `push`, which hides
     upright bars; σ_vh on `array`. 1/f noise of channels (σ_tv) is not simulated.
 
     A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature: it
     is refused unless `background_K` gives the temperature of the scene's own emission; use Image
-    Quality. All figures in K apply at the camera, behind the air, for the background as it appears
-    there. The ΔT that remains at a range follows from Atmospheric Path, if the picture has passed
-    one: τ(R) of each wavelength, weighted by dL/dT; otherwise ΔT·exp(−extinction·range).
+    Quality instead. All figures in K apply at the camera, behind the air, for the background as it
+    appears there. The ΔT that remains at a range follows from Atmospheric Path, if the picture has
+    passed one: τ(R) of each wavelength, weighted by dL/dT; otherwise ΔT·exp(−extinction·range).
 
     Johnson: cycles across the target up to the frequency where it reaches the 2-D MRTD, over N50.
-    TTP: the sum of √(contrast/threshold) over frequencies. The threshold combines that of the eye
-    through the MTF and that of the MRTD, as the root of their squares (`mrtd`), or is the published
-    CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), to which published V50 belong: α =
-    169.6 √Hz, σ the noise in K·√s that the eye's channels and eyeball leave beside a sine, S the
-    scene contrast; fixed patterns count with `flir92`. Display and eye are not part of the MRTD.
-    The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is quoted
-    for identifying tracked vehicles, which could not be checked.
+    TTP: the sum of √(contrast/threshold) over frequencies. The threshold is the root sum of squares
+    of the eye's threshold through the MTF and the MRTD's contrast (`mrtd`), or the published
+    CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), for which V50 values are published: α
+    = 169.6 √Hz, σ the noise in K·√s that passes the eyeball and the eye's channel at the frequency,
+    S the scene contrast; fixed patterns count with `flir92`. Display and eye are not part of the
+    MRTD. The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is
+    quoted for identifying tracked vehicles, which could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,

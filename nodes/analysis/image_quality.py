@@ -48,12 +48,12 @@ def typed_snr(work: Work, *, snr: float) -> float:
 
 
 class ImageQuality(Module, key="image_quality", title="Image Quality", group="Analysis"):
-    """Estimate the interpretability (NIIRS) of a picture by GIQE 3, 4 and 5.
+    """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
     The ground sample distance is the picture's interval times the range, stretched along by the
-    view angle off nadir. The relative edge response (how far an edge rises within a sample about
-    it) and the overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer
-    functions, and the SNR from its mean signal and temporal noise: nothing is drawn or measured.
+    angle off nadir. The relative edge response (how far an edge rises within one sample around it)
+    and the overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer
+    functions, and the SNR from its mean signal and temporal noise; no noise is drawn or measured.
     All are geometric means across and along. Connect the picture as the sensor samples it, before a
     frame grabber interpolates it.
 

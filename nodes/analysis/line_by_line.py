@@ -178,26 +178,26 @@ class LineOutputs(NamedTuple):
 
 
 class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analysis"):
-    """Filter a line scanner's frame with its true sampling, instead of Back Transform.
+    """Filter a line scanner's frame with its true sampling; use it instead of Back Transform.
 
-    A line scanner samples in equal angles along the scan and in equal steps on the ground in
+    A line scanner samples in equal angles along the scan and in equal steps on the ground along the
     flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan have one scale, factors in flight have one in each column, and pupils and other planar
-    factors have both. All are angles at the sensor, as in their modules; edges and PTFs are as in
-    Back Transform. What separates is exact. Planar factors are blended from a few intervals
-    (`nodes`), with an estimate of the error, or summed for each (`direct`). A pushbroom or an array
-    samples evenly, so nothing differs. The ground is flat, and motion blur over it has the same
-    angle as at nadir.
+    scan have one scale, factors along the flight have one per column, and pupils and other planar
+    factors have both. All are in angles at the sensor, as in their modules; edges and PTFs are as
+    in Back Transform. Separable factors are exact. Planar factors are blended from a few intervals
+    (`nodes`), with an estimate of the error, or summed for each (`direct`). For a pushbroom or an
+    array, which sample evenly, both outputs agree. The ground is flat, and motion blur over it has
+    the same angle as at nadir.
 
     When is one interval for the whole image good enough? The Inframetrics' blur of three samples on
     the built-in scene (network `line_by_line`) is wrong by at most 0.03 % of the picture's range in
     a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2 % in 60°, 5 % in 90° and 10 % in 120°, rms 0.002,
-    0.02, 0.05, 0.1, 0.25 and 0.5 %: as 1 − cos(view angle). In the thesis' field of 30°, six bits
-    hide the error. Line by line takes 1.3 to 4 times as long (`imagechain bench --only precision`,
-    table scanning), `direct` 60 times and more. Source: Tantalo 1996, section 2 and fig. 2.3, which
-    leaves the comparison to later work.
+    0.02, 0.05, 0.1, 0.25 and 0.5 %: it grows as 1 − cos(view angle). In the thesis' field of 30°,
+    quantization to six bits hides the error. Line by line takes 1.3 to 4 times as long (`imagechain
+    bench --only precision`, table scanning), `direct` 60 times and more. Source: Tantalo 1996,
+    section 2 and fig. 2.3, which leaves the comparison to later work.
     """
 
     formulas = (

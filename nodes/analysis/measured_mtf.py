@@ -180,16 +180,15 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     `slanted_edge`: the angle of the edge is found, the samples are sorted by their distance from it
     into quarters of a sample, the derivative of their means is windowed and transformed, and the
     responses of quarters and derivative are divided out; frequencies are along the edge's normal.
-    `row_average`: the mean of the rows is clipped at its ends, its derivative transformed, and the
-    modulus divided by its largest value; the response of the differences, 0.64 at Nyquist, is not
-    divided out. Standard errors come from leaving out rows.
+    `row_average`: the mean of the rows is clipped at its ends, its derivative is transformed, and
+    the modulus is divided by its largest value; the response of the differences, 0.64 at Nyquist,
+    is not divided out. Standard errors come from leaving out rows.
 
     `expected` is the MTF of the picture's chain in the same direction up to Nyquist: all stages
     from the source on, and the samples of a test scene, which are means over their area. The blur
-    of a scene in a file is unknown and not included; a picture straight from a file expects
-    nothing. Aliasing in `row_average` is not included. `imagechain measure` finds the edges in
-    pictures of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix
-    B.
+    of a scene in a file is unknown and not included; a picture straight from a file has no expected
+    MTF. Aliasing in `row_average` is not included. `imagechain measure` finds the edges in pictures
+    of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
     """
 
     formulas = (

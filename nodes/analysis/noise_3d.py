@@ -42,19 +42,20 @@ def _figure(name: str, meaning: str) -> Callable[..., Recipe]:
 
 
 class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
-    """Split noise by what it varies with: time (t), rows (v), columns (h), or several.
+    """Split noise into its 3-D components: time (t), rows (v), columns (h), and combinations.
 
-    Predicted: every noise of the chain is followed to this picture, through the transfer functions,
-    combined pixels and interpolation behind it. Measured: frames of the picture are simulated, each
-    with its own temporal noise and the same fixed patterns. The noise-free picture is subtracted,
-    and unbiased estimates split the variance into the seven components. Only one pattern is
-    measured, so a fixed component with few rows or columns scatters about the prediction for all
-    sensors of this kind. Noise correlated between neighbours also appears in σ tv and σ th.
+    Predicted: every noise source of the chain is followed to this picture, through the transfer
+    functions, combined pixels and interpolation that follow it. Measured: frames of the picture are
+    simulated, each with its own temporal noise and the same fixed patterns. The noise-free picture
+    is subtracted, and unbiased estimates split the variance into the seven components. Only one
+    pattern is measured, so a fixed component with few rows or columns scatters about the prediction
+    for all sensors of this kind. Noise correlated between neighbours also appears in σ tv and σ th.
     Rounding counts as noise. A file of frames (`path`), from a camera for example, is measured
-    instead of simulated frames, one frame at a time: everything that stays from frame to frame then
-    counts as fixed pattern, also the scene, so use frames of a uniform scene. If you also link a
-    picture, its prediction is shown beside. Sources: D'Agostino and Webb 1991; Scott and D'Agostino
-    1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased estimates).
+    instead of simulated frames, one frame at a time: everything that stays from frame to frame,
+    including the scene, then counts as fixed pattern, so use frames of a uniform scene. If you also
+    link a picture, its prediction is shown alongside. Sources: D'Agostino and Webb 1991; Scott and
+    D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased
+    estimates).
     """
 
     formulas = (

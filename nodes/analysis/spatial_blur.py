@@ -39,14 +39,14 @@ class SpatialOutputs(NamedTuple):
 
 
 class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analysis"):
-    """Blur by convolution with the impulse response, instead of Back Transform.
+    """Blur by convolution with the impulse response; use it instead of Back Transform.
 
     It takes the inputs of Back Transform: the impulse response is the inverse transform of all
-    collected MTFs and PTFs. Separable ones need a pass along x and one along y, others a
+    collected MTFs and PTFs. Separable ones need a pass along x and one along y; others need a
     two-dimensional kernel. Whole kernels give the result of Back Transform, to rounding. A
     truncated kernel has an error of at most `error_bound`: the sum of the moduli of what was cut
-    off, as a share of the scene's largest departure from its mean, which is kept. A transfer
-    function that has not fallen to zero at Nyquist rings, and its kernel cannot be both short and
+    off, as a share of the scene's largest deviation from its mean. The mean is kept. If a transfer
+    function has not fallen to zero at Nyquist, its kernel rings and cannot be both short and
     precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at

@@ -51,7 +51,7 @@ class PathOutputs(NamedTuple):
 
 
 class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", group="Atmosphere"):
-    """Attenuate a picture's radiance by the air, and add the radiance of the air: τ·L + L_path.
+    """Attenuate a picture's radiance by the atmosphere, and add the path radiance: τ·L + L_path.
 
     `transmission`: a number, or a CSV of µm and transmission. `extinction_per_km`: exp(−β·R).
     `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 of
@@ -63,7 +63,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
     sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
     of Read Image) has each band multiplied by its own transmission. Absorption and scattering
-    attenuate alike here; use Atmosphere MTF for the blur of scattering. Figures of Merit apply
+    attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit apply
     behind this path, and their ranges use its transmission at each range, by Beer's law at every
     wavelength. Two of these modules in a row are two constituents of the same air.
 

@@ -44,11 +44,11 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
     band. h is the sun's elevation, τ the air's optical depth from the zenith, and m the air mass.
-    E_sun is a number, a CSV by wavelength, or that of a black body of 5800 K, 1388 W/m² in all. The
-    sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
-    reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
+    E_sun is a number, a CSV by wavelength, or the irradiance from a black body of 5800 K, 1388 W/m²
+    in all. The sky has the same radiance everywhere. The picture's unit must be a reflectance (1,
+    %, reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
     `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
-    Atmospheric Path for the way from the surface to the camera. Sources: Lambert 1760; Kasten and
+    Atmospheric Path for the path from the surface to the camera. Sources: Lambert 1760; Kasten and
     Young 1989 (air mass); nominal solar radius of the IAU, 2015.
     """
 

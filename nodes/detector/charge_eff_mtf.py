@@ -14,7 +14,7 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 class ChargeEffMTF(
     ChargeTransfer, MtfModule, key="charge_eff_mtf", title="Charge Transfer MTF", group="Detector"
 ):
-    """Reduce contrast across by incomplete charge transfer.
+    """Blur along the read-out direction (x) by incomplete charge transfer.
 
     With w = 2π·xi·Δ: exact |ε/(1 − (1−ε)e^{−iw})|^N; published and leading exp(−N(1−ε)(1 − cos w)).
     Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.

@@ -65,16 +65,16 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
     which stay from frame to frame; nonlinearity towards the full well; read noise; the full well;
     gain, offset, and rounding to whole numbers. PRNU multiplies all electrons by 1 + p·deviate,
-    also those of the dark current; EMVA 1288 defines PRNU on the light signal only.
+    including dark-current electrons; EMVA 1288 defines PRNU on the light signal only.
 
-    Radiance is converted to photons by the black body of its own brightness temperature (`scene`),
-    by that of `source_K`, or by the band's middle; the table shows the signal for each choice. For
-    a spectral picture, each band is converted to photons with the response at its wavelength. A
-    band that begins below 2.5 µm has no thermal scene: there `scene` means `source`. NETD, SNR and
-    well fill refer to the picture's mean; if that is clipped, there is no NETD, SNR or NEI.
-    `frames_averaged` reduces shot and read noise with the square root of the number of frames, and
-    the average is rounded once. `saturated` is 1 where the well is full or the converter has
-    clipped.
+    Radiance is converted to photons with the spectrum of a black body at its own brightness
+    temperature (`scene`) or at `source_K` (`source`), or at the band's middle wavelength
+    (`middle`); the table shows the signal for each choice. For a spectral picture, each band is
+    converted to photons with the response at its wavelength. A band that begins below 2.5 µm has no
+    thermal scene: there `scene` means `source`. NETD, SNR and well fill refer to the picture's
+    mean; if the mean is clipped, there is no NETD, SNR or NEI. `frames_averaged` reduces shot and
+    read noise with the square root of the number of frames, and the average is rounded once.
+    `saturated` is 1 where the well is full or the converter has clipped.
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,

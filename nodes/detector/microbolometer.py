@@ -45,16 +45,16 @@ class BolometerOutputs(NamedTuple):
 
 
 class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer", group="Detector"):
-    """Add an uncooled detector's noise from its data sheet, and its thermal lag.
+    """Add an uncooled detector's noise, from its data sheet, and its thermal lag.
 
     The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ·√(t₀/t),
     with the data sheet's F₀ (1), background and, if both are given, integration time t₀. A
-    bolometer's noise is its own, so the NETD at another background goes as 1/(dL/dT). From frame to
-    frame exp(−1/(rate·time constant)) of a change remains: if frames differ, each also shows those
-    before it. With a scan velocity on Init & Trans the lag is a low-pass along the lines, 1/(1 +
-    2πi·τ·v·ξ). 1/f noise equals the white noise at `corner_Hz`. Non-uniform gain and offset are the
-    same in every frame; Non-Uniformity Correction removes them. Sources: Kruse 2001, chapters 3 and
-    4; Rogalski 2011, chapters 4 and 22.
+    bolometer's noise does not depend on the scene, so the NETD at another background goes as
+    1/(dL/dT). From frame to frame exp(−1/(rate·time constant)) of a change remains: if frames
+    differ, each still shows part of the earlier ones. With a scan velocity on Init & Trans the lag
+    is a low-pass along the lines, 1/(1 + 2πi·τ·v·ξ). 1/f noise equals the white noise at
+    `corner_Hz`. Non-uniform gain and offset are the same in every frame; Non-Uniformity Correction
+    removes them. Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22.
     """
 
     formulas = (

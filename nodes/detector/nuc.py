@@ -43,17 +43,17 @@ class CorrectedOutputs(NamedTuple):
 
 
 class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Detector"):
-    """Correct a camera's non-uniform pixels with uniform references at one or two temperatures.
+    """Correct the non-uniformity of pixels with uniform references at one or two temperatures.
 
-    Put it behind the camera's modules. Their picture of a black body that fills the field of view,
-    in place of the input of the first module that adds noise, is averaged over `reference_frames`
-    frames with their own noise, once for all frames. `one_point`: the pattern at `low_K` is
-    subtracted; the residual grows with the distance from `low_K` as the gains differ. `two_point`:
-    gain and offset come from a straight line through both references; the residual is the noise of
-    their means and the nonlinearity. `drift_K` adds offsets that have drifted since, as the rms
-    over the pixels in kelvin of the scene. A pixel with less than a tenth of the mean response
-    keeps its gain. Budgets count 1/f noise, which the frames of a reference share, as if it were
-    new in each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+    Put it behind the camera's modules. A black body that fills the field of view replaces the input
+    of the first module that adds noise. Its picture is averaged over `reference_frames` frames with
+    their own noise, once for all frames. `one_point`: the pattern at `low_K` is subtracted; the
+    residual grows with the distance from `low_K`, because the gains differ. `two_point`: gain and
+    offset come from a straight line through both references; the residual is the noise of their
+    means and the nonlinearity. `drift_K` adds offset drift since the references, as rms over the
+    pixels in kelvin of the scene. A pixel with less than a tenth of the mean response keeps its
+    gain. The frames of a reference share their 1/f noise, but budgets count it as if it were new in
+    each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
     """
 
     formulas = (

@@ -40,13 +40,13 @@ class SpectralResponse(
     """Weight every wavelength by the response of a detector material, a filter or a window.
 
     Each band of a spectral picture is multiplied by its mean response. Focal Plane behind it counts
-    the remaining photons; its NETD refers to the scene before the response, which weights only
-    light of the scene, not of optics and housing. A picture with one band is multiplied by the mean
-    over the band, weighted by the radiance of a black body: at the picture's mean brightness
-    temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. `file`: a
-    CSV of µm and response, interpolated linearly, 0 beyond its points. `gaussian`: `width_um` is
-    the full width at half maximum. Enter a response per watt as it is if you want radiance; Focal
-    Plane has its own response for photons.
+    the remaining photons; its NETD refers to the scene before the response. The response weights
+    only light from the scene, not from optics and housing. A picture with one band is multiplied by
+    the mean over the band, weighted by the radiance of a black body: at the picture's mean
+    brightness temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`.
+    `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points. `gaussian`:
+    `width_um` is the full width at half maximum. To get radiance, enter a response per watt
+    unchanged; for photons, use the response in Focal Plane.
     """
 
     formulas = (
