@@ -38,16 +38,15 @@ class Noise3DSource(
     title="3-D Noise Source",
     group="Electronics & Noise",
 ):
-    """Add noise by its seven components: of time (t), rows (v), columns (h), or several together.
+    """Add 3-D noise by its components: time (t), rows (v), columns (h), and combinations.
 
-    Each component is normal with its own standard deviation, in the unit of the picture. v, h and
+    Each component is Gaussian with its own standard deviation, in the unit of the picture. v, h and
     vh are the same in every frame of a sequence; the others are new in each. `corner_Hz` adds 1/f
     noise to each sample, whose temporal spectrum equals that of sigma_tvh at that frequency. It
-    reaches from one over `longest_period_s` to half the frame rate, and any frame can be computed
-    from its number. Its whole variance counts as temporal. 3-D Noise sees only some frames, and
-    measures slower changes as fixed (vh). Without any component the picture does not change.
-    Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral
-    representation).
+    extends from 1/`longest_period_s` to half the frame rate, and any frame can be computed from its
+    number. Its whole variance counts as temporal. 3-D Noise uses only some frames, and measures
+    slower changes as fixed (vh). Without any component the picture does not change. Sources:
+    D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
     """
 
     formulas = (

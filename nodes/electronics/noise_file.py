@@ -23,7 +23,7 @@ Array = NDArray[Any]
 
 
 class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics & Noise"):
-    """Add the samples of a file, times `scale`, to a picture of the same size.
+    """Add noise from a file, times `scale`, to a picture of the same size.
 
     The file may have any format that Read Image reads. Its mean is added too. A scale of 0 changes
     nothing. Source: Tantalo 1996, chapter 3.

@@ -34,7 +34,7 @@ _NO_NOISE = "no noise is added, because the amplitude is 0"
 class PeriodicNoise(
     Module, key="periodic_noise", title="Periodic Noise", group="Electronics & Noise"
 ):
-    """Add a sinusoid, such as pick-up from a supply, optionally modulated in amplitude.
+    """Add sinusoidal noise, such as pick-up from a supply, optionally modulated in amplitude.
 
     amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ) with x and y counted
     from the first sample. Frequencies beyond Nyquist appear as their aliases. An amplitude of 0

@@ -41,9 +41,9 @@ class ExamineImage(
 ):
     """Report minimum, maximum, mean, standard deviation, histogram and single samples.
 
-    For radiance in a known band it also gives the apparent temperature: that of the black body with
+    For radiance in a known band it also gives the apparent temperature, at which a black body has
     the same band radiance. Figures and probe use the samples themselves (spectra in FFT order); the
-    histogram uses what is displayed. The centred spectrum of a picture is the logarithm of its
+    histogram uses the displayed values. The centred spectrum of a picture is the logarithm of its
     modulus.
     """
 

@@ -43,26 +43,26 @@ _WHOLE = 0.99  # of the wavelengths: less is warned of
 
 
 class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Input and output"):
-    """Read a picture from a file: ENVI as DIRSIG writes it, or any format that `path` names.
+    """Read a picture from a file: ENVI, as DIRSIG writes it, or another format listed under `path`.
 
     Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives
     wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um` (if both are given); for
     every other file these two are the band of the samples. Radiance comes out in W/m²/sr, one
     spectral band in W/m²/sr/µm. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
-    `scale` is 1, that unit is converted, else `unit`; a cube whose header names no unit needs one
-    of the two. Gains and offsets of an ENVI header are applied, and its bad bands are left out. K,
-    DN and similar units are kept; photons are not converted to watts; an unknown radiance unit is
-    an error.
+    `scale` is 1, that unit is converted; otherwise `unit` is. A cube whose header names no unit
+    needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands are
+    left out. K, DN and similar units are kept; photons are not converted to watts; an unknown
+    radiance unit is an error.
 
-    A colour picture gives one channel, or with `bands` luminance the three weighted as the eye
-    does. A cube gives one band or plane, the first unless you set `band`. With `bands` all, a cube
-    whose header gives wavelengths gives every band between `cut_on_um` and `cut_off_um`, each in
-    W/m²/sr/µm (photons too, by the energy of their wavelength). Optics and atmosphere then act on
-    each band separately, until a detector sums them. The cube stays on disk.
+    A colour picture gives one channel or, with `bands` luminance, all three weighted as the eye
+    weights them. A cube gives one band or plane, the first unless you set `band`. With `bands` all,
+    a cube whose header gives wavelengths gives every band between `cut_on_um` and `cut_off_um`,
+    each in W/m²/sr/µm (photons too, with their energy at that wavelength). Optics and atmosphere
+    then act on each band separately, until a detector sums them. The cube stays on disk.
 
     An empty field of view is taken from the header. FITS pictures have their first row at the
-    bottom. Samples that are not numbers, or that equal the file's value for no data, are an error
-    unless `missing` replaces them.
+    bottom. Samples that are not finite, or that equal the file's no-data value, are an error unless
+    `missing` replaces them.
     """
 
     formulas = (

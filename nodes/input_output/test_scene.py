@@ -51,9 +51,9 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     and do not alias. The dormitory is a building front with windows, warm and cool areas, sky and
     ground. The airfield is seen from above, with straight roads, for Camera Geometry.
 
-    With `bands` the scene has that many bands of equal width. Optics and air treat each at its own
-    wavelength, until a detector sums them. Surfaces then have the spectra of grass, leaves, soil,
-    water, asphalt, concrete, brick, paint and glass, in coarse points. They emit at their
+    With `bands` the scene has that many bands of equal width. Optics and atmosphere treat each at
+    its own wavelength, until a detector sums them. Surfaces then have the spectra of grass, leaves,
+    soil, water, asphalt, concrete, brick, paint and glass, coarsely sampled. They emit at their
     temperature, and reflect the sky and, with `sun_elevation_deg`, sunlight: a scene from 0.4 to
     2.5 µm is lit by day. Targets are black in all bands. With `emissivity` grey every surface keeps
     its single emissivity; the sum of all bands is then the picture without bands, except for

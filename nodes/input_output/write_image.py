@@ -52,13 +52,13 @@ class WriteImage(
     """Write the picture to a file, only when a run asks for outputs.
 
     Integer types map `range_low` … `range_high` (empty: the picture's smallest and largest sample)
-    to the full range of the type. A picture in digital numbers (DN) is not stretched if both are
-    empty: 12 bits are 0 to 4095 in the file. `automatic` uses the precision of the computation if
-    the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
+    to the full range of the type. If both are empty, a picture in digital numbers (DN) is not
+    stretched: 12 bits stay 0 to 4095 in the file. `automatic` uses the precision of the computation
+    if the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
 
     An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
-    in W/m²/sr/µm, written one after the other: the cube is never in memory. Every other format gets
-    their sum. A Zarr store (`.zarr`) is written chunk by chunk.
+    in W/m²/sr/µm, written one after the other: the cube is never in memory. Every other format
+    stores their sum. A Zarr store (`.zarr`) is written chunk by chunk.
     """
 
     formulas = (

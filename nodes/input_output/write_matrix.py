@@ -29,12 +29,12 @@ _SUFFIXES = suffixes(*MATRICES)
 class WriteMatrix(
     Module, key="write_matrix", title="Write Matrix", group="Input and output", sink=True
 ):
-    """Write plain numbers, one row per line, as MathCad's READPRN reads them.
+    """Write values as plain text, one row per line, readable by MathCad's READPRN.
 
-    A .csv file separates them by commas and names the columns of curves; .txt and .prn use blanks.
-    Bars have their names in the first column of a .csv file, and their number from 0 in other
-    files. A transfer function is written in FFT order, zero frequency first. Files are written only
-    when a run asks for outputs.
+    A .csv file separates them by commas and names the columns of curves; .txt and .prn files use
+    blanks. Bars have their names in the first column of a .csv file, and their number from 0 in
+    other files. A transfer function is written in FFT order, zero frequency first. Files are
+    written only when a run asks for outputs.
     """
 
     without_formula = "It writes numbers unchanged."

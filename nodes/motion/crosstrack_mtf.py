@@ -15,7 +15,7 @@ from nodes.shared.shared_warnings import apart_from_context
 
 
 class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):
-    """Smear across by the scan within one dwell time; off until you enter a dwell time.
+    """Smear across track by the scan within one dwell time; off until you enter a dwell time.
 
     sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects it.
     """

@@ -38,12 +38,12 @@ class LineOfSight(
 ):
     """Move the line of sight at random: blur within an exposure, shifts between frames.
 
-    The angle has the power density S = rms²·(2/π)/(corner·(1 + (f/corner)²)) or that of `psd_path`;
-    both axes are independent. Motion about the mean of an exposure gives an MTF, the mean over the
-    exposure of exp(−2π²·v(t)·ξ²). The mean itself, with spectrum S·sinc²(fT), shifts each frame of
-    a sequence by a phase ramp, −2π·ξ·shift. A single picture is frame 0 and is shifted too. 3-D
-    Noise does not predict how a moving scene changes a pixel, but measures it. Sources: Papoulis
-    1991, chapter 10; Kopeika 1998, chapter 14.
+    The angle has the power density S = rms²·(2/π)/(corner·(1 + (f/corner)²)), or the one in
+    `psd_path`; both axes are independent. Motion about the mean position of an exposure gives an
+    MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean position, with spectrum
+    S·sinc²(fT), shifts each frame of a sequence by a phase ramp, −2π·ξ·shift. A single picture is
+    frame 0 and is shifted too. 3-D Noise measures how a moving scene changes a pixel, but does not
+    predict it. Sources: Papoulis 1991, chapter 10; Kopeika 1998, chapter 14.
     """
 
     formulas = (

@@ -45,17 +45,17 @@ Number = Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 
 class DiffractionMTF(
     NyquistReadouts, key="diffraction_mtf", title="Diffraction MTF", group="Optics"
 ):
-    """Blur by diffraction at a circular or annular aperture, over the band, exactly.
+    """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
-    Aperture and obscuration come from Camera, else the aperture is focal length over F-number of
-    Init & Trans; no pupil array is needed. Over a band, the OTFs of all wavelengths are weighted by
-    the photons or the energy of a black body, or uniformly as in 1996. The black body has
-    `source_K`, else the temperature of the picture's mean radiance, else sunlight's 5800 K if the
-    band begins below 2.5 µm. `response`, and a Spectral Response before this module, also weight
-    the light as a detector behind the optics would. `wavelengths` auto uses as many wavelengths as
-    `tolerance` needs, placed between the kinks of the OTF; a number sets how many wavelengths
-    sample the band, and 1 uses the band's middle. With auto, a spectral picture is blurred band by
-    band, and the MTF shown is the mean weighted by the picture's own light.
+    Aperture and obscuration come from Camera, else the aperture is the focal length over the
+    F-number from Init & Trans; no pupil array is needed. Over a band, the OTFs of all wavelengths
+    are weighted by the photons or the energy of a black body, or uniformly as in 1996. The black
+    body has `source_K`, else the temperature of the picture's mean radiance, else sunlight's 5800 K
+    if the band begins below 2.5 µm. `response`, and a Spectral Response before this module, also
+    weight the light as a detector behind the optics would. `wavelengths` auto uses as many
+    wavelengths as `tolerance` needs, placed between the kinks of the OTF; a number sets how many
+    wavelengths sample the band, and 1 uses the band's middle. With auto, a spectral picture is
+    blurred band by band, and the MTF shown is the mean weighted by the picture's own light.
 
     `defocus_waves` is W20 at the rim at the band's middle; the OTF is real and may be negative.
     `rms_wavefront_waves`, also at the band's middle, applies Shannon's factor for small errors of

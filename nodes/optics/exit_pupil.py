@@ -50,12 +50,12 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     radius. For a file this disc is the smallest circle around all samples above 1 % of the largest,
     centred on the array if that makes it at most a sample larger; a `radius` that you enter is
     centred on the array. The read-out `aperture_radius` gives the radius used. A wavefront map
-    (picture, FITS, `.npy`, text, Zemax's listing) adds to these: it is NaN outside the aperture, or
-    zero from its border on, and the pupil is opaque where the map is unknown. A map in waves uses
-    its own wavelength; a path in µm is the same at all wavelengths. A complex `.npy` as `path`
-    holds amplitude and phase at its own wavelength only. Row 0 is at the top. W enters as
-    exp(2πiW), so a W that rises to the right moves the picture to the left. Sources: Tantalo 1996,
-    section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    (picture, FITS, `.npy`, text, Zemax's listing) is added to these. Outside the aperture it must
+    be NaN, or zero out to the border of the array. The pupil is opaque where the map is unknown. A
+    map in waves uses its own wavelength; a path in µm is the same at all wavelengths. A complex
+    `.npy` as `path` holds amplitude and phase at its own wavelength only. Row 0 is at the top. W
+    enters as exp(2πiW), so a W that increases to the right moves the picture to the left. Sources:
+    Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
     """
 
     formulas = (

@@ -47,15 +47,15 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     The file is a CSV table whose first line names its columns: frequency with its unit, as in
     `frequency (cyc/mm)`, then `mtf`, or `mtf_x` and `mtf_y` (one is enough), or `radial`; and, if
     known, `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`. Zemax's text of MTF against
-    frequency is read too, with its tangential curve along y. `direction` says which direction a
-    column `mtf` has, or chooses one of several curves; radial means around the axis. Between points
-    the curve is a monotone cubic (PCHIP). A table that begins above 0 gets MTF 1 at 0. Beyond the
-    last point the MTF is 0; it is never extrapolated. A phase is odd in frequency and takes the
-    shorter way from point to point.
+    frequency is read too, with its tangential curve along y. `direction` sets the direction of a
+    column `mtf`, or selects one of several curves; radial means equal in all directions. Between
+    points the curve is a monotone cubic (PCHIP). A table that begins above 0 gets MTF 1 at 0.
+    Beyond the last point the MTF is 0; it is never extrapolated. A phase is odd in frequency and
+    takes the shorter way from point to point.
 
     Frequencies refer to the focal plane (cyc/mm, converted by the focal length), to angle, or to
     the pixel (by pitch and focal length). `imagechain measure --csv` writes such a table from a
-    camera's pictures; it includes the pixel's average. Without a file nothing changes. Source:
+    camera's pictures; it includes the blur of the pixel. Without a file nothing changes. Source:
     Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
     """
 

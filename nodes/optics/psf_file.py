@@ -29,7 +29,7 @@ COARSE = 0.02  # MTF at the samples' Nyquist frequency, likewise
 class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics"):
     """Blur by a point spread function from a picture: measured, or from a lens design.
 
-    Every point of the picture becomes the picture in the file. Row 0 is at the top, and a tail to
+    Every point of the picture is blurred to the PSF in the file. Row 0 is at the top, and a tail to
     the right in the file is a tail to the right in the picture. Formats are those of Read Image,
     `.npy`, text, and Zemax's listing, whose spacing is used if `sample_pitch` is empty. Samples are
     divided by their sum. With `centroid` kept, the point is at the middle of the file (for even

@@ -142,7 +142,7 @@ SEED_SECTIONS = (
 
 
 class SeededModule(Module):
-    """Base of noise sources: a seed of the network and node, or one typed in."""
+    """Base of noise sources: the seed follows from network and node, or is entered."""
 
     draws_noise = True
 

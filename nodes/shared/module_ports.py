@@ -41,7 +41,7 @@ def at_pixel_nyquist(transfer: Transfer, context: Context, axis: str) -> Transfe
 
 
 class NyquistReadouts(Module):
-    """Base of modules with an MTF: what it is at both Nyquist frequencies."""
+    """Base of modules with an MTF: its values at both Nyquist frequencies."""
 
     @readout()
     def mtf_at_nyquist_x(self, outputs: Any) -> TransferAt | None:

@@ -10,7 +10,7 @@ from core.modules.preview import Picture, Preview, brief, pair
 
 
 class PicturePreview(Module):
-    """A module whose output `image` is shown on top of its panel."""
+    """A module whose output `image` is shown at the top of its panel."""
 
     preview_lines = 10.0
 

@@ -24,13 +24,13 @@ _SIGMA_SAMPLES = math.sqrt(2.0 * math.log(2.0)) / math.pi
 
 
 class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Transform"):
-    """Remove what would alias if only every factor-th sample were kept; no sample is dropped.
+    """Filter out frequencies that would alias if only every factor-th sample were kept.
 
-    Use it for pictures that are decimated without a detector MTF, by Interpolate of order 0. `box`
-    is the centred mean of `factor` samples (for an even number, interpolated by its transfer
-    function). `gaussian` has half contrast at the new Nyquist frequency. `lanczos` is a sinc with
-    that cutoff in a window of three lobes. The frame is mirrored at its edges. A factor of 1
-    changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
+    No sample is dropped. Use it for pictures that Interpolate then decimates with order 0, without
+    a detector MTF. `box` is the centred mean of `factor` samples (for an even number, interpolated
+    by its transfer function). `gaussian` has half contrast at the new Nyquist frequency. `lanczos`
+    is a sinc with its cutoff there, in a window of three lobes. The frame is mirrored at its edges.
+    A factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
     """
 
     formulas = (

@@ -18,12 +18,12 @@ _OF_A_PIXEL = 0.35  # of a block's width; a narrower average takes 5 % off at Ny
 
 
 class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group="Transform"):
-    """Combine blocks of samples to one pixel each.
+    """Combine each block of samples into one pixel.
 
     Rows and columns left over at the bottom and right are dropped: 512 by 3 gives 170. Directly
-    after Back Transform, if the factors divide the size, the spectrum is folded instead. A block's
-    mean averages over its area. Behind Detector MTF, which already averages over the pixel, use
-    Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
+    after Back Transform, if the factors divide the size, the spectrum is folded instead. The mean
+    of a block averages over its area. Behind Detector MTF, which already averages over the pixel,
+    use Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
     """
 
     formulas = (

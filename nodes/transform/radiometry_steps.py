@@ -151,7 +151,7 @@ def _by_rows(
 
 
 class Radiometry(Module):
-    """Surfaces of one emissivity in a band."""
+    """Base of modules for surfaces of one emissivity in a band."""
 
     emissivity: Annotated[
         float, Param("emissivity of all samples, if no image of it is connected", low=0, high=1,

@@ -16,8 +16,8 @@ class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Tran
 
     The radiance is ε·L(T) + (1 − ε)·L(surroundings); without surroundings nothing is reflected. The
     picture's unit must be a temperature (K, °C, °F, mK), as Read Image gives it: digital numbers
-    and radiance are refused. An image of emissivities can replace the number. Sources: Planck's and
-    Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
+    and radiance are refused. An image of emissivities can replace the single value. Sources:
+    Planck's and Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
     """
 
     formulas = (
