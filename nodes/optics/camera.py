@@ -35,10 +35,11 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     The image passes unchanged and carries the data: pitch, focal length, F-number, fill and range
     for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
-    pitch for Sample Pixels. Two of focal length, F-number and aperture give the third. An image
-    without a sampling interval gets one from the camera's field of view, pixels times pitch over
-    focal length. A warning names values that disagree; nothing is corrected. Source: Holst 2008,
-    Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
+    pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
+    focal length, F-number and aperture give the third. An image without a sampling interval gets
+    one from the camera's field of view, pixels times pitch over focal length. A warning names
+    values that disagree; nothing is corrected. Source: Holst 2008, Electro-Optical Imaging System
+    Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
     """
 
     formulas = (
