@@ -23,26 +23,26 @@ def read_image(
     cut_off_um: float | Expression | None = None,
     missing: Literal['refuse', 'mean', 'zero'] = 'refuse',
 ) -> Part:
-    """Read a picture from a file: ENVI as DIRSIG writes it, or any format that `path` names.
+    """Read a picture from a file: ENVI, as DIRSIG writes it, or another format listed under `path`.
 
     Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives
     wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um` (if both are given); for
     every other file these two are the band of the samples. Radiance comes out in W/m²/sr, one
     spectral band in W/m²/sr/µm. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
-    `scale` is 1, that unit is converted, else `unit`; a cube whose header names no unit needs one
-    of the two. Gains and offsets of an ENVI header are applied, and its bad bands are left out. K,
-    DN and similar units are kept; photons are not converted to watts; an unknown radiance unit is
-    an error.
+    `scale` is 1, that unit is converted; otherwise `unit` is. A cube whose header names no unit
+    needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands are
+    left out. K, DN and similar units are kept; photons are not converted to watts; an unknown
+    radiance unit is an error.
 
-    A colour picture gives one channel, or with `bands` luminance the three weighted as the eye
-    does. A cube gives one band or plane, the first unless you set `band`. With `bands` all, a cube
-    whose header gives wavelengths gives every band between `cut_on_um` and `cut_off_um`, each in
-    W/m²/sr/µm (photons too, by the energy of their wavelength). Optics and atmosphere then act on
-    each band separately, until a detector sums them. The cube stays on disk.
+    A colour picture gives one channel or, with `bands` luminance, all three weighted as the eye
+    weights them. A cube gives one band or plane, the first unless you set `band`. With `bands` all,
+    a cube whose header gives wavelengths gives every band between `cut_on_um` and `cut_off_um`,
+    each in W/m²/sr/µm (photons too, with their energy at that wavelength). Optics and atmosphere
+    then act on each band separately, until a detector sums them. The cube stays on disk.
 
     An empty field of view is taken from the header. FITS pictures have their first row at the
-    bottom. Samples that are not numbers, or that equal the file's value for no data, are an error
-    unless `missing` replaces them.
+    bottom. Samples that are not finite, or that equal the file's no-data value, are an error unless
+    `missing` replaces them.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def read_image(
 
     Notes
     -----
-    Read Image, of the group Input and output.
+    Read Image, in the group Input and output.
     Outputs: image.
     Read-outs: missing_samples (samples).
     """
@@ -103,9 +103,9 @@ def test_scene(
     and do not alias. The dormitory is a building front with windows, warm and cool areas, sky and
     ground. The airfield is seen from above, with straight roads, for Camera Geometry.
 
-    With `bands` the scene has that many bands of equal width. Optics and air treat each at its own
-    wavelength, until a detector sums them. Surfaces then have the spectra of grass, leaves, soil,
-    water, asphalt, concrete, brick, paint and glass, in coarse points. They emit at their
+    With `bands` the scene has that many bands of equal width. Optics and atmosphere treat each at
+    its own wavelength, until a detector sums them. Surfaces then have the spectra of grass, leaves,
+    soil, water, asphalt, concrete, brick, paint and glass, coarsely sampled. They emit at their
     temperature, and reflect the sky and, with `sun_elevation_deg`, sunlight: a scene from 0.4 to
     2.5 µm is lit by day. Targets are black in all bands. With `emissivity` grey every surface keeps
     its single emissivity; the sum of all bands is then the picture without bands, except for
@@ -147,7 +147,7 @@ def test_scene(
 
     Notes
     -----
-    Test Scene, of the group Input and output.
+    Test Scene, in the group Input and output.
     Outputs: image.
     """
 
@@ -162,13 +162,13 @@ def write_image(
     """Write the picture to a file, only when a run asks for outputs.
 
     Integer types map `range_low` … `range_high` (empty: the picture's smallest and largest sample)
-    to the full range of the type. A picture in digital numbers (DN) is not stretched if both are
-    empty: 12 bits are 0 to 4095 in the file. `automatic` uses the precision of the computation if
-    the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
+    to the full range of the type. If both are empty, a picture in digital numbers (DN) is not
+    stretched: 12 bits stay 0 to 4095 in the file. `automatic` uses the precision of the computation
+    if the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
 
     An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
-    in W/m²/sr/µm, written one after the other: the cube is never in memory. Every other format gets
-    their sum. A Zarr store (`.zarr`) is written chunk by chunk.
+    in W/m²/sr/µm, written one after the other: the cube is never in memory. Every other format
+    stores their sum. A Zarr store (`.zarr`) is written chunk by chunk.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def write_image(
 
     Notes
     -----
-    Write Image, of the group Input and output.
+    Write Image, in the group Input and output.
     Inputs: image.
     """
 
@@ -194,12 +194,12 @@ def write_matrix(
     *,
     path: str | PathLike[str] | None = None,
 ) -> Part:
-    """Write plain numbers, one row per line, as MathCad's READPRN reads them.
+    """Write values as plain text, one row per line, readable by MathCad's READPRN.
 
-    A .csv file separates them by commas and names the columns of curves; .txt and .prn use blanks.
-    Bars have their names in the first column of a .csv file, and their number from 0 in other
-    files. A transfer function is written in FFT order, zero frequency first. Files are written only
-    when a run asks for outputs.
+    A .csv file separates them by commas and names the columns of curves; .txt and .prn files use
+    blanks. Bars have their names in the first column of a .csv file, and their number from 0 in
+    other files. A transfer function is written in FFT order, zero frequency first. Files are
+    written only when a run asks for outputs.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def write_matrix(
 
     Notes
     -----
-    Write Matrix, of the group Input and output.
+    Write Matrix, in the group Input and output.
     Inputs: image.
     """
 
@@ -221,9 +221,9 @@ def examine_image(
 ) -> Part:
     """Report minimum, maximum, mean, standard deviation, histogram and single samples.
 
-    For radiance in a known band it also gives the apparent temperature: that of the black body with
+    For radiance in a known band it also gives the apparent temperature, at which a black body has
     the same band radiance. Figures and probe use the samples themselves (spectra in FFT order); the
-    histogram uses what is displayed. The centred spectrum of a picture is the logarithm of its
+    histogram uses the displayed values. The centred spectrum of a picture is the logarithm of its
     modulus.
 
     Parameters
@@ -241,7 +241,7 @@ def examine_image(
 
     Notes
     -----
-    Examine Image, of the group Input and output.
+    Examine Image, in the group Input and output.
     Inputs: image.
     Outputs: table, curve.
     Read-outs: minimum, maximum, mean, sigma.
@@ -263,11 +263,11 @@ def init_trans(
     scan_velocity_mrad_per_s: float | Expression = 0.0,
     edges: Literal['reflect', 'periodic'] = 'reflect',
 ) -> Part:
-    """Transform the image to magnitude and phase, and give other modules the geometry.
+    """Transform the image to magnitude and phase, and pass the geometry to the other modules.
 
     Empty parameters are taken from a Camera before it, else from the image's header. A fill factor
-    of 1 counts as empty. Values entered here take priority; a warning says if they differ. Source:
-    Tantalo 1996, section 4.1.
+    of 1 counts as empty. Values entered here take priority; a warning says so if they differ.
+    Source: Tantalo 1996, section 4.1.
 
     Parameters
     ----------
@@ -302,7 +302,7 @@ def init_trans(
 
     Notes
     -----
-    Init & Trans, of the group Transform.
+    Init & Trans, in the group Transform.
     Inputs: image.
     Outputs: context, magnitude, phase.
     Read-outs: interval_x_mrad (mrad), interval_y_mrad (mrad), ifov_x_mrad (mrad), ifov_y_mrad
@@ -320,7 +320,7 @@ def back_transform(
 
     Notes
     -----
-    Back Transform, of the group Transform.
+    Back Transform, in the group Transform.
     Inputs: magnitude, phase.
     Outputs: image.
     """
@@ -331,12 +331,12 @@ def combine_pixels(
     factor_y: int | Expression = 1,
     mode: Literal['mean', 'sum'] = 'mean',
 ) -> Part:
-    """Combine blocks of samples to one pixel each.
+    """Combine each block of samples into one pixel.
 
     Rows and columns left over at the bottom and right are dropped: 512 by 3 gives 170. Directly
-    after Back Transform, if the factors divide the size, the spectrum is folded instead. A block's
-    mean averages over its area. Behind Detector MTF, which already averages over the pixel, use
-    Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
+    after Back Transform, if the factors divide the size, the spectrum is folded instead. The mean
+    of a block averages over its area. Behind Detector MTF, which already averages over the pixel,
+    use Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
 
     Parameters
     ----------
@@ -349,7 +349,7 @@ def combine_pixels(
 
     Notes
     -----
-    Combine Pixels, of the group Transform.
+    Combine Pixels, in the group Transform.
     Inputs: image.
     Outputs: image.
     """
@@ -366,11 +366,11 @@ def sample_pixels(
     Combine Pixels would average over the pixel again: with Detector MTF before it, the contrast at
     Nyquist would be 0.64 times what it should be. The samples lie at the centres of the pixels, so
     the picture does not move. Between samples (ratios that are even or not whole), the picture is
-    the sum of its waves: exact to rounding, with edges mirrored or periodic as in Back Transform.
-    Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as in a camera.
-    Pixels that do not fit completely into the frame, at the right and the bottom, are dropped.
-    Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average over the
-    pixel and its sampling are two stages).
+    evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as in Back
+    Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as in a
+    camera. Pixels that do not fit completely into the frame, at the right and the bottom, are
+    dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average
+    over the pixel and its sampling are two stages).
 
     Parameters
     ----------
@@ -389,7 +389,7 @@ def sample_pixels(
 
     Notes
     -----
-    Sample Pixels, of the group Transform.
+    Sample Pixels, in the group Transform.
     Inputs: image.
     Outputs: image.
     Read-outs: nyquist_x (cyc/mrad), nyquist_y (cyc/mrad).
@@ -400,13 +400,13 @@ def anti_alias(
     kernel: Literal['box', 'gaussian', 'lanczos'] = 'box',
     factor: int | Expression = 1,
 ) -> Part:
-    """Remove what would alias if only every factor-th sample were kept; no sample is dropped.
+    """Filter out frequencies that would alias if only every factor-th sample were kept.
 
-    Use it for pictures that are decimated without a detector MTF, by Interpolate of order 0. `box`
-    is the centred mean of `factor` samples (for an even number, interpolated by its transfer
-    function). `gaussian` has half contrast at the new Nyquist frequency. `lanczos` is a sinc with
-    that cutoff in a window of three lobes. The frame is mirrored at its edges. A factor of 1
-    changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
+    No sample is dropped. Use it for pictures that Interpolate then decimates with order 0, without
+    a detector MTF. `box` is the centred mean of `factor` samples (for an even number, interpolated
+    by its transfer function). `gaussian` has half contrast at the new Nyquist frequency. `lanczos`
+    is a sinc with its cutoff there, in a window of three lobes. The frame is mirrored at its edges.
+    A factor of 1 changes nothing. Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
 
     Parameters
     ----------
@@ -417,7 +417,7 @@ def anti_alias(
 
     Notes
     -----
-    Anti-alias Filter, of the group Transform.
+    Anti-alias Filter, in the group Transform.
     Inputs: image.
     Outputs: image.
     Read-outs: new_nyquist_x (cyc/mrad), new_nyquist_y (cyc/mrad).
@@ -450,7 +450,7 @@ def interpolate(
 
     Notes
     -----
-    Interpolate, of the group Transform.
+    Interpolate, in the group Transform.
     Inputs: image.
     Outputs: image.
     """
@@ -466,8 +466,8 @@ def to_radiance(
 
     The radiance is ε·L(T) + (1 − ε)·L(surroundings); without surroundings nothing is reflected. The
     picture's unit must be a temperature (K, °C, °F, mK), as Read Image gives it: digital numbers
-    and radiance are refused. An image of emissivities can replace the number. Sources: Planck's and
-    Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
+    and radiance are refused. An image of emissivities can replace the single value. Sources:
+    Planck's and Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
 
     Parameters
     ----------
@@ -486,7 +486,7 @@ def to_radiance(
 
     Notes
     -----
-    To Radiance, of the group Transform.
+    To Radiance, in the group Transform.
     Inputs: image, emissivity (optional).
     Outputs: image.
     """
@@ -504,7 +504,7 @@ def to_temperature(
     Planck's law in the band. With an emissivity of 1 it is the apparent, or brightness,
     temperature. The picture's unit must be band radiance in watts (W/m²/sr, mW/cm²/sr, …):
     temperatures, digital numbers, photons and spectral radiance are refused. An image of
-    emissivities can replace the number. Sources: as To Radiance.
+    emissivities can replace the single value. Sources: as To Radiance.
 
     Parameters
     ----------
@@ -523,7 +523,7 @@ def to_temperature(
 
     Notes
     -----
-    To Temperature, of the group Transform.
+    To Temperature, in the group Transform.
     Inputs: image, emissivity (optional).
     Outputs: image.
     """
@@ -543,11 +543,11 @@ def reflected_light(
 
     For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
     band. h is the sun's elevation, τ the air's optical depth from the zenith, and m the air mass.
-    E_sun is a number, a CSV by wavelength, or that of a black body of 5800 K, 1388 W/m² in all. The
-    sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
-    reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
+    E_sun is a number, a CSV by wavelength, or the irradiance from a black body of 5800 K, 1388 W/m²
+    in all. The sky has the same radiance everywhere. The picture's unit must be a reflectance (1,
+    %, reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
     `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
-    Atmospheric Path for the way from the surface to the camera. Sources: Lambert 1760; Kasten and
+    Atmospheric Path for the path from the surface to the camera. Sources: Lambert 1760; Kasten and
     Young 1989 (air mass); nominal solar radius of the IAU, 2015.
 
     Parameters
@@ -576,7 +576,7 @@ def reflected_light(
 
     Notes
     -----
-    Reflected Light, of the group Atmosphere.
+    Reflected Light, in the group Atmosphere.
     Inputs: image.
     Outputs: image, table.
     Read-outs: air_mass, irradiance (W/m²).
@@ -594,7 +594,7 @@ def atmospheric_path(
     air_K: float | Expression | None = None,
     source_K: float | Expression | None = None,
 ) -> Part:
-    """Attenuate a picture's radiance by the air, and add the radiance of the air: τ·L + L_path.
+    """Attenuate a picture's radiance by the atmosphere, and add the path radiance: τ·L + L_path.
 
     `transmission`: a number, or a CSV of µm and transmission. `extinction_per_km`: exp(−β·R).
     `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 of
@@ -606,7 +606,7 @@ def atmospheric_path(
     wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
     sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
     of Read Image) has each band multiplied by its own transmission. Absorption and scattering
-    attenuate alike here; use Atmosphere MTF for the blur of scattering. Figures of Merit apply
+    attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit apply
     behind this path, and their ranges use its transmission at each range, by Beer's law at every
     wavelength. Two of these modules in a row are two constituents of the same air.
 
@@ -641,7 +641,7 @@ def atmospheric_path(
 
     Notes
     -----
-    Atmospheric Path, of the group Atmosphere.
+    Atmospheric Path, in the group Atmosphere.
     Inputs: image, context (optional).
     Outputs: image, table.
     Read-outs: transmission, path_radiance (W/m²/sr), optical_depth.
@@ -667,15 +667,15 @@ def atmosphere_mtf(
     scattering_per_km: float | Expression = 0.0,
     scale_height_km: float | Expression = 1.0,
 ) -> Part:
-    """Blur by turbulence, and by light scattered by aerosols (turbidity).
+    """Blur by atmospheric turbulence and by aerosol scattering (turbidity).
 
     Turbulence is a Gaussian blur of given width, or Fried's long or short exposure with r0 given or
-    computed from a Cn² profile. Turbidity falls to a plateau: exp(−τ(ρ/ρc)²), and beyond ρc
-    exp(−τ). τ comes from a level (plateaus 0.99, 0.975, 0.955), from a number, or from the
+    computed from a Cn² profile. The MTF of turbidity falls to a plateau: exp(−τ(ρ/ρc)²), and beyond
+    ρc exp(−τ). τ comes from a level (plateaus 0.99, 0.975, 0.955), from a number, or from the
     scattering coefficient along the path (looking down or up, with an exponential profile).
     Absorption attenuates all frequencies alike and does not blur: use Atmospheric Path. Looking up
     blurs more than looking down, because the turbulence is near the aperture. r0 goes as λ^(6/5),
-    the cutoff of particles as 1/λ; a spectral picture is blurred at each band's own wavelength.
+    and the aerosol cutoff ρc as 1/λ; a spectral picture is blurred at each band's own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
 
@@ -729,7 +729,7 @@ def atmosphere_mtf(
 
     Notes
     -----
-    Atmosphere MTF, of the group Atmosphere.
+    Atmosphere MTF, in the group Atmosphere.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -750,14 +750,15 @@ def camera(
     obscuration_ratio: float | Expression = 0.0,
     range_m: float | Expression | None = None,
 ) -> Part:
-    """Enter a camera's data once: Init & Trans uses it for what it leaves empty.
+    """Enter a camera's data once, for Init & Trans and all modules behind it.
 
     The image passes unchanged and carries the data: pitch, focal length, F-number, fill and range
     for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
-    pitch for Sample Pixels. Two of focal length, F-number and aperture give the third. An image
-    without a sampling interval gets that of the camera's field of view, pixels times pitch over
-    focal length. A warning says which values disagree; nothing is corrected. Source: Holst 2008,
-    Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
+    pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
+    focal length, F-number and aperture give the third. An image without a sampling interval gets
+    one from the camera's field of view, pixels times pitch over focal length. A warning names
+    values that disagree; nothing is corrected. Source: Holst 2008, Electro-Optical Imaging System
+    Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
 
     Parameters
     ----------
@@ -788,7 +789,7 @@ def camera(
 
     Notes
     -----
-    Camera, of the group Optics.
+    Camera, in the group Optics.
     Inputs: image.
     Outputs: image, camera.
     Read-outs: pixel_x_mrad (mrad), pixel_y_mrad (mrad), fov_x_deg (deg), fov_y_deg (deg), nyquist_x
@@ -811,17 +812,17 @@ def diffraction_mtf(
     rms_wavefront_waves: float | Expression = 0.0,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Blur by diffraction at a circular or annular aperture, over the band, exactly.
+    """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
-    Aperture and obscuration come from Camera, else the aperture is focal length over F-number of
-    Init & Trans; no pupil array is needed. Over a band, the OTFs of all wavelengths are weighted by
-    the photons or the energy of a black body, or uniformly as in 1996. The black body has
-    `source_K`, else the temperature of the picture's mean radiance, else sunlight's 5800 K if the
-    band begins below 2.5 µm. `response`, and a Spectral Response before this module, also weight
-    the light as a detector behind the optics would. `wavelengths` auto uses as many wavelengths as
-    `tolerance` needs, placed between the kinks of the OTF; a number sets how many wavelengths
-    sample the band, and 1 uses the band's middle. With auto, a spectral picture is blurred band by
-    band, and the MTF shown is the mean weighted by the picture's own light.
+    Aperture and obscuration come from Camera, else the aperture is the focal length over the
+    F-number from Init & Trans; no pupil array is needed. Over a band, the OTFs of all wavelengths
+    are weighted by the photons or the energy of a black body, or uniformly as in 1996. The black
+    body has `source_K`, else the temperature of the picture's mean radiance, else sunlight's 5800 K
+    if the band begins below 2.5 µm. `response`, and a Spectral Response before this module, also
+    weight the light as a detector behind the optics would. `wavelengths` auto uses as many
+    wavelengths as `tolerance` needs, placed between the kinks of the OTF; a number sets how many
+    wavelengths sample the band, and 1 uses the band's middle. With auto, a spectral picture is
+    blurred band by band, and the MTF shown is the mean weighted by the picture's own light.
 
     `defocus_waves` is W20 at the rim at the band's middle; the OTF is real and may be negative.
     `rms_wavefront_waves`, also at the band's middle, applies Shannon's factor for small errors of
@@ -868,7 +869,7 @@ def diffraction_mtf(
 
     Notes
     -----
-    Diffraction MTF, of the group Optics.
+    Diffraction MTF, in the group Optics.
     Inputs: context, magnitude, phase (optional).
     Outputs: magnitude, phase, mtf, ptf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -902,12 +903,12 @@ def exit_pupil(
     radius. For a file this disc is the smallest circle around all samples above 1 % of the largest,
     centred on the array if that makes it at most a sample larger; a `radius` that you enter is
     centred on the array. The read-out `aperture_radius` gives the radius used. A wavefront map
-    (picture, FITS, `.npy`, text, Zemax's listing) adds to these: it is NaN outside the aperture, or
-    zero from its border on, and the pupil is opaque where the map is unknown. A map in waves uses
-    its own wavelength; a path in µm is the same at all wavelengths. A complex `.npy` as `path`
-    holds amplitude and phase at its own wavelength only. Row 0 is at the top. W enters as
-    exp(2πiW), so a W that rises to the right moves the picture to the left. Sources: Tantalo 1996,
-    section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    (picture, FITS, `.npy`, text, Zemax's listing) is added to these. Outside the aperture it must
+    be NaN, or zero out to the border of the array. The pupil is opaque where the map is unknown. A
+    map in waves uses its own wavelength; a path in µm is the same at all wavelengths. A complex
+    `.npy` as `path` holds amplitude and phase at its own wavelength only. Row 0 is at the top. W
+    enters as exp(2πiW), so a W that increases to the right moves the picture to the left. Sources:
+    Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
 
     Parameters
     ----------
@@ -948,7 +949,7 @@ def exit_pupil(
 
     Notes
     -----
-    Exit Pupils, of the group Optics.
+    Exit Pupils, in the group Optics.
     Outputs: pupil.
     Read-outs: aperture_radius (samples).
     """
@@ -967,16 +968,17 @@ def exit_pupil_mtf(
     response: str | PathLike[str] | None = None,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
 ) -> Part:
-    """Multiply by the incoherent OTF of an exit pupil: its normalised autocorrelation.
+    """Blur by the incoherent OTF of an exit pupil: its normalised autocorrelation.
 
     Geometric shapes are exact, for one wavelength or a band. Files and wavefront errors are
-    autocorrelated from their samples. `weighting`: several wavelengths count alike, or by the
-    photons or the energy of a black body (`source_K`, else that of the picture's mean radiance,
-    else sunlight's 5800 K if the band begins below 2.5 µm), and by `response`, the detector's. A
-    spectral picture is blurred band by band, each at its own wavelength. Interpolation `none` shows
-    the raw autocorrelation at the pupil's own frequency intervals and does not blur the picture.
-    Sizes refer to the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the
-    cutoff is aperture/λ; the 12.8 of eq. 4.21 is the array's half width over λ.
+    autocorrelated from their samples. `weighting`: wavelengths are weighted equally, or by the
+    photons or the energy of a black body (at `source_K`, else at the temperature of the picture's
+    mean radiance, else at sunlight's 5800 K if the band begins below 2.5 µm), and by the detector's
+    `response`. A spectral picture is blurred band by band, each at its own wavelength.
+    Interpolation `none` shows the raw autocorrelation at the pupil's own frequency intervals and
+    does not blur the picture. Sizes refer to the whole pupil array. Source: Tantalo 1996, eqs. 4.10
+    to 4.21. Erratum: the cutoff is aperture/λ; the 12.8 of eq. 4.21 is the array's half width over
+    λ.
 
     Parameters
     ----------
@@ -1014,7 +1016,7 @@ def exit_pupil_mtf(
 
     Notes
     -----
-    Exit Pupil MTF, of the group Optics.
+    Exit Pupil MTF, in the group Optics.
     Inputs: context, magnitude, pupil, phase (optional).
     Outputs: magnitude, phase, mtf, ptf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -1044,7 +1046,7 @@ def gaussian_mtf(
 
     Notes
     -----
-    Gaussian MTF, of the group Optics.
+    Gaussian MTF, in the group Optics.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y.
@@ -1067,15 +1069,15 @@ def mtf_file(
     The file is a CSV table whose first line names its columns: frequency with its unit, as in
     `frequency (cyc/mm)`, then `mtf`, or `mtf_x` and `mtf_y` (one is enough), or `radial`; and, if
     known, `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`. Zemax's text of MTF against
-    frequency is read too, with its tangential curve along y. `direction` says which direction a
-    column `mtf` has, or chooses one of several curves; radial means around the axis. Between points
-    the curve is a monotone cubic (PCHIP). A table that begins above 0 gets MTF 1 at 0. Beyond the
-    last point the MTF is 0; it is never extrapolated. A phase is odd in frequency and takes the
-    shorter way from point to point.
+    frequency is read too, with its tangential curve along y. `direction` sets the direction of a
+    column `mtf`, or selects one of several curves; radial means equal in all directions. Between
+    points the curve is a monotone cubic (PCHIP). A table that begins above 0 gets MTF 1 at 0.
+    Beyond the last point the MTF is 0; it is never extrapolated. A phase is odd in frequency and
+    takes the shorter way from point to point.
 
     Frequencies refer to the focal plane (cyc/mm, converted by the focal length), to angle, or to
     the pixel (by pitch and focal length). `imagechain measure --csv` writes such a table from a
-    camera's pictures; it includes the pixel's average. Without a file nothing changes. Source:
+    camera's pictures; it includes the blur of the pixel. Without a file nothing changes. Source:
     Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
 
     Parameters
@@ -1110,7 +1112,7 @@ def mtf_file(
 
     Notes
     -----
-    MTF File, of the group Optics.
+    MTF File, in the group Optics.
     Inputs: context, magnitude, phase (optional).
     Outputs: magnitude, phase, mtf, ptf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -1131,7 +1133,7 @@ def psf_file(
 ) -> Part:
     """Blur by a point spread function from a picture: measured, or from a lens design.
 
-    Every point of the picture becomes the picture in the file. Row 0 is at the top, and a tail to
+    Every point of the picture is blurred to the PSF in the file. Row 0 is at the top, and a tail to
     the right in the file is a tail to the right in the picture. Formats are those of Read Image,
     `.npy`, text, and Zemax's listing, whose spacing is used if `sample_pitch` is empty. Samples are
     divided by their sum. With `centroid` kept, the point is at the middle of the file (for even
@@ -1170,7 +1172,7 @@ def psf_file(
 
     Notes
     -----
-    PSF File, of the group Optics.
+    PSF File, in the group Optics.
     Inputs: context, magnitude, phase (optional).
     Outputs: magnitude, phase, mtf, ptf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -1183,7 +1185,7 @@ def crosstrack_mtf(
     dwell_time_s: float | Expression = 0.0,
     scan_velocity_mrad_per_s: float | Expression | None = None,
 ) -> Part:
-    """Smear across by the scan within one dwell time; off until you enter a dwell time.
+    """Smear across track by the scan within one dwell time; off until you enter a dwell time.
 
     sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects it.
 
@@ -1200,7 +1202,7 @@ def crosstrack_mtf(
 
     Notes
     -----
-    Crosstrack MTF, of the group Motion.
+    Crosstrack MTF, in the group Motion.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -1234,7 +1236,7 @@ def alongtrack_mtf(
 
     Notes
     -----
-    Alongtrack MTF, of the group Motion.
+    Alongtrack MTF, in the group Motion.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -1281,7 +1283,7 @@ def relative_motion_mtf(
 
     Notes
     -----
-    Relative Motion MTF, of the group Motion.
+    Relative Motion MTF, in the group Motion.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -1308,7 +1310,7 @@ def jitter_mtf(
 
     Notes
     -----
-    Jitter MTF, of the group Motion.
+    Jitter MTF, in the group Motion.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -1325,9 +1327,9 @@ def vibration_mtf(
 ) -> Part:
     """Blur by sinusoidal vibration of the line of sight.
 
-    Whole periods give J0(2πA·xi). The remaining part of a period is integrated from phase 0 and
-    weighted by time. Without a frequency or an integration time, many periods are assumed. The two
-    axes are independent. Source: Kopeika 1998.
+    Over whole periods the MTF is J0(2πA·xi). The remaining part of a period is integrated from
+    phase 0 and weighted by time. Without a frequency or an integration time, many periods are
+    assumed. The two axes are independent. Source: Kopeika 1998.
 
     Parameters
     ----------
@@ -1345,7 +1347,7 @@ def vibration_mtf(
 
     Notes
     -----
-    Vibration MTF, of the group Motion.
+    Vibration MTF, in the group Motion.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -1366,12 +1368,12 @@ def line_of_sight(
 ) -> Part:
     """Move the line of sight at random: blur within an exposure, shifts between frames.
 
-    The angle has the power density S = rms²·(2/π)/(corner·(1 + (f/corner)²)) or that of `psd_path`;
-    both axes are independent. Motion about the mean of an exposure gives an MTF, the mean over the
-    exposure of exp(−2π²·v(t)·ξ²). The mean itself, with spectrum S·sinc²(fT), shifts each frame of
-    a sequence by a phase ramp, −2π·ξ·shift. A single picture is frame 0 and is shifted too. 3-D
-    Noise does not predict how a moving scene changes a pixel, but measures it. Sources: Papoulis
-    1991, chapter 10; Kopeika 1998, chapter 14.
+    The angle has the power density S = rms²·(2/π)/(corner·(1 + (f/corner)²)), or the one in
+    `psd_path`; both axes are independent. Motion about the mean position of an exposure gives an
+    MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean position, with spectrum
+    S·sinc²(fT), shifts each frame of a sequence by a phase ramp, −2π·ξ·shift. A single picture is
+    frame 0 and is shifted too. 3-D Noise measures how a moving scene changes a pixel, but does not
+    predict it. Sources: Papoulis 1991, chapter 10; Kopeika 1998, chapter 14.
 
     Parameters
     ----------
@@ -1400,7 +1402,7 @@ def line_of_sight(
 
     Notes
     -----
-    Line of Sight, of the group Motion.
+    Line of Sight, in the group Motion.
     Inputs: context, magnitude, phase.
     Outputs: magnitude, phase, mtf, ptf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -1417,7 +1419,7 @@ def detector_mtf(
     fill_x: float | Expression | None = None,
     fill_y: float | Expression | None = None,
 ) -> Part:
-    """Average over the sensitive area of a detector element.
+    """Blur by averaging over the sensitive area of a detector element.
 
     sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), signed. Empty parameters are taken from Init &
     Trans. Source: Tantalo 1996, eqs. 4.41 to 4.50.
@@ -1440,7 +1442,7 @@ def detector_mtf(
 
     Notes
     -----
-    Detector MTF, of the group Detector.
+    Detector MTF, in the group Detector.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -1455,7 +1457,7 @@ def charge_eff_mtf(
     model: Literal['exact', 'published', 'leading'] = 'exact',
     nyquist: Literal['image', 'detector'] = 'image',
 ) -> Part:
-    """Reduce contrast across by incomplete charge transfer.
+    """Blur along the read-out direction (x) by incomplete charge transfer.
 
     With w = 2π·xi·Δ: exact |ε/(1 − (1−ε)e^{−iw})|^N; published and leading exp(−N(1−ε)(1 − cos w)).
     Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.
@@ -1478,7 +1480,7 @@ def charge_eff_mtf(
 
     Notes
     -----
-    Charge Transfer MTF, of the group Detector.
+    Charge Transfer MTF, in the group Detector.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y.
@@ -1492,11 +1494,11 @@ def charge_eff_phase(
     model: Literal['exact', 'published', 'leading'] = 'exact',
     nyquist: Literal['image', 'detector'] = 'image',
 ) -> Part:
-    """Shift phases across by incomplete charge transfer.
+    """Shift the phase along the read-out direction (x) by incomplete charge transfer.
 
-    With w = 2π·xi·Δ and k = N(1−ε): exact, the argument of [ε/(1 − (1−ε)e^{−iw})]^N; published
-    −k(w − sin w); leading −k·sin w. Source: Tantalo 1996, eq. 4.58. Erratum: the published form
-    starts with w³, that of N transfers with −k·w.
+    With w = 2π·xi·Δ and k = N(1−ε): exact, the argument of [ε/(1 − (1−ε)e^{−iw})]^N; published −k(w
+    − sin w); leading −k·sin w. Source: Tantalo 1996, eq. 4.58. Erratum: the published form starts
+    with w³, but N transfers start with −k·w.
 
     Parameters
     ----------
@@ -1516,7 +1518,7 @@ def charge_eff_phase(
 
     Notes
     -----
-    Charge Transfer Phase, of the group Detector.
+    Charge Transfer Phase, in the group Detector.
     Inputs: context, phase.
     Outputs: phase, ptf.
     Read-outs: ptf_at_nyquist_x (rad), ptf_at_pixel_nyquist_x (rad).
@@ -1532,13 +1534,13 @@ def tdi_mtf(
     detector_um: float | Expression | None = None,
     focal_length_mm: float | Expression | None = None,
 ) -> Part:
-    """Blur of time delay and integration: the charge moves in steps, and not as fast as the image.
+    """Blur by time delay and integration: charge steps, and a velocity mismatch with the image.
 
     sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)), about the exposure's middle. m is the velocity
     of the image over that of the charge, less 1; s is the pitch over `phases`; N = stages·phases.
-    Use it instead of Alongtrack MTF, whose smear within a stage is the step s here. `phases` of 0
-    means charge that moves without steps. Empty parameters are taken from Init & Trans. Source:
-    Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
+    Use it instead of Alongtrack MTF, whose smear within a stage is the step s here. With `phases` =
+    0 the charge moves without steps. Empty parameters are taken from Init & Trans. Source: Wong,
+    Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
 
     Parameters
     ----------
@@ -1562,7 +1564,7 @@ def tdi_mtf(
 
     Notes
     -----
-    TDI MTF, of the group Detector.
+    TDI MTF, in the group Detector.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
@@ -1581,13 +1583,13 @@ def spectral_response(
     """Weight every wavelength by the response of a detector material, a filter or a window.
 
     Each band of a spectral picture is multiplied by its mean response. Focal Plane behind it counts
-    the remaining photons; its NETD refers to the scene before the response, which weights only
-    light of the scene, not of optics and housing. A picture with one band is multiplied by the mean
-    over the band, weighted by the radiance of a black body: at the picture's mean brightness
-    temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. `file`: a
-    CSV of µm and response, interpolated linearly, 0 beyond its points. `gaussian`: `width_um` is
-    the full width at half maximum. Enter a response per watt as it is if you want radiance; Focal
-    Plane has its own response for photons.
+    the remaining photons; its NETD refers to the scene before the response. The response weights
+    only light from the scene, not from optics and housing. A picture with one band is multiplied by
+    the mean over the band, weighted by the radiance of a black body: at the picture's mean
+    brightness temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`.
+    `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points. `gaussian`:
+    `width_um` is the full width at half maximum. To get radiance, enter a response per watt
+    unchanged; for photons, use the response in Focal Plane.
 
     Parameters
     ----------
@@ -1609,7 +1611,7 @@ def spectral_response(
 
     Notes
     -----
-    Spectral Response, of the group Detector.
+    Spectral Response, in the group Detector.
     Inputs: image.
     Outputs: image.
     Read-outs: mean_of_band.
@@ -1652,16 +1654,16 @@ def focal_plane(
     The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
     which stay from frame to frame; nonlinearity towards the full well; read noise; the full well;
     gain, offset, and rounding to whole numbers. PRNU multiplies all electrons by 1 + p·deviate,
-    also those of the dark current; EMVA 1288 defines PRNU on the light signal only.
+    including dark-current electrons; EMVA 1288 defines PRNU on the light signal only.
 
-    Radiance is converted to photons by the black body of its own brightness temperature (`scene`),
-    by that of `source_K`, or by the band's middle; the table shows the signal for each choice. For
-    a spectral picture, each band is converted to photons with the response at its wavelength. A
-    band that begins below 2.5 µm has no thermal scene: there `scene` means `source`. NETD, SNR and
-    well fill refer to the picture's mean; if that is clipped, there is no NETD, SNR or NEI.
-    `frames_averaged` reduces shot and read noise with the square root of the number of frames, and
-    the average is rounded once. `saturated` is 1 where the well is full or the converter has
-    clipped.
+    Radiance is converted to photons with the spectrum of a black body at its own brightness
+    temperature (`scene`) or at `source_K` (`source`), or at the band's middle wavelength
+    (`middle`); the table shows the signal for each choice. For a spectral picture, each band is
+    converted to photons with the response at its wavelength. A band that begins below 2.5 µm has no
+    thermal scene: there `scene` means `source`. NETD, SNR and well fill refer to the picture's
+    mean; if the mean is clipped, there is no NETD, SNR or NEI. `frames_averaged` reduces shot and
+    read noise with the square root of the number of frames, and the average is rounded once.
+    `saturated` is 1 where the well is full or the converter has clipped.
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
@@ -1752,7 +1754,7 @@ def focal_plane(
 
     Notes
     -----
-    Focal Plane, of the group Detector.
+    Focal Plane, in the group Detector.
     Inputs: image, context.
     Outputs: image, electrons, noise, saturated, table.
     Read-outs: signal_e (e-), optics_e (e-), housing_e (e-), dark_e (e-), well_fill_percent (%),
@@ -1782,16 +1784,16 @@ def microbolometer(
     response_percent: float | Expression = 0.0,
     offset_mK: float | Expression = 0.0,
 ) -> Part:
-    """Add an uncooled detector's noise from its data sheet, and its thermal lag.
+    """Add an uncooled detector's noise, from its data sheet, and its thermal lag.
 
     The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ·√(t₀/t),
     with the data sheet's F₀ (1), background and, if both are given, integration time t₀. A
-    bolometer's noise is its own, so the NETD at another background goes as 1/(dL/dT). From frame to
-    frame exp(−1/(rate·time constant)) of a change remains: if frames differ, each also shows those
-    before it. With a scan velocity on Init & Trans the lag is a low-pass along the lines, 1/(1 +
-    2πi·τ·v·ξ). 1/f noise equals the white noise at `corner_Hz`. Non-uniform gain and offset are the
-    same in every frame; Non-Uniformity Correction removes them. Sources: Kruse 2001, chapters 3 and
-    4; Rogalski 2011, chapters 4 and 22.
+    bolometer's noise does not depend on the scene, so the NETD at another background goes as
+    1/(dL/dT). From frame to frame exp(−1/(rate·time constant)) of a change remains: if frames
+    differ, each still shows part of the earlier ones. With a scan velocity on Init & Trans the lag
+    is a low-pass along the lines, 1/(1 + 2πi·τ·v·ξ). 1/f noise equals the white noise at
+    `corner_Hz`. Non-uniform gain and offset are the same in every frame; Non-Uniformity Correction
+    removes them. Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22.
 
     Parameters
     ----------
@@ -1842,7 +1844,7 @@ def microbolometer(
 
     Notes
     -----
-    Microbolometer, of the group Detector.
+    Microbolometer, in the group Detector.
     Inputs: image, context.
     Outputs: image, noise, mtf, ptf, table.
     Read-outs: netd_K (K), white_netd_K (K), flicker_K (K), fixed_pattern_K (K), noise_radiance
@@ -1859,17 +1861,17 @@ def nuc(
     reference_frames: int | Expression = 16,
     drift_K: float | Expression = 0.0,
 ) -> Part:
-    """Correct a camera's non-uniform pixels with uniform references at one or two temperatures.
+    """Correct the non-uniformity of pixels with uniform references at one or two temperatures.
 
-    Put it behind the camera's modules. Their picture of a black body that fills the field of view,
-    in place of the input of the first module that adds noise, is averaged over `reference_frames`
-    frames with their own noise, once for all frames. `one_point`: the pattern at `low_K` is
-    subtracted; the residual grows with the distance from `low_K` as the gains differ. `two_point`:
-    gain and offset come from a straight line through both references; the residual is the noise of
-    their means and the nonlinearity. `drift_K` adds offsets that have drifted since, as the rms
-    over the pixels in kelvin of the scene. A pixel with less than a tenth of the mean response
-    keeps its gain. Budgets count 1/f noise, which the frames of a reference share, as if it were
-    new in each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+    Put it behind the camera's modules. A black body that fills the field of view replaces the input
+    of the first module that adds noise. Its picture is averaged over `reference_frames` frames with
+    their own noise, once for all frames. `one_point`: the pattern at `low_K` is subtracted; the
+    residual grows with the distance from `low_K`, because the gains differ. `two_point`: gain and
+    offset come from a straight line through both references; the residual is the noise of their
+    means and the nonlinearity. `drift_K` adds offset drift since the references, as rms over the
+    pixels in kelvin of the scene. A pixel with less than a tenth of the mean response keeps its
+    gain. The frames of a reference share their 1/f noise, but budgets count it as if it were new in
+    each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
 
     Parameters
     ----------
@@ -1894,7 +1896,7 @@ def nuc(
 
     Notes
     -----
-    Non-Uniformity Correction, of the group Detector.
+    Non-Uniformity Correction, in the group Detector.
     Inputs: image.
     Outputs: image, gain, offset, table.
     Read-outs: pattern_low, pattern_high, response_per_kelvin, weak_pixels.
@@ -1911,11 +1913,11 @@ def poisson_noise(
 ) -> Part:
     """Add photon noise to the picture, as in 1996 or by counting photons.
 
-    `published`: a percentage of the Gaussian-weighted local mean is the mean of a Poisson deviate,
-    which is added. `photon`: radiance is converted to a number of photons and replaced by a Poisson
-    deviate. The 1996 method has no scale of photons: in another radiance unit its noise is another
-    share of the picture, and it is added before the optics that collect the light. For the shot
-    noise of a detector use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+    `published`: a Poisson deviate is added, whose mean is a percentage of the Gaussian-weighted
+    local mean. `photon`: radiance is converted to a number of photons and replaced by a Poisson
+    deviate. The 1996 method has no photon scale: its relative noise changes with the radiance unit,
+    and it is added before the optics that collect the light. For the shot noise of a detector use
+    Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
 
     Parameters
     ----------
@@ -1937,7 +1939,7 @@ def poisson_noise(
 
     Notes
     -----
-    Poisson Noise, of the group Electronics & Noise.
+    Poisson Noise, in the group Electronics & Noise.
     Inputs: image.
     Outputs: image, noise.
     Read-outs: noise_mean (W/m²/sr), noise_sigma (W/m²/sr).
@@ -1973,14 +1975,14 @@ def electronics_noise(
     range_high: float | Expression | None = None,
     background_K: float | Expression | None = None,
 ) -> Part:
-    """Read the picture out: gain and bias, detector noise, pre-amplifier, amplifier noise, bits.
+    """Simulate read-out electronics: gain and bias, detector and amplifier noise, quantization.
 
     In this order: gain and bias errors of each detector; detector noise with rms NER; the
     pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
     reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise;
-    NETD and SNR refer to all detectors, √(1 + v²) times as noisy with a spread of v. Sources:
-    Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the picture
-    by the gain error (`literal`).
+    NETD and SNR refer to all detectors, which are √(1 + v²) times as noisy for a spread of v.
+    Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the
+    picture by the gain error (`literal`).
 
     Parameters
     ----------
@@ -2054,7 +2056,7 @@ def electronics_noise(
 
     Notes
     -----
-    Electronics & Noise, of the group Electronics & Noise.
+    Electronics & Noise, in the group Electronics & Noise.
     Inputs: image, context.
     Outputs: image, noise, detector_noise, quantization_error, mtf, ptf, table.
     Read-outs: bandwidth_Hz (Hz), g_number (1/sr), d_star (cm √Hz/W), nep_W (W), ner (W/m²/sr),
@@ -2073,7 +2075,7 @@ def periodic_noise(
     modulation_eta: float | Expression = 0.0,
     modulation_phase_deg: float | Expression = 0.0,
 ) -> Part:
-    """Add a sinusoid, such as pick-up from a supply, optionally modulated in amplitude.
+    """Add sinusoidal noise, such as pick-up from a supply, optionally modulated in amplitude.
 
     amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ) with x and y counted
     from the first sample. Frequencies beyond Nyquist appear as their aliases. An amplitude of 0
@@ -2100,7 +2102,7 @@ def periodic_noise(
 
     Notes
     -----
-    Periodic Noise, of the group Electronics & Noise.
+    Periodic Noise, in the group Electronics & Noise.
     Inputs: image.
     Outputs: image, noise.
     """
@@ -2111,7 +2113,7 @@ def noise_file(
     band: int | Expression = 0,
     scale: float | Expression = 1.0,
 ) -> Part:
-    """Add the samples of a file, times `scale`, to a picture of the same size.
+    """Add noise from a file, times `scale`, to a picture of the same size.
 
     The file may have any format that Read Image reads. Its mean is added too. A scale of 0 changes
     nothing. Source: Tantalo 1996, chapter 3.
@@ -2127,7 +2129,7 @@ def noise_file(
 
     Notes
     -----
-    Noise File, of the group Electronics & Noise.
+    Noise File, in the group Electronics & Noise.
     Inputs: image.
     Outputs: image, noise.
     """
@@ -2147,16 +2149,15 @@ def noise_3d_source(
     frame_rate_Hz: float | Expression = 30.0,
     longest_period_s: float | Expression = 60.0,
 ) -> Part:
-    """Add noise by its seven components: of time (t), rows (v), columns (h), or several together.
+    """Add 3-D noise by its components: time (t), rows (v), columns (h), and combinations.
 
-    Each component is normal with its own standard deviation, in the unit of the picture. v, h and
+    Each component is Gaussian with its own standard deviation, in the unit of the picture. v, h and
     vh are the same in every frame of a sequence; the others are new in each. `corner_Hz` adds 1/f
     noise to each sample, whose temporal spectrum equals that of sigma_tvh at that frequency. It
-    reaches from one over `longest_period_s` to half the frame rate, and any frame can be computed
-    from its number. Its whole variance counts as temporal. 3-D Noise sees only some frames, and
-    measures slower changes as fixed (vh). Without any component the picture does not change.
-    Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral
-    representation).
+    extends from 1/`longest_period_s` to half the frame rate, and any frame can be computed from its
+    number. Its whole variance counts as temporal. 3-D Noise uses only some frames, and measures
+    slower changes as fixed (vh). Without any component the picture does not change. Sources:
+    D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
 
     Parameters
     ----------
@@ -2190,7 +2191,7 @@ def noise_3d_source(
 
     Notes
     -----
-    3-D Noise Source, of the group Electronics & Noise.
+    3-D Noise Source, in the group Electronics & Noise.
     Inputs: image.
     Outputs: image, noise.
     Read-outs: temporal, fixed, flicker.
@@ -2203,10 +2204,10 @@ def mtf_slices(
     samples: int | Expression = 257,
     stages: bool = True,
 ) -> Part:
-    """Plot the MTF of each stage and of the total along a line, from zero to the end of the band.
+    """Plot the MTF of each stage and of the total along a line, from zero to Nyquist.
 
     Stages are evaluated only on that line, so the plot is fast. A magnitude shows its MTFs, not the
-    picture's spectrum; a PTF shows the phases and their sum. The band ends at the Nyquist frequency
+    picture's spectrum; a PTF shows the phases and their sum. The plot ends at the Nyquist frequency
     of the image's samples. The pixels' Nyquist frequency, half a cycle per pitch, is marked if Init
     & Trans or Camera has a pitch. Source: Tantalo 1996, figs. 5.26 and 5.53.
 
@@ -2224,7 +2225,7 @@ def mtf_slices(
 
     Notes
     -----
-    MTF Slices, of the group Analysis.
+    MTF Slices, in the group Analysis.
     Inputs: transfer.
     Outputs: curve.
     Read-outs: at_nyquist_x, at_nyquist_y, at_pixel_nyquist_x, at_pixel_nyquist_y.
@@ -2250,16 +2251,15 @@ def measured_mtf(
     `slanted_edge`: the angle of the edge is found, the samples are sorted by their distance from it
     into quarters of a sample, the derivative of their means is windowed and transformed, and the
     responses of quarters and derivative are divided out; frequencies are along the edge's normal.
-    `row_average`: the mean of the rows is clipped at its ends, its derivative transformed, and the
-    modulus divided by its largest value; the response of the differences, 0.64 at Nyquist, is not
-    divided out. Standard errors come from leaving out rows.
+    `row_average`: the mean of the rows is clipped at its ends, its derivative is transformed, and
+    the modulus is divided by its largest value; the response of the differences, 0.64 at Nyquist,
+    is not divided out. Standard errors come from leaving out rows.
 
     `expected` is the MTF of the picture's chain in the same direction up to Nyquist: all stages
     from the source on, and the samples of a test scene, which are means over their area. The blur
-    of a scene in a file is unknown and not included; a picture straight from a file expects
-    nothing. Aliasing in `row_average` is not included. `imagechain measure` finds the edges in
-    pictures of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix
-    B.
+    of a scene in a file is unknown and not included; a picture straight from a file has no expected
+    MTF. Aliasing in `row_average` is not included. `imagechain measure` finds the edges in pictures
+    of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
 
     Parameters
     ----------
@@ -2297,7 +2297,7 @@ def measured_mtf(
 
     Notes
     -----
-    Measured MTF, of the group Analysis.
+    Measured MTF, in the group Analysis.
     Inputs: image.
     Outputs: curve, spread, table.
     Read-outs: mtf50 (cyc/mrad), mtf50_error (cyc/mrad), mtf50_per_pixel (cyc/pixel), mtf10
@@ -2333,39 +2333,39 @@ def figures_of_merit(
 ) -> Part:
     """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor that made a picture.
 
-    Transfer function and noise come from the picture's chain; nothing is drawn or measured. SNR and
-    background use the mean of the picture without noise and without gain and bias errors. Connect
-    the picture as the sensor samples it, before a frame grabber interpolates it: its samples set
-    the Nyquist frequency and the noise bandwidth.
+    Transfer function and noise are predicted from the picture's chain; no noise is drawn or
+    measured. SNR and background use the mean of the picture without noise and without gain and bias
+    errors. Connect the picture as the sensor samples it, before a frame grabber interpolates it:
+    its samples set the Nyquist frequency and the noise bandwidth.
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only, and has no sampling
     limit; `flir92` also uses fixed patterns, which do not average over time, and ends at Nyquist
     where the sensor samples. Temporal noise is averaged with its spectrum in the picture. 2-D: the
-    root of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the mean of its
-    blurred image.
+    geometric mean of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the
+    mean of its blurred image.
 
-    `scanning` says where the sensor samples: `staring` in both directions; `serial_scan` between
-    the lines that one detector scans along x; `parallel_scan` between its detectors, which lie
-    along x on platform `push` and otherwise along y. All other differences are in the picture's
+    `scanning` sets the directions in which the sensor samples: `staring` in both; `serial_scan`
+    between the lines that one detector scans along x; `parallel_scan` between its detectors, which
+    lie along x on platform `push` and otherwise along y. All other differences are in the picture's
     noise: bandwidth_Hz (one detector instead of n is n times as fast, and noisier by √n), and gain
     and bias errors on a uniform field: none on `line` with one detector; σ_h on `push`, which hides
     upright bars; σ_vh on `array`. 1/f noise of channels (σ_tv) is not simulated.
 
     A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature: it
     is refused unless `background_K` gives the temperature of the scene's own emission; use Image
-    Quality. All figures in K apply at the camera, behind the air, for the background as it appears
-    there. The ΔT that remains at a range follows from Atmospheric Path, if the picture has passed
-    one: τ(R) of each wavelength, weighted by dL/dT; otherwise ΔT·exp(−extinction·range).
+    Quality instead. All figures in K apply at the camera, behind the air, for the background as it
+    appears there. The ΔT that remains at a range follows from Atmospheric Path, if the picture has
+    passed one: τ(R) of each wavelength, weighted by dL/dT; otherwise ΔT·exp(−extinction·range).
 
     Johnson: cycles across the target up to the frequency where it reaches the 2-D MRTD, over N50.
-    TTP: the sum of √(contrast/threshold) over frequencies. The threshold combines that of the eye
-    through the MTF and that of the MRTD, as the root of their squares (`mrtd`), or is the published
-    CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), to which published V50 belong: α =
-    169.6 √Hz, σ the noise in K·√s that the eye's channels and eyeball leave beside a sine, S the
-    scene contrast; fixed patterns count with `flir92`. Display and eye are not part of the MRTD.
-    The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is quoted
-    for identifying tracked vehicles, which could not be checked.
+    TTP: the sum of √(contrast/threshold) over frequencies. The threshold is the root sum of squares
+    of the eye's threshold through the MTF and the MRTD's contrast (`mrtd`), or the published
+    CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), for which V50 values are published: α
+    = 169.6 √Hz, σ the noise in K·√s that passes the eyeball and the eye's channel at the frequency,
+    S the scene contrast; fixed patterns count with `flir92`. Display and eye are not part of the
+    MRTD. The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is
+    quoted for identifying tracked vehicles, which could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
@@ -2443,7 +2443,7 @@ def figures_of_merit(
 
     Notes
     -----
-    Figures of Merit, of the group Analysis.
+    Figures of Merit, in the group Analysis.
     Inputs: context, image.
     Outputs: mrtd, mdtd, probability, table.
     Read-outs: snr, netd_K (K), ner (W/m²/sr), mrtd_x_K (K), mrtd_y_K (K), detection_range_km (km),
@@ -2458,13 +2458,13 @@ def noise_budget(
 ) -> Part:
     """Show how much each source contributes to the noise, and each stage to the blur.
 
-    Everything is computed from the picture's chain; nothing is drawn. Each noise is followed to the
-    picture through the filters, combined pixels and interpolation behind it. Variances of
-    independent noises add, so each source has a share of the sum. `fixed` are patterns that stay
-    from frame to frame, as the average over all sensors of this kind. Rounding counts as noise.
+    Everything is computed from the picture's chain; no noise is drawn. Each noise source is
+    followed to the picture through the filters, combined pixels and interpolation that follow it.
+    Variances of independent noises add, so each source has a share of the sum. `fixed` are patterns
+    that stay from frame to frame, averaged over all sensors of this kind. Rounding counts as noise.
     Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian blur is
-    proportional to its variance. A stage that amplifies has a negative share: the part of the loss
-    that it makes up for. A stage that blocks everything has the whole share. Phases do not blur.
+    proportional to its variance. A stage that amplifies has a negative share: it recovers this part
+    of the loss. A stage that blocks everything has the whole share. Phases do not blur.
 
     Parameters
     ----------
@@ -2480,7 +2480,7 @@ def noise_budget(
 
     Notes
     -----
-    Noise Budget, of the group Analysis.
+    Noise Budget, in the group Analysis.
     Inputs: image.
     Outputs: noise, blur, table.
     Read-outs: sigma, sigma_temporal, sigma_fixed, mtf_x, mtf_y, xi (cyc/mrad), eta (cyc/mrad).
@@ -2491,19 +2491,20 @@ def noise_3d(
     frames: int | Expression = 16,
     path: str | PathLike[str] | None = None,
 ) -> Part:
-    """Split noise by what it varies with: time (t), rows (v), columns (h), or several.
+    """Split noise into its 3-D components: time (t), rows (v), columns (h), and combinations.
 
-    Predicted: every noise of the chain is followed to this picture, through the transfer functions,
-    combined pixels and interpolation behind it. Measured: frames of the picture are simulated, each
-    with its own temporal noise and the same fixed patterns. The noise-free picture is subtracted,
-    and unbiased estimates split the variance into the seven components. Only one pattern is
-    measured, so a fixed component with few rows or columns scatters about the prediction for all
-    sensors of this kind. Noise correlated between neighbours also appears in σ tv and σ th.
+    Predicted: every noise source of the chain is followed to this picture, through the transfer
+    functions, combined pixels and interpolation that follow it. Measured: frames of the picture are
+    simulated, each with its own temporal noise and the same fixed patterns. The noise-free picture
+    is subtracted, and unbiased estimates split the variance into the seven components. Only one
+    pattern is measured, so a fixed component with few rows or columns scatters about the prediction
+    for all sensors of this kind. Noise correlated between neighbours also appears in σ tv and σ th.
     Rounding counts as noise. A file of frames (`path`), from a camera for example, is measured
-    instead of simulated frames, one frame at a time: everything that stays from frame to frame then
-    counts as fixed pattern, also the scene, so use frames of a uniform scene. If you also link a
-    picture, its prediction is shown beside. Sources: D'Agostino and Webb 1991; Scott and D'Agostino
-    1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased estimates).
+    instead of simulated frames, one frame at a time: everything that stays from frame to frame,
+    including the scene, then counts as fixed pattern, so use frames of a uniform scene. If you also
+    link a picture, its prediction is shown alongside. Sources: D'Agostino and Webb 1991; Scott and
+    D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased
+    estimates).
 
     Parameters
     ----------
@@ -2516,7 +2517,7 @@ def noise_3d(
 
     Notes
     -----
-    3-D Noise, of the group Analysis.
+    3-D Noise, in the group Analysis.
     Inputs: image (optional).
     Outputs: curve, table.
     Read-outs: sigma_tvh, sigma_vh, sigma_v, sigma_h, sigma_t, sigma_tv, sigma_th, temporal, fixed,
@@ -2531,10 +2532,11 @@ def compare_images(
     """Measure the difference between a picture and a reference of the same size.
 
     It gives the root mean square, largest and mean difference, and the peak signal-to-noise ratio,
-    whose peak is the reference's maximum less its minimum. The MTF ratio is the modulus of the
-    picture's spectrum over that of the reference, on both frequency axes, or as the root of the
-    ratio of powers in rings. Frequencies at which the reference has only rounding are left out. For
-    a frame filtered with mirrored edges, set `edges` to `reflect`, and the ratio is the MTF itself.
+    whose peak is the reference's maximum minus its minimum. The MTF ratio divides the modulus of
+    the picture's spectrum by the reference's, on both frequency axes; or it is the root of the
+    power ratio in rings. Frequencies at which the reference has only rounding errors are left out.
+    For a frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF
+    itself.
 
     Parameters
     ----------
@@ -2547,7 +2549,7 @@ def compare_images(
 
     Notes
     -----
-    Compare Images, of the group Analysis.
+    Compare Images, in the group Analysis.
     Inputs: image, reference.
     Outputs: table, difference, curve.
     Read-outs: rmse, max_error, psnr_dB (dB), mean_difference.
@@ -2559,14 +2561,14 @@ def spatial_blur(
     half_width_px: int | Expression = 16,
     error: float | Expression = 0.001,
 ) -> Part:
-    """Blur by convolution with the impulse response, instead of Back Transform.
+    """Blur by convolution with the impulse response; use it instead of Back Transform.
 
     It takes the inputs of Back Transform: the impulse response is the inverse transform of all
-    collected MTFs and PTFs. Separable ones need a pass along x and one along y, others a
+    collected MTFs and PTFs. Separable ones need a pass along x and one along y; others need a
     two-dimensional kernel. Whole kernels give the result of Back Transform, to rounding. A
     truncated kernel has an error of at most `error_bound`: the sum of the moduli of what was cut
-    off, as a share of the scene's largest departure from its mean, which is kept. A transfer
-    function that has not fallen to zero at Nyquist rings, and its kernel cannot be both short and
+    off, as a share of the scene's largest deviation from its mean. The mean is kept. If a transfer
+    function has not fallen to zero at Nyquist, its kernel rings and cannot be both short and
     precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
@@ -2586,7 +2588,7 @@ def spatial_blur(
 
     Notes
     -----
-    Spatial Blur, of the group Analysis.
+    Spatial Blur, in the group Analysis.
     Inputs: magnitude, phase.
     Outputs: image, curve, table.
     Read-outs: taps, error_bound.
@@ -2604,26 +2606,26 @@ def line_by_line(
     nodes: int | Expression | None = None,
     tolerance: float | Expression = 1e-05,
 ) -> Part:
-    """Filter a line scanner's frame with its true sampling, instead of Back Transform.
+    """Filter a line scanner's frame with its true sampling; use it instead of Back Transform.
 
-    A line scanner samples in equal angles along the scan and in equal steps on the ground in
+    A line scanner samples in equal angles along the scan and in equal steps on the ground along the
     flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan have one scale, factors in flight have one in each column, and pupils and other planar
-    factors have both. All are angles at the sensor, as in their modules; edges and PTFs are as in
-    Back Transform. What separates is exact. Planar factors are blended from a few intervals
-    (`nodes`), with an estimate of the error, or summed for each (`direct`). A pushbroom or an array
-    samples evenly, so nothing differs. The ground is flat, and motion blur over it has the same
-    angle as at nadir.
+    scan have one scale, factors along the flight have one per column, and pupils and other planar
+    factors have both. All are in angles at the sensor, as in their modules; edges and PTFs are as
+    in Back Transform. Separable factors are exact. Planar factors are blended from a few intervals
+    (`nodes`), with an estimate of the error, or summed for each (`direct`). For a pushbroom or an
+    array, which sample evenly, both outputs agree. The ground is flat, and motion blur over it has
+    the same angle as at nadir.
 
     When is one interval for the whole image good enough? The Inframetrics' blur of three samples on
     the built-in scene (network `line_by_line`) is wrong by at most 0.03 % of the picture's range in
     a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2 % in 60°, 5 % in 90° and 10 % in 120°, rms 0.002,
-    0.02, 0.05, 0.1, 0.25 and 0.5 %: as 1 − cos(view angle). In the thesis' field of 30°, six bits
-    hide the error. Line by line takes 1.3 to 4 times as long (`imagechain bench --only precision`,
-    table scanning), `direct` 60 times and more. Source: Tantalo 1996, section 2 and fig. 2.3, which
-    leaves the comparison to later work.
+    0.02, 0.05, 0.1, 0.25 and 0.5 %: it grows as 1 − cos(view angle). In the thesis' field of 30°,
+    six-bit quantization hides the error. Filtering line by line takes 1.3 to 4 times as long
+    (`imagechain bench --only precision`, table scanning), `direct` 60 times and more. Source:
+    Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
 
     Parameters
     ----------
@@ -2652,7 +2654,7 @@ def line_by_line(
 
     Notes
     -----
-    Line by Line, of the group Analysis.
+    Line by Line, in the group Analysis.
     Inputs: context, magnitude, phase.
     Outputs: image, whole, difference, curve, table.
     Read-outs: rms_percent (%), max_percent (%), max_view_deg (deg), interval_nadir_mrad (mrad),
@@ -2685,16 +2687,16 @@ def camera_geometry(
 ) -> Part:
     """Sample a wider scene on flat ground as a line scanner, pushbroom or framing camera does.
 
-    The scene has equal steps on the ground, and its middle is below the camera. A line scanner
+    The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
     samples equal angles, so its samples grow as sec² across and sec along (panoramic distortion); a
-    pushbroom and a framing camera sample equal steps in the focal plane. Lines are flown down the
-    picture, at equal distances on the ground. Each sample is the mean of the scene over its whole
-    footprint, so nothing aliases and a uniform scene stays uniform. Blur comes afterwards: choose
-    samples finer than the detector, and combine pixels behind the detector's MTF.
+    pushbroom and a framing camera sample equal steps in the focal plane. The flight runs down the
+    picture, and its lines are equally spaced on the ground. Each sample is the mean of the scene
+    over its whole footprint, so nothing aliases and a uniform scene stays uniform. Blur comes
+    afterwards: choose samples finer than the detector, and combine pixels after the detector's MTF.
 
-    Footprints are exact if they lie along the scene's rows or columns, as without yaw; those of a
-    framing camera with roll or pitch alone are exact to 10⁻⁴ of the scene's range. Other footprints
-    are oblique and are cut into `strips`, with an estimate of the error. Source: Tantalo 1996,
+    Footprints along the scene's rows or columns, as without yaw, are exact. With roll or pitch
+    alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's range. Other footprints
+    are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo 1996,
     sections 2 and 5.3, for the Salacain camera.
 
     Parameters
@@ -2753,7 +2755,7 @@ def camera_geometry(
 
     Notes
     -----
-    Camera Geometry, of the group Analysis.
+    Camera Geometry, in the group Analysis.
     Inputs: image.
     Outputs: image, coverage, curve, table.
     Read-outs: swath_m (m), gsd_x_m (m), gsd_y_m (m), gsd_edge_x_m (m), gsd_edge_y_m (m),
@@ -2769,12 +2771,12 @@ def image_quality(
     overshoot: float | Expression | None = None,
     noise_gain: float | Expression = 1.0,
 ) -> Part:
-    """Estimate the interpretability (NIIRS) of a picture by GIQE 3, 4 and 5.
+    """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
     The ground sample distance is the picture's interval times the range, stretched along by the
-    view angle off nadir. The relative edge response (how far an edge rises within a sample about
-    it) and the overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer
-    functions, and the SNR from its mean signal and temporal noise: nothing is drawn or measured.
+    angle off nadir. The relative edge response (how far an edge rises within one sample around it)
+    and the overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer
+    functions, and the SNR from its mean signal and temporal noise; no noise is drawn or measured.
     All are geometric means across and along. Connect the picture as the sensor samples it, before a
     frame grabber interpolates it.
 
@@ -2808,7 +2810,7 @@ def image_quality(
 
     Notes
     -----
-    Image Quality, of the group Analysis.
+    Image Quality, in the group Analysis.
     Inputs: context, image.
     Outputs: edge, table.
     Read-outs: giqe5 (NIIRS), giqe4 (NIIRS), giqe3 (NIIRS), gsd_m (m), rer, overshoot, snr.
