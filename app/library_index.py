@@ -58,7 +58,7 @@ class _Unpickler(pickle.Unpickler):
     def find_class(self, module: str, name: str) -> Any:
         found = super().find_class(module, name) if module.startswith("core.modules.") else None
         if not is_dataclass(found) or found.__module__ != module:
-            raise pickle.UnpicklingError(f"{module}.{name} is no part of a declaration")
+            raise pickle.UnpicklingError(f"{module}.{name} is not part of a declaration")
         return found
 
 

@@ -13,15 +13,15 @@ from core.evaluation.policy import Policy
 PARTS = {
     "speed": "Speed",
     "precision": "Time against error",
-    "peers": "Beside other programs",
+    "peers": "Comparison with other programs",
     "studies": "Studies",
-    "measure": "Measuring pictures, and fitting to them",
+    "measure": "Measuring pictures and fitting to them",
 }
 TITLE = "Imagechain: run time against error"
 LEAD = (
-    "Time is given in T0, the bare round trip irfft2(rfft2(image)) of the same image, type and "
-    "threads, measured in turn with the subject: what any Fourier method has to pay. Medians of "
-    "the ratios of pairs."
+    "Times are in units of T0, the bare round trip irfft2(rfft2(image)) on the same image, "
+    "type and threads, which any Fourier method has to pay. The two are timed in turn; the "
+    "figures are medians of the ratios."
 )
 Measures = Sequence[Callable[[Settings], list[Table]]]
 Measured = Mapping[str, Sequence[Table]]
@@ -47,10 +47,10 @@ def measured(
     }  # fmt: skip
     versions = ", ".join(f"{name} {release}" for name, release in machine["versions"].items())
     say(
-        f"{machine['processor']}, {machine['usable_cores']} of {machine['cores']} cores, "
-        f"load {machine['load']:.1f}; {versions}; periodic frames by {machine['fft']}\n"
-        "T0 = scipy.fft.irfft2(scipy.fft.rfft2(image)), same image, type and threads, measured in "
-        "turn with the subject"
+        f"{machine['processor']}, {machine['usable_cores']} of {machine['cores']} cores, load "
+        f"{machine['load']:.1f}; {versions}; periodic frames by {machine['fft']}\\nT0 = "
+        "scipy.fft.irfft2(scipy.fft.rfft2(image)), on the same image, type and threads, timed "
+        "in turn with the subject"
     )
     tables: dict[str, list[Table]] = {}
     for name, measures in parts.items():

@@ -72,7 +72,7 @@ def _draw_errors(axis: Any, chart: Chart, rows: Sequence[Row]) -> None:
     axis.set_ylabel(chart.error)
     if named:
         axis.figure.legend(loc="outside lower center", ncols=min(len(groups), 4), frameon=False)
-    notes = [_note(axis, "↙ faster, nearer to the truth", (5, 4), (0.0, 0.0))]
+    notes = [_note(axis, "↙ faster and more accurate", (5, 4), (0.0, 0.0))]
     low, high = axis.get_xlim()
     if low < 1.0 < high:
         axis.axvline(1.0, color=FAINT, lw=1.0, ls=(0, (4, 3)), zorder=1)

@@ -48,8 +48,9 @@ def measuring(settings: Settings) -> list[Table]:
         rows.append({**row, **took, **judged(took["seconds"], REACH_S[size])})
     heads = {"subject": "picture", "edges": "edges", "used": "used", **TIMES}
     text = (
-        "Squares turned by 7°, blurred by 0.8 samples, with noise: search for edges, MTF across "
-        "each, pooled, and the noise of the flat areas; the picture is in memory."
+        "A picture in memory: squares turned by 7°, blurred by 0.8 samples, with noise. "
+        "Timed: finding the edges, the MTF across each, pooling, and the noise of the flat "
+        "areas."
     )
     title = "Measuring a picture, double precision"
     return [Table("measure", title, heads, rows, text)]
@@ -71,7 +72,8 @@ def fitting(settings: Settings) -> list[Table]:
         rows.append({**row, **took, **judged(took["seconds"], 5.0)})
     heads = {"subject": "free parameters", "edges": "edges", **TIMES}
     text = (
-        f"A chart of {shape[1]} × {shape[0]} samples: its edges searched for, and the fit to them."
+        f"A chart of {shape[1]} × {shape[0]} samples. Timed: finding its edges, and fitting to "
+        "them."
     )
     return [Table("fit", "Fitting a network to a picture", heads, rows, text)]
 

@@ -76,16 +76,16 @@ def peers(settings: Settings) -> list[Table]:
     heads = {"program": "program", "version": "version", "size": "size", **T0_HEADS}
     heads |= {"error": "delivered MTF error", "shift": "shift, samples", "note": ""}
     text = (
-        "T0 is the round trip of the frame in single precision for every row. `known`: the "
-        "transfer function or PSF is there already and only the frame is new. `mirrored`: tails of "
-        "the point's image come back from the edges, which the FFT takes for an error. Extra "
-        "`peers` installs the other programs."
+        "In every row T0 is the round trip of the frame in single precision. `known`: the "
+        "transfer function or PSF has been computed already, and only the frame is new. "
+        "`mirrored`: tails of the point's image come back from the edges, and the FFT counts "
+        "them as an error. The extra `peers` installs the other programs."
     )
     last = ("size", sizes[-1])
     name = f"Aperture and pixel: error of the delivered MTF against time, {sizes[-1]}²"
     chart = Chart("largest error of the delivered MTF", "program", "maker",
                   lines=False, title=name, where=last, by_colour=True)  # fmt: skip
-    title = "Circular aperture and square pixel: the frame filtered"
+    title = "Filtering a frame: circular aperture and square pixel"
     return [Table("peers", title, heads, rows, text, chart)]
 
 
@@ -325,11 +325,11 @@ def peer_cameras(_settings: Settings) -> list[Table]:
     heads = {"camera": "camera", "figure": "figure", "ours": "imagechain"}
     heads |= {"pybsm": f"pyBSM {release}".strip(), "unit": "", "percent": "difference, %"}
     text = (
-        "Uniform scenes; the contrast SNR is the difference of two scenes' electrons over the "
-        "noise of the brighter. pyBSM's converter has 2^bits steps, ours one less, and it sums "
-        f"over {SAMPLES} wavelengths."
+        "Uniform scenes. The contrast SNR is the difference in electrons between two scenes, "
+        "divided by the noise of the brighter one. pyBSM's converter has 2^bits steps, ours "
+        f"one fewer; pyBSM sums over {SAMPLES} wavelengths."
     )
-    title = "Photons to electrons: noise and SNR of cameras beside pyBSM"
+    title = "From photons to electrons: noise and SNR of cameras, compared with pyBSM"
     return [Table("peer_cameras", title, {**heads, "note": ""}, rows, text)]
 
 

@@ -58,10 +58,11 @@ def precision(settings: Settings) -> list[Table]:
     heads = {"choice": "precision", **T0_HEADS, "error": "error / max"}
     heads["mean_error"] = "error of the mean, relative"
     text = (
-        "Default single: its error is far below the steps of any quantizer in use and the noise, "
-        "and its samples take half the room. T0 is that of single precision in both rows."
+        "Single is the default: its error is far below the noise and the step of any "
+        "quantizer in use, and it takes half the memory. T0 is in single precision in both "
+        "rows."
     )
-    title = f"Precision: Kodak optics, {settings.small}², mirrored, against a direct sum"
+    title = f"Precision: Kodak optics, {settings.small}², mirrored, compared with a direct sum"
     return [Table("precision", title, heads, rows, text, Chart("largest error", "choice"))]
 
 
@@ -80,12 +81,13 @@ def edges(settings: Settings) -> list[Table]:
         row = _of_picture(kodak, network, expected, scene, settings)
         rows.append({"choice": choice, **row, "border": float(other.max()), "inside": inside})
     heads = {"choice": "edges", **T0_HEADS, "error": "error / max"}
-    heads |= {"border": "difference from reflect", "inside": "the same, 8 samples inside"}
+    heads |= {"border": "difference from reflect", "inside": "the same, 8 samples from the edge"}
     text = (
-        "Default reflect: no part of the picture comes from its far side, and no frame is padded "
-        "for that; the columns on the right show what repeating the frame would change."
+        "Reflect is the default: no part of the picture comes from its far side, and the "
+        "frame need not be padded. The columns on the right show what a periodic frame would "
+        "change."
     )
-    title = f"Edges: Kodak optics, {settings.small}², single precision, against direct sums"
+    title = f"Edges: Kodak optics, {settings.small}², single precision, compared with direct sums"
     return [Table("edges", title, heads, rows, text, Chart("largest error", "choice"))]
 
 
@@ -198,11 +200,11 @@ def pupil_sampling(settings: Settings) -> list[Table]:
             rows.append({**row, **timing, "error": otf.error(shape)})
     heads = {"shape": "pupil", "choice": "OTF", **T0_HEADS, "error": "largest error"}
     text = (
-        "Default exact: no sampled pupil comes near the closed form's error, at any price. Samples "
-        "are for pupils from files and with a wavefront error, where there is none; 512² of them "
-        "are the default array."
+        "Exact is the default: no sampled pupil comes near the closed form's error, however "
+        "long it takes. Pupils from files and with a wavefront error have no closed form and "
+        "are sampled, by default on 512²."
     )
-    title = f"Pupil: closed form against autocorrelated samples, {settings.small}² frequencies"
+    title = f"Pupil: closed form and autocorrelated samples, {settings.small}² frequencies"
     chart = Chart("largest error", "choice", "curve")
     return [Table("pupil_sampling", title, heads, rows, text, chart)]
 
@@ -220,10 +222,10 @@ def interpolation(settings: Settings) -> list[Table]:
             rows.append({"choice": how, "size": f"{size}²", **timing, "error": error})
     heads = {"choice": "interpolation", "size": "samples", **T0_HEADS, "error": "largest error"}
     text = (
-        "Default bilinear: it weighs its four lags alike in every direction. Linear over three has "
-        "the smaller error with coarse samples, since its facets follow the cusp at zero lag; with "
-        "fine ones both come down to the error of the samples. None is only to look at: it filters "
-        "nothing."
+        "Bilinear is the default: it weights the four neighbouring lags the same way in every "
+        "direction. Linear over three has a smaller error with coarse samples, since its "
+        "facets follow the cusp at zero lag; with fine samples both have only the error of "
+        "the samples. None is for viewing only: it filters nothing."
     )
     title = f"Interpolation of an autocorrelated half moon, {settings.small}² frequencies"
     chart = Chart("largest error", "size", "choice")
@@ -262,9 +264,10 @@ def wavelengths(settings: Settings) -> list[Table]:
             error = float(np.abs(computed - np.array(means)).max())
             rows.append({"aperture": aperture, "choice": count, **timing, "error": error})
     text = (
-        "Default 1, the band's mean wavelength: over the picture's frequencies the OTF of an "
-        "aperture such as Kodak's is almost a straight line in λ. Take more where the cutoff falls "
-        "among them, as for the small one; the truth is an adaptive integral over the band."
+        "The default is 1, the mean wavelength of the band: over the picture's frequencies, "
+        "the OTF of an aperture such as Kodak's is almost a straight line in λ. Use more if "
+        "the cutoff falls among these frequencies, as for the small aperture. The truth is an "
+        "adaptive integral over the band."
     )
     chart = Chart("largest error", "choice", "aperture")
     return [Table("wavelengths", title, heads, rows, text, chart)]
@@ -272,7 +275,7 @@ def wavelengths(settings: Settings) -> list[Table]:
 
 def charge_transfer(settings: Settings) -> list[Table]:
     """Published, leading and exact transfer functions against the product of all transfers."""
-    title = "Charge transfer: H = MTF·exp(i·PTF) against the product of all transfers"
+    title = "Charge transfer: H = MTF·exp(i·PTF) compared with the product of all transfers"
     heads = {"choice": "model", "setting": "N(1 − ε)", "t0": "T0", "mtf": "error of MTF"}
     heads |= {"ptf": "error of PTF, rad", "error": "error of H"}
     mp = truth.mpmath()
@@ -297,10 +300,10 @@ def charge_transfer(settings: Settings) -> list[Table]:
             row |= {name: float(values.max()) for name, values in errors.items()}
             rows.append(row | timing)
     text = (
-        "Default exact: a vector along one axis costs nothing beside the picture, and the "
-        "published phase is another law, which starts with w³ instead of w."
+        "Exact is the default: a vector along one axis takes almost no time compared with the "
+        "picture. The published phase follows another law, which starts with w³ instead of w."
     )
-    name = "Charge transfer against the product of all transfers, by N × (1 − ε)"
+    name = "Charge transfer compared with the product of all transfers, by N × (1 − ε)"
     chart = Chart("largest error of H", "setting", "choice", lines=False, title=name)
     return [Table("charge_transfer", title, heads, rows, text, chart)]
 
@@ -337,13 +340,14 @@ def poisson(settings: Settings) -> list[Table]:
     heads |= {"error": "Kolmogorov distance", "chance": "chance allows"}
     heads["variance"] = "variance / mean − 1"
     text = (
-        "Default exact, at every mean up to 1e12: normal deviates, rounded to counts, err most "
-        "where photons are few, and there the exact way is the faster, since it draws the events "
-        "alone. From a few photons a sample on normal ones are faster, and their distance falls as "
-        "1/√mean. The distance is the largest between the deviates' distribution and Poisson's; 95 "
-        f"of 100 exact fields of {settings.size}² stay below {chance:.1g}."
+        "Exact is the default, at every mean up to 1e12. Normal deviates, rounded to counts, "
+        "are least accurate where photons are few; there exact is also faster, since it draws "
+        "only the events. From a few photons per sample on, normal deviates are faster, and "
+        "their distance falls as 1/√mean. The distance is the largest difference between the "
+        f"deviates' distribution and Poisson's; 95 of 100 exact fields of {settings.size}² "
+        f"stay below {chance:.1g}."
     )
-    title = f"Poisson deviates, and normal ones in their place: {settings.size}² samples"
+    title = f"Poisson deviates, and normal deviates instead: {settings.size}² samples"
     chart = Chart("Kolmogorov distance from Poisson", "mark", "choice",
                   title=f"{title}, by their mean", floor=(chance, "below: chance"))  # fmt: skip
     return [Table("poisson", title, heads, rows, text, chart)]
@@ -376,9 +380,9 @@ def skipping(settings: Settings) -> list[Table]:
     heads = {"precision": "precision", "tolerance": "tolerance", **T0_HEADS}
     heads |= {"skipped": f"left out of {len(STRENGTHS)}", "error": "rms error / (max − min)"}
     text = (
-        "Default an eighth of the samples' rounding: what it leaves out cannot be distinguished "
-        "from rounding; a greater tolerance is kept to as well, and saves time. T0 is that of "
-        "single precision in all rows."
+        "The default is an eighth of the samples' rounding: what it leaves out cannot be told "
+        "from rounding. A larger tolerance also holds, and saves time. T0 is in single "
+        "precision in all rows."
     )
     title = f"Stages left out: {len(STRENGTHS)} weak stages, {settings.small}², mirrored"
     name = f"{title}: tolerance (stages left out)"

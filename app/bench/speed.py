@@ -51,8 +51,8 @@ def networks(settings: Settings) -> list[Table]:
     rows += [_unchanged(kodak, settings)]
     title = f"Kodak KIR-310, {settings.size}² → {settings.size // 2}², single precision"
     text = (
-        "Cold: nothing computed but the scene, which is in memory; imports done. Median and "
-        "quartiles of the ratios of pairs, the subject and T0 in turn."
+        "Cold: only the scene is in memory, and imports are done. Median and quartiles of the "
+        "ratios; the subject and T0 are timed in turn."
     )
     name = f"Time of the whole chain and of edits: {title}"
     chart = Chart(title=name, where=("unit", "T0"))
@@ -64,8 +64,9 @@ def one_thread(settings: Settings) -> list[Table]:
     rows = _cold_and_edited(Kodak(settings.size, threads=1), settings)
     title = f"The same on one thread, {settings.size}² → {settings.size // 2}²"
     text = (
-        "T0 is that of one thread. What is planned, drawn up and summed between the large loops "
-        "runs on one thread in either table, and counts more where the loops run on several."
+        "T0 is measured on one thread. The work between the large loops (planning, noise, "
+        "sums) runs on one thread in both tables, and counts more where the loops run on "
+        "several."
     )
     return [Table("one_thread", title, HEADS, rows, text)]
 
@@ -75,7 +76,7 @@ def _cold_and_edited(kodak: Kodak, settings: Settings) -> list[Any]:
     sensor, every = ("electronics",), tuple(whole.nodes)
     cold: list[Subject] = [
         ("whole network", partial(kodak.cold, whole, FINAL, sensor), 5.0, 2.5),
-        ("whole, read-outs of every node", partial(kodak.cold, whole, FINAL, every), 5.0, 2.5),
+        ("whole, with read-outs of every node", partial(kodak.cold, whole, FINAL, every), 5.0, 2.5),
         ("without photon noise", partial(kodak.cold, quiet, FINAL, sensor), 4.0, 2.0),
         ("optics alone, pixels combined", partial(kodak.cold, quiet, PIXELS), 2.2, 1.2),
     ]
@@ -151,9 +152,10 @@ def cameras(settings: Settings) -> list[Table]:
     heads |= {"high": "75 %", "ms": "ms", "t0_ms": "T0 ms", **TARGETS}
     title = f"A camera in electrons, {settings.size}², single precision"
     text = (
-        "Shot and read noise, PRNU, DSNU, a bent response, bad pixels, 14 bits. Alone: the picture "
-        "behind the optics is known, and nothing of the camera. Four normal deviates a pixel are "
-        "half of it; unit deviates are values of their own, so that an edit draws none."
+        "Shot and read noise, PRNU, DSNU, a nonlinear response, bad pixels, 14 bits. `alone`: "
+        "the picture behind the optics is known, and nothing of the camera. Four normal "
+        "deviates a pixel take half of the time; they are kept as values of their own, so an "
+        "edit draws none again."
     )
     return [Table("cameras", title, heads, rows, text)]
 
@@ -191,10 +193,10 @@ def frames(settings: Settings) -> list[Table]:
     heads |= {"reach": "ms, reach", "aim": "ms, aim", "verdict": ""}
     title = f"Frames of a camera, {columns} × {lines}, single precision"
     text = (
-        f"The camera above, {count} frames to a file of the temporary folder, flushed to its disk; "
-        "the picture that the noise is drawn on is known, and is made once for all frames. A frame "
-        "draws shot and read noise anew, and shares the fixed patterns and bad pixels. Reach is 60 "
-        "frames a second, aim 120."
+        f"The camera above, {count} frames to a file in the temporary folder, flushed to its "
+        "disk. The picture before the noise is made once for all frames. Each frame has new "
+        "shot and read noise, and the same fixed patterns and bad pixels. Reach is 60 frames "
+        "a second, aim 120."
     )
     return [Table("frames", title, heads, rows, text)]
 
@@ -214,7 +216,7 @@ def fresh_process(settings: Settings) -> list[Table]:
     heads = {n: h for n, h in HEADS.items() if not n.endswith("ms")}
     heads |= {"low": "least", "high": "most"}
     title = f"Fresh process, {settings.size}², median of {starts}"
-    text = "With the start of Python, the drawing of the scene and the files written."
+    text = "Including the start of Python, drawing the scene and writing the files."
     return [Table("fresh_process", title, heads, [row], text)]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-NEEDS_MPMATH = "not measured: its truth needs mpmath, which is not installed (extra `peers`)"
+NEEDS_MPMATH = "not measured: the truth needs mpmath, which is not installed (extra `peers`)"
 PI = np.longdouble("3.14159265358979323846264338327950288")
 
 

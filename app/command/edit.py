@@ -46,8 +46,8 @@ def check_display(environment: os._Environ[str] | dict[str, str]) -> None:
     display = environment.get("DISPLAY", "")
     if not display:
         raise UsageError(
-            "the editor needs a display: DISPLAY and WAYLAND_DISPLAY are empty "
-            "(imagechain run works without one)"
+            "the editor needs a display: DISPLAY and WAYLAND_DISPLAY are empty (imagechain "
+            "run works without one)"
         )
     if not _answers(display):
         raise UsageError(f"the editor needs a display: DISPLAY = {display:.80} does not answer")

@@ -186,7 +186,7 @@ class _Running:
         if self.job.frames:
             port = find_output(plan)
             if port.port is None:
-                raise UsageError(f"{port.missing}: mark the picture whose frames are meant (O)")
+                raise UsageError(f"{port.missing}: mark the picture you want frames of (O)")
             node, _, name = port.port.rpartition(".")
             save = Save(node, name, str(stage.folder / FRAMES))
             options = Options(**vars(options), frames=self.job.frames, saves=(save,))

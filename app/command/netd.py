@@ -118,11 +118,11 @@ def _frames(file: FrameFile, check: Callable[[], None]) -> Iterator[Frames]:
 def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField) -> None:
     """Levels without noise, or of which mean and noise are cut off."""
     if not math.isfinite(field.temporal_dn2):
-        raise DataError(f"{file.path}: the numbers are too large for their variance to be known")
+        raise DataError(f"{file.path}: the numbers are too large to compute their variance")
     if not field.temporal_dn2 > 0.0:
         raise DataError(
-            f"{file.path}: the frames do not differ: the field is saturated, rounding hides the "
-            "noise, or one frame stands there many times"
+            f"{file.path}: all frames are the same: the field is saturated, rounding hides the "
+            "noise, or the file repeats one frame"
         )
     if not float(np.median(np.abs(good - np.median(good)))) > 0.0:
         return  # of few whole numbers the last is often a frequent one
@@ -131,7 +131,7 @@ def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField
         if many > max(_PILED_UP * good.size, _CHANCE):
             raise DataError(
                 f"{file.path}: {100.0 * many / good.size:.2g} % of the samples are {end:.6g}: "
-                f"the field is {what}, its mean and noise are not the camera's"
+                f"the field is {what}, so its mean and noise are not the camera's"
             )
 
 
@@ -141,13 +141,18 @@ def _rows(measured: Measured) -> list[Row]:
     effective: list[Row] = []
     if wavelength is not None and error is not None:
         effective = [
-            ("wavelength_um", wavelength, "µm", "of Planck's law that the means follow"),
+            ("wavelength_um", wavelength, "µm", "of Planck's law that fits the means"),
             ("wavelength_error_um", error, "µm", "its standard error"),
         ]
     return [
-        ("temperature_K", middle.temperature_K, "K", "midway, which the next figures are for"),
+        ("temperature_K", middle.temperature_K, "K", "midway, where the next figures hold"),
         ("sitf", middle.sitf_per_K, f"{unit}/K", "change of the mean with the temperature"),
-        ("sitf_error", middle.sitf_error, f"{unit}/K", "its standard error, temperatures exact"),
+        (
+            "sitf_error",
+            middle.sitf_error,
+            f"{unit}/K",
+            "its standard error, if the temperatures are exact",
+        ),
         ("netd_K", middle.netd_K, "K", "σ_tvh over SiTF: random in time, row and column"),
         ("netd_error_K", middle.netd_error, "K", "its standard error"),
         ("temporal_K", middle.temporal_K, "K", "all that changes from frame to frame, over SiTF"),
@@ -186,14 +191,15 @@ def _remarks(measured: Measured) -> list[str]:
     response, files = measured.response, measured.files
     if len(response.levels) == 2:
         lines.append(
-            "SiTF of two temperatures is that midway between them, at each level too: give three "
-            "or more for its change with temperature"
+            "with two temperatures, the SiTF is the one midway between them, and is used at "
+            "each level: give three or more to get its change with temperature"
         )
     departure = response.departure_percent
     if departure is not None and departure > _DEPARTS:
         lines.append(
-            f"warning: a mean departs by {departure:.2g} % of the span of all from Planck's law at "
-            "any one wavelength: temperatures are off, the camera drifted, or its response is bent"
+            "warning: a mean departs from Planck's law, at any one wavelength, by "
+            f"{departure:.2g} % of the span of all means: the temperatures are wrong, the "
+            "camera drifted, or its response is nonlinear"
         )
     few = min(field.noise.frames for _, field in files)
     if few < _FEW:
@@ -209,14 +215,15 @@ def _remarks(measured: Measured) -> list[str]:
         step = field.field.step_dn
         if random < (_COARSE * step) ** 2:
             lines.append(
-                f"warning: {path.name}: noise of {math.sqrt(max(random, 0.0)) / step:.2g} of the "
-                "converter's step: rounding makes or hides it, and NETD is not the camera's"
+                f"warning: {path.name}: the noise is {math.sqrt(max(random, 0.0)) / step:.2g} "
+                "of the converter's step: rounding adds to it or hides it, and NETD is not "
+                "the camera's"
             )
         if field.field.structure_share > _MOSTLY:
             lines.append(
-                f"warning: {path.name}: {100.0 * field.field.structure_share:.0f} % of what "
-                "differs among its pixels is structure of 8 pixels and more, as of a field that is "
-                "not uniform: the fixed components vh, v and h are not the camera's alone"
+                f"warning: {path.name}: {100.0 * field.field.structure_share:.0f} % of the "
+                "differences between pixels is structure of 8 pixels or more, as in a field "
+                "that is not uniform: the fixed components vh, v and h include it"
             )
     return lines
 

@@ -89,8 +89,8 @@ def _remarks(curve: PhotonTransfer, options: Options) -> list[str]:
     lines = []
     if curve.dark_cut_off:
         lines.append(
-            f"{options.dark}: noise reaches down to 0, where the converter ends: these dark frames "
-            "count for nothing; raise the camera's offset, or give --offset-dn"
+            f"{options.dark}: the noise reaches 0, where the converter clips it: these dark "
+            "frames are not used; raise the camera's offset, or give --offset-dn"
         )
     elif curve.offset_dn is None:
         lines.append("read noise and full well need --dark FILE, or --offset-dn DN")
@@ -102,9 +102,9 @@ def _remarks(curve: PhotonTransfer, options: Options) -> list[str]:
 def _textures(made: Measured) -> list[str]:
     """Fields of which more is structure than pixels that differ; saturated ones say nothing."""
     return [
-        f"warning: {path.name}: {100.0 * field.structure_share:.0f} % of what differs among its "
-        "pixels is structure of 8 pixels and more, as of a scene or of uneven light: PRNU and DSNU "
-        "are not the camera's alone; give frames of a uniform field"
+        f"warning: {path.name}: {100.0 * field.structure_share:.0f} % of the differences "
+        "between pixels is structure of 8 pixels or more, as in a scene or uneven light: PRNU "
+        "and DSNU include it; give frames of a uniform field"
         for (path, field), saturated in zip(made.files, made.curve.saturated, strict=True)
         if field.structure_share > _MOSTLY and not saturated
     ]
@@ -146,6 +146,6 @@ def _csv(made: Measured) -> str:
         rows.append((name, "" if value is None else repr(value), unit, meaning))
     for path, field in made.files:
         rows.append((f"{path.name}: mean_dn", repr(field.mean_dn), "DN", "mean of a level"))
-        meaning = "variance in time of a level"
+        meaning = "temporal variance of a level"
         rows.append((f"{path.name}: temporal_dn2", repr(field.temporal_dn2), "DN²", meaning))
     return csv_lines(rows)

@@ -361,8 +361,8 @@ def _claim(plan: Plan, options: Options, staging: Staging, way: WayOfRunning) ->
     if options.frames is not None and not any(isinstance(value, Image) for value in values):
         example = find_output(plan).port or "NODE.PORT"
         raise UsageError(
-            f"--frames {options.frames} needs --save, which says of which picture and into which "
-            f"file: --save {example}=frames.npy"
+            f"--frames {options.frames} needs --save, which names the picture and the file: "
+            f"--save {example}=frames.npy"
         )
     saves, files, policy = [], [], policy_of(options)
     for save, value in zip(options.saves, values, strict=True):

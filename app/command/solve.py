@@ -169,7 +169,7 @@ def _none(
         text += f", at {word} {_at(extreme, unit, figure)}"
     for edge in solution.edges:
         side = "above" if edge.without > edge.sample.value else "below"
-        text += f"; {side} {shown_value(edge.sample.value, unit)} there is none"
+        text += f"; {side} {shown_value(edge.sample.value, unit)} it has no value"
         text += f": {reasons[edge.without]}" if edge.without in reasons else ""
     return text
 

@@ -82,7 +82,9 @@ def _variations(
     texts: Sequence[str], network: Network, library: Library
 ) -> tuple[Variation, Variation | None]:
     if not 1 <= len(texts) <= _MOST_VARIED:
-        raise UsageError(f"{OPTION} is given {len(texts)} times: once, or twice for a family")
+        raise UsageError(
+            f"{OPTION} is given {len(texts)} times: give it once, or twice for a family of curves"
+        )
     variations = [variation(text, network, library=library) for text in texts]
     if len(variations) == 1:
         return variations[0], None

@@ -57,8 +57,8 @@ def check_libraries(*, window: bool) -> None:
     if missing:
         packages = " ".join(wanted[name] for name in missing)
         raise UsageError(
-            f"the editor needs libraries of the system that are missing: {', '.join(missing)} "
-            f"(on Debian or Ubuntu, as root: apt-get install -y {packages})"
+            f"the editor needs system libraries that are missing: {', '.join(missing)} (on "
+            f"Debian or Ubuntu, as root: apt-get install -y {packages})"
         )
 
 

@@ -234,15 +234,15 @@ def _recovered(path: Path, content: Any) -> Recovered:
     if _get(content, "format", str) != FORMAT:
         raise ValueError(f"its format is not {FORMAT}")
     if _get(content, "version", int) != VERSION:
-        raise ValueError("it is of another version")
+        raise ValueError("it was written by another version")
     original, folder = (_path(content, name) for name in ("original", "folder"))
     moment = _get(content, "time", float)
     # A date far off is none that a calendar could show.
     if not 0 <= moment < 2.0**35:
-        raise ValueError("time is no date")
+        raise ValueError("time is not a date")
     stored = content.get("stored")  # not kept by earlier versions
     if stored is not None and not isinstance(stored, str):
-        raise ValueError("stored is no text")
+        raise ValueError("stored is not a text")
     text = _get(content, "network", str)
     return Recovered(path, original, moment, text=text, folder=folder, stored=stored)
 
@@ -250,7 +250,7 @@ def _recovered(path: Path, content: Any) -> Recovered:
 def _path(content: Any, name: str) -> Path | None:
     value = content.get(name)
     if value is not None and (not isinstance(value, str) or "\0" in value):
-        raise ValueError(f"{name} is no file name")
+        raise ValueError(f"{name} is not a file name")
     return Path(value) if value else None
 
 

@@ -264,7 +264,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     thin = problem.thinned()
     begin = starts(free, thin.cost, count=_STARTS if len(free) > 1 else 1, seed=_SEED)
     if not begin:
-        raise DataError("no values of the free parameters are allowed together")
+        raise DataError("no combination of values of the free parameters is allowed")
     lows = np.array([parameter.low for parameter in free])
     highs = np.array([parameter.high for parameter in free])
 

@@ -57,7 +57,7 @@ def transfer_known(image: Image) -> ImageTransfer:
     source = passed.source
     if lineage_of(source) is None:
         raise DataError(
-            f"{source.node or 'a node'}: what it does to a picture is not known as a transfer "
+            f"{source.node or 'a node'}: its effect on a picture is not a known transfer "
             "function, so no edge can be followed through it: mark a picture before it with "
             "--final NODE.PORT, or disable it"
         )

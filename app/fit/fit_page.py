@@ -34,13 +34,12 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
         Heading(1, title),
         Text(
             # No-break spaces: what belongs together stays in one line.
-            f"{_fitted(result)}, {misfit.degrees} degrees of freedom, "
-            f"{_CHI2}\N{NO-BREAK SPACE}{short(result.chi2_per_degree)} (1: nothing but "
-            "noise is left).",
+            f"{_fitted(result)}, {misfit.degrees} degrees of freedom, {_CHI2} "
+            f"{short(result.chi2_per_degree)} (1: the residuals are noise alone).",
             "lead",
         ),
         Grid(
-            ("parameter", "value, with its standard error", "unit", "in the network before"),
+            ("parameter", "value ± standard error", "unit", "value in the network before"),
             [_row(result, index) for index in range(len(result.parameters))],
             numbers=(1, 3),
             kind="fitted",
@@ -60,32 +59,32 @@ def _fitted(result: FitResult) -> str:
     count = len(result.fit.patches)
     shape = short(result.fit.misfit.shape_per_degree)
     edges = "1 edge" if count == 1 else f"{count} edges"
-    return f"{edges} (what is left in their shape: {_CHI2}\N{NO-BREAK SPACE}{shape})"
+    return f"{edges} (residuals of their shape: {_CHI2} {shape})"
 
 
 def _pictures(result: FitResult) -> list[Block]:
     """What of the picture was fitted, beside what the network gives."""
     if result.scene is not None:
         caption = (
-            "The picture, the fitted network's where the picture has it, and the difference in "
-            "standard deviations of the noise."
+            "The picture, the fitted network's picture over the same area, and the difference "
+            "in standard deviations of the noise."
         )
         return [Heading(2, "Picture"), Drawn(scene_png(result.scene), caption, "pictures compared")]
     return [
         Heading(2, "Edges"),
         Drawn(
             patches_png(result),
-            "Patches of the picture as they are, as the fitted network gives them, and the "
-            "difference in standard deviations of the noise: grain alone where the network is "
-            "right, a pattern along the edge where it lacks something. Above, the direction of the "
-            "normal.",
+            "Patches of the picture, the same patches from the fitted network, and the "
+            "difference in standard deviations of the noise. The difference is grain alone "
+            "where the network is right; a pattern along the edge means that the network "
+            "lacks something. Above: the direction of the normal.",
             "real and simulated patches",
         ),
         Drawn(
             spreads_png(result),
-            "a: samples by their distance from the edge, from the dark level 0 to the bright one "
-            "1, with the spread of the fitted chain. b: means of what is left over a quarter of a "
-            "sample; noise alone would lie about 0 within its errors.",
+            "a: samples against their distance from the edge, from the dark level 0 to the "
+            "bright level 1, and the spread of the fitted chain. b: mean residuals over a "
+            "quarter of a sample; noise alone lies about 0 within its errors.",
             "edges overlaid and residuals",
         ),
         *_table(result),
@@ -102,9 +101,9 @@ def _combinations(result: FitResult) -> list[Block]:
     if not result.combinations:
         return []
     rows = [(one.text, with_error(one.value, one.sigma), one.unit) for one in result.combinations]
-    heads = ("combination", "value, with its standard error", "unit")
+    heads = ("combination", "value ± standard error", "unit")
     return [
-        Heading(2, "Known of parameters that cannot be told apart"),
+        Heading(2, "Combinations of parameters that cannot be separated"),
         Grid(heads, rows, numbers=(1,), kind="fitted"),
     ]
 
@@ -148,12 +147,14 @@ def _noise(result: FitResult) -> list[Block]:
     blocks: list[Block] = [Heading(2, "Noise")]
     if not isinstance(result.noise, NoiseComparison):
         return [*blocks, Text(f"{result.noise[:1].upper()}{result.noise[1:]}.")]
-    how = "fitted at once with the edges" if result.noise.fitted else "no free parameter changes it"
-    caption = (
-        "Variance of a sample in flat areas over their level, with its error, and what the "
-        f"network's noise budget predicts there ({how})."
+    how = (
+        "fitted together with the edges" if result.noise.fitted else "no free parameter changes it"
     )
-    return [*blocks, Drawn(noise_png(result.noise), caption, "noise over the level")]
+    caption = (
+        "Variance of a sample in flat areas against their level, with its error, and the "
+        f"prediction of the network's noise budget ({how})."
+    )
+    return [*blocks, Drawn(noise_png(result.noise), caption, "noise against level")]
 
 
 # Figures of a fit: real and simulated patches, edges overlaid, residuals, noise over the level.
@@ -245,8 +246,8 @@ def spreads_png(result: FitResult) -> bytes:
             place, mean, error = _means(distance, rest)
             right.errorbar(place, mean, error, fmt=".", ms=3, lw=0.8, color=COLOURS[0])
             right.axhline(0.0, color="#555555", lw=0.8)
-        axes[0, 0].set_title("a. Samples and the fitted spread (of the step)", fontsize=10)
-        axes[0, 1].set_title("b. Mean of what is left, with its error", fontsize=10)
+        axes[0, 0].set_title("a. Samples and fitted spread (fraction of the step)", fontsize=10)
+        axes[0, 1].set_title("b. Mean residual, with its error", fontsize=10)
         for axis in axes[-1]:
             axis.set_xlabel("distance along the normal (samples)")
     return out.getvalue()
@@ -364,11 +365,11 @@ def fit_text(result: FitResult) -> str:
     """The whole fit, as `imagechain fit` prints it."""
     chi2 = result.chi2_per_degree
     lines = [
-        f"chi² per degree of freedom  {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'}  "
-        f"(of {result.fit.misfit.degrees} degrees; 1: nothing but noise is left)"
+        f"chi² per degree of freedom  {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'}  (of "
+        f"{result.fit.misfit.degrees} degrees; 1: the residuals are noise alone)"
     ]
     if isinstance(result.noise, NoiseComparison):
-        how = "fitted too" if result.noise.fitted else "of the network as it is"
+        how = "fitted too" if result.noise.fitted else "with the network's own noise"
         ratio = number_text(float(f"{result.noise.ratio:.4g}"))
         lines.append(f"noise predicted over measured  {ratio}  ({how})")
     elif result.noise:

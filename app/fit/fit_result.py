@@ -112,7 +112,7 @@ def result_of(
         *_other_solutions(fit, rivals),
         *_at_ends(fit, known),
         *(
-            f"{fit.free[i].port}: its sign changes nothing in the {seen}; it is given as positive"
+            f"{fit.free[i].port}: its sign has no effect on the {seen}; it is given as positive"
             for i in fit.unsigned
             if i not in undetermined
         ),
@@ -168,8 +168,9 @@ def _profiled(
         others = [name for name in wider if name != parameter.port]
         if others:
             lines.append(
-                f"{parameter.port} may be 0 as well: standard errors of {' and '.join(others)} are "
-                "widened to what fits with it at 0, and as far above as the edges allow"
+                f"{parameter.port} may also be 0: standard errors of {' and '.join(others)} "
+                "are widened to include the fit with it at 0, and as far above as the edges "
+                "allow"
             )
     return replace(known, covariance=covariance), lines
 
@@ -191,8 +192,8 @@ def _other_solutions(fit: ChainFit, rivals: tuple[int, ...]) -> list[str]:
         for values in (fit.values, *fit.rivals)
     ]
     return [
-        f"the edges are given nearly as well by {' and by '.join(sets)}: none of these is "
-        "determined; give narrower ranges, or hold one of them"
+        f"{' and '.join(sets)} fit the edges nearly equally well: none of these is "
+        "determined; give narrower ranges, or fix one of them"
     ]
 
 
@@ -204,8 +205,8 @@ def _used(fit: ChainFit, known: Identified, index: int) -> float | None:
 
 def _unknown(fit: ChainFit, known: Identified) -> list[str]:
     lines = [
-        f"{fit.free[i].port}: the edges of the picture show nothing of it; it is not determined, "
-        "and stays as it is in the network"
+        f"{fit.free[i].port}: it has no effect on the edges of the picture; it is not "
+        "determined, and keeps its value"
         for i in known.without_effect
     ]
     groups: dict[frozenset[int], list[Combination]] = {}
@@ -222,8 +223,8 @@ def _unknown(fit: ChainFit, known: Identified) -> list[str]:
         effects = "one effect" if len(combinations) == 1 else f"{len(combinations)} effects"
         known_are = "is" if len(combinations) == 1 else "are"
         lines.append(
-            f"{names} have {effects} on the edges and cannot be told apart: only "
-            f"{' and '.join(texts)} {known_are} determined; hold one of them, or measure it in "
+            f"{names} have {effects} on the edges and cannot be separated: only "
+            f"{' and '.join(texts)} {known_are} determined; fix one of them, or measure it in "
             "another way"
         )
     return lines
@@ -240,9 +241,9 @@ def _at_ends(fit: ChainFit, known: Identified) -> list[str]:
             f"{parameter.port} is at the {'lower' if end == 'low' else 'upper'} end of its range, "
             f"{bound:.6g} {parameter.unit}".rstrip()
             + (
-                ": the standard error is how far from it the edges allow it to be"
+                ": the standard error is how far from this end the edges allow it to be"
                 if index in known.limited
-                else ": the best value may lie beyond it, and its standard error means little"
+                else ": the best value may lie beyond it, so its standard error means little"
             )
         )
     return lines
@@ -263,7 +264,7 @@ def _weak(
             )
             lines.append(
                 f"{one.port} is hardly determined: its standard error, {one.sigma:.2g}, is {share}"
-                + ("; errors of the others hold with it near that value" if many else "")
+                + ("; the errors of the others hold if it is near that value" if many else "")
             )
     for i, first in enumerate(parameters):
         for j in range(i):
@@ -281,39 +282,40 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
     lines = []
     if noise > 1.0:
         lines.append(
-            f"the network does not give this noise: what it leaves is {math.sqrt(noise):.2g} times "
-            "the measured levels' errors; standard errors of what the noise shows are widened by "
-            "that"
+            "the network does not reproduce this noise: the residuals are "
+            f"{math.sqrt(noise):.2g} times the errors of the measured levels; standard errors "
+            "of what the noise determines are widened by that"
         )
     if excess == 1.0:
         return lines
     if fit.misfit.is_hopeless:
         return [
             *lines,
-            "the edges of the picture are of another form than the chain gives with any values in "
-            f"the ranges: {100.0 * fit.misfit.material:.2g} % of a step is left, "
-            f"{math.sqrt(excess):.2g} times the noise; the picture may be compressed, interlaced, "
-            "sharpened or not linear, or the chain lacks a stage: no parameter that the edges show "
-            "is determined",
+            "no values in the ranges give edges of this shape: residuals of "
+            f"{100.0 * fit.misfit.material:.2g} % of a step, {math.sqrt(excess):.2g} times the "
+            "noise; the picture may be compressed, interlaced, sharpened or nonlinear, or the "
+            "chain lacks a stage: no parameter that acts on the edges is determined",
         ]
     left = f"{math.sqrt(excess):.2g} times"
     lines += [
-        f"{fit.free[i].port} rests on one of the edges, and what is left of them is {left} "
-        "the noise: no scatter shows its error, and it is not determined"
+        f"{fit.free[i].port} is determined by only one of the edges, and the residuals are "
+        f"{left} the noise: its error cannot be found from a scatter, so it counts as not "
+        "determined"
         for i in lone
     ]
     if fit.rests_on:
         share = 100.0 * fit.misfit.material
         return [
             *lines,
-            f"what is left of the edges is up to {share:.2g} % of a step, {left} the noise: the "
-            f"standard errors are those of the scatter between {fit.misfit.edges} edges, or of all "
-            "that is left where that is more; what all edges share, as softness of the scene, "
-            "counts as the chain's",
+            f"residuals of the edges are up to {share:.2g} % of a step, {left} the noise: the "
+            f"standard errors come from the scatter between {fit.misfit.edges} edges, or from "
+            "all residuals if they are larger; what all edges share, such as softness of the "
+            "scene, counts as the chain's",
         ]
     what = "these edges" if fit.patches else "this picture"
     return [
         *lines,
-        f"the chain does not give {what}: what is left is {left} as large as noise alone; standard "
-        "errors are widened by that, but what the chain lacks may have moved the values further",
+        f"the chain does not reproduce {what}: the residuals are {left} the noise; standard "
+        "errors are widened by that, but what the chain lacks may have moved the values "
+        "further",
     ]

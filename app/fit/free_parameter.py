@@ -101,12 +101,14 @@ def _one(text: str, network: Network, library: Library, called: str) -> FreePara
     option = f"{called} {given.port}"
     if declared.kind != "number":
         raise UsageError(
-            f"{option}: {declared.name} is {declared.allowed()}; only a number that may lie "
-            "between others can be fitted"
+            f"{option}: {declared.name} is {declared.allowed()}; only a parameter with a range "
+            "of numbers can be fitted"
         )
     raw = network.nodes[target.node].params.get(target.name, declared.default)
     if isinstance(raw, Mapping) and EXPRESSION in raw:
-        raise UsageError(f"{option}: it follows others by an expression; free those it follows")
+        raise UsageError(
+            f"{option}: it follows other parameters by an expression; free those instead"
+        )
     low, high = _range(declared, target.text, option)
     present = float(raw) if isinstance(raw, int | float) else None
     return FreeParameter(

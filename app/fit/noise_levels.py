@@ -46,11 +46,11 @@ class NoiseLevels:
         self._engine, self._work = engine, work
         sources = find_chain(plan).sources
         if len(sources) != 1:
-            raise DataError(f"the final picture stems from {len(sources)} pictures, not from one")
+            raise DataError(f"the final picture comes from {len(sources)} pictures, not from one")
         self._port = sources[0]
         scene: Image = plan.output(self._port)
         if scene.bands is not None:
-            raise DataError(f"{self._port} has bands of wavelength, and a uniform field has none")
+            raise DataError(f"{self._port} has wavelength bands, and a uniform field has none")
         self._scene = scene
         values = work.value(scene.recipe)
         start = float(np.mean(values, dtype=np.float64)) or 1.0
@@ -98,8 +98,8 @@ class NoiseLevels:
             if not math.isfinite(one) or one < 0.0:
                 one = 0.5 * other
         raise DataError(
-            f"the network's final picture has no level of {level:.6g} at any radiance of its "
-            "source, so its noise there is not known"
+            "no radiance of its source gives the network's final picture a level of "
+            f"{level:.6g}, so its noise there is not known"
         )
 
     def _field(self, plan: Plan, radiance: float) -> tuple[float, float]:

@@ -65,8 +65,8 @@ def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPi
         file = open_picture(path, band=band)
         if file.is_lossy:
             raise DataError(
-                f"{path}: {WITH_LOSS}, and nothing is fitted to it; give the picture as the camera "
-                "stores it without loss"
+                f"{path}: {WITH_LOSS}, so nothing is fitted to it; give the picture as the "
+                "camera stores it without loss"
             )
         refuse_small(str(path), file.rows, file.columns)
         opened.append(file)
@@ -105,7 +105,7 @@ def fit_pictures(
     if not choice.patches:
         raise DataError(
             f"{pictures.text}: no edge can be used: {choice.reasons}; imagechain measure shows "
-            "each, and what helps"
+            "each edge, and what would help"
         )
     report("noise")
     noise, why_none = _noise(engine, plan, work, pictures)
@@ -150,8 +150,8 @@ def fit_known_scene(
     """As `fit_pictures`, with one picture of the network's own scene as a whole."""
     if len(pictures.samples) != 1:
         raise UsageError(
-            f"--known-scene takes one picture, not {len(pictures.samples)}: each has a place of "
-            "its own in the scene"
+            f"--known-scene takes one picture, not {len(pictures.samples)}: each would show "
+            "another part of the scene"
         )
     reason = why_no_picture(picture=pictures.samples[0]) or _why_clipped(pictures)
     if reason:
@@ -229,7 +229,7 @@ def _compared(noise: NoiseProblem, plan: Plan, problem: EdgeProblem) -> NoiseCom
         return f"the network's noise is not compared: {error}"
     measured = np.array([one.variance for one in noise.measured])
     if not np.any(predicted > _NOTHING * measured):
-        return "the network adds no noise, so that of the picture is compared with nothing"
+        return "the network adds no noise, so the picture's noise is compared with nothing"
     return NoiseComparison(tuple(noise.measured), tuple(map(float, predicted)), bool(problem.noisy))
 
 
@@ -241,13 +241,13 @@ def _notes(choice: EdgeChoice, final: Image, *, passed_area: bool) -> list[str]:
     x, y = final.interval_x_mrad, final.interval_y_mrad
     if x is not None and y is not None:
         lines.append(
-            f"a sample of the picture is taken as {x:.4g} × {y:.4g} mrad, as one of the network's "
-            "final picture is: angles and lengths that are fitted hold for that"
+            f"a sample of the picture is taken as {x:.4g} × {y:.4g} mrad, like a sample of the "
+            "network's final picture: fitted angles and lengths depend on this"
         )
     if passed_area:
         lines.append(
-            "the samples of the network's scene count as the pixels' areas: pixels are combined "
-            "of them, or no detector averages over an area"
+            "the samples of the network's scene count as the areas of pixels: pixels are "
+            "combined from them, or no detector averages over an area"
         )
     return lines
 

@@ -175,9 +175,9 @@ def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
     if problem.why_after:
         warnings = (
             *warnings,
-            f"{problem.why_after}, so that its picture is moved after it was sampled: unless the "
-            "real one lies in register with it, or is not aliased, the values are off by more than "
-            "their errors",
+            f"{problem.why_after}, so its picture is shifted after sampling: unless the real "
+            "picture is in register with it, or is not aliased, the values are wrong by more "
+            "than their errors",
         )
     return replace(result, notes=(*result.notes, note), warnings=warnings, scene=whole)
 
@@ -343,9 +343,9 @@ def fine_source(
     if all(image.shape == final.shape for image in images):
         return None
     if len(images) != 1:
-        return f"the final picture stems from {len(images)} pictures"
+        return f"the final picture comes from {len(images)} pictures"
     if images[0].bands is not None:
-        return f"{sources[0]} has bands of wavelength"
+        return f"{sources[0]} has wavelength bands"
     rows, columns = images[0].shape
     ratio = columns / final.columns, rows / final.rows
     return FineSource(engine, sources[0], ratio)

@@ -102,8 +102,8 @@ class SceneMatch:
         white = float(np.median(seen[high])) / math.log(2.0)
         if not white > (_STILL * float(np.abs(self.picture).max())) ** 2:
             raise DataError(
-                "the picture differs from the network's by no noise: noise is the weight of its "
-                "waves, so that no errors can be given"
+                "the picture and the network's differ by no noise: the noise is the weight of "
+                "the fit, so no errors can be given"
             )
         power = np.full(seen.shape, white)
         power[:, 0] = max(white, float(np.median(seen[down > _LINES, 0])) / math.log(2.0))
@@ -114,20 +114,20 @@ class SceneMatch:
         """Refuse a fit that leaves most of the picture: another scene meets any by chance."""
         if not 1.0 / _MOST_SCALE <= how.scale <= _MOST_SCALE:
             raise DataError(
-                "the picture does not show the network's scene: it is most like it "
-                f"{how.scale:.3g} times as large, of at most {_MOST_SCALE:g} times and at least "
-                f"{1.0 / _MOST_SCALE:g}; without --known-scene its edges are fitted"
+                f"the picture does not show the network's scene: it fits best {how.scale:.3g} "
+                f"times as large, allowed: {1.0 / _MOST_SCALE:g} to {_MOST_SCALE:g} times; "
+                "leave out --known-scene to fit its edges"
             )
         noise = self.noise_sigma**2
         whole = float(np.var(self.picture[self._window == 1.0])) - noise
         left = float(np.var(difference[self._window == 1.0])) - noise
         if left > _MOST_LEFT * max(whole, 0.0):
             raise DataError(
-                "the picture does not show the network's scene: at the best place, "
-                f"{how.shift_x:.1f}, {how.shift_y:.1f} samples away and {how.scale:.3g} times as "
-                f"large, {100.0 * min(left / max(whole, 1e-300), 1.0):.0f} % of its contrast "
-                f"(variance) is left, of at most {100.0 * _MOST_LEFT:.0f} %; without "
-                "--known-scene its edges are fitted"
+                "the picture does not show the network's scene: at the best position, "
+                f"{how.shift_x:.1f}, {how.shift_y:.1f} samples away and {how.scale:.3g} times "
+                f"as large, {100.0 * min(left / max(whole, 1e-300), 1.0):.0f} % of its "
+                f"contrast (variance) is left, allowed: {100.0 * _MOST_LEFT:.0f} %; leave out "
+                "--known-scene to fit its edges"
             )
 
     def low_waves(self, residual: Vector) -> tuple[float, int]:
@@ -157,8 +157,8 @@ class SceneMatch:
         if not match > _LEAST_MATCH:
             raise DataError(
                 "the picture does not show the network's scene: their best correlation is "
-                f"{match:.2f}, of at least {_LEAST_MATCH:g}; without --known-scene its edges are "
-                "fitted"
+                f"{match:.2f}, needed: {_LEAST_MATCH:g}; leave out --known-scene to fit its "
+                "edges"
             )
         shift_y = float(row if row <= rows // 2 else row - rows)
         shift_x = float(column if column <= columns // 2 else column - columns)

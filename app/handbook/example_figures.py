@@ -71,7 +71,7 @@ def example_of(declared: Declaration, engine: Engine) -> Example:
         # A plug-in's module may need more than the nodes that stand before it here, or be at fault:
         # its page states it, and the others are made.
         kind = "" if isinstance(error, ImagechainError) else f"{type(error).__name__}: "
-        return Example(reason=f"It was not run for this page: {kind}{in_line(str(error))}.")
+        return Example(reason=f"This page's example was not run: {kind}{in_line(str(error))}.")
     return example
 
 

@@ -146,9 +146,9 @@ PARAMS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
 )  # fmt: skip
 NO_EXAMPLE: Mapping[str, str] = MappingProxyType(
     {
-        "write_image": "It writes a file, and draws nothing.",
-        "write_matrix": "It writes a file, and draws nothing.",
-        "noise_file": "It adds a file of yours, of the same size as the picture.",
+        "write_image": "This module writes a file and draws nothing.",
+        "write_matrix": "This module writes a file and draws nothing.",
+        "noise_file": "This module adds a file of yours, of the same size as the picture.",
     }
 )
 

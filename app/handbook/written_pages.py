@@ -39,7 +39,7 @@ MARK = "handbook.json"
 """A file that only a handbook's folder has."""
 DRAWN = "drawn.js"
 """A file that a handbook's folder has once its figures are drawn."""
-_LATER = "The figures are being drawn; the page then shows them by itself."
+_LATER = "The figures are being drawn and will appear on this page."
 SYNONYMS: Mapping[str, str] = MappingProxyType(
     {
         "add-on": "plug-in",
@@ -251,7 +251,7 @@ def write_handbook(
     target = folder.resolve()
     if folder.exists() and not _may_be_replaced(folder):
         raise FileError(
-            f"cannot write the handbook to {folder}: it holds something else; name a new folder"
+            f"cannot write the handbook to {folder}: it holds other files; name a new folder"
         )
     if not target.parent.is_dir():
         raise FileError(

@@ -76,11 +76,11 @@ def _short(value: float) -> float:
 def _edges(measured: PictureMeasurement) -> list[Block]:
     blocks: list[Block] = [Heading(2, "Edges")]
     if not measured.edges:
-        return [*blocks, Text("No straight edge was seen.")]
+        return [*blocks, Text("No straight edge was found.")]
     for preview in measured.previews:
         name = measured.picture_name(preview.picture)
         caption = (
-            f"{name}. Numbers are those of the tables below. Grey levels between the 0.1 % and "
+            f"{name}. The numbers are those of the tables below. Grey levels span the 0.1 % to "
             "99.9 % quantiles."
         )
         drawn = edges_png(measured, preview)
@@ -100,10 +100,10 @@ def _mtf(measured: PictureMeasurement) -> list[Block]:
             Text(f"Not measured along: {measured.reason_y}."),
         ]
     caption = (
-        "MTF of everything from the scene to the stored samples, pooled over the edges in use, "
-        "weighted by their errors; grey: edges whose normals lie within 30° of the axis. Beyond "
-        "the Nyquist frequency, 0.5 cycles/sample, the picture itself holds this contrast as alias "
-        "only; slanted edges show it all the same."
+        "MTF of everything from the scene to the stored samples, pooled over the edges used "
+        "and weighted by their errors; grey: edges whose normals lie within 30° of the axis. "
+        "Beyond the Nyquist frequency, 0.5 cycles/sample, the picture itself holds this "
+        "contrast as alias only; slanted edges still show all of it."
     )
     blocks.append(Drawn(mtf_png(measured), caption, "pooled MTF"))
     return blocks
@@ -111,14 +111,14 @@ def _mtf(measured: PictureMeasurement) -> list[Block]:
 
 def _levels(measured: PictureMeasurement) -> list[Block]:
     noise = measured.noise
-    blocks: list[Block] = [Heading(2, "Noise over the level")]
+    blocks: list[Block] = [Heading(2, "Noise against level")]
     if noise is None:
         return [*blocks, Text(f"Noise was not measured: {measured.noise_reason}.")]
     if len(noise.levels) < _LEAST_LEVELS:
         return []
     caption = (
-        "Variance of a sample against the level; of shot noise it rises by one "
-        "electron for each electron."
+        "Variance of a sample against the level; for shot noise it rises by one electron for "
+        "each electron."
     )
     drawn = levels_png(noise, measured.unit)
     return [*blocks, Drawn(drawn, caption, "variance against level")]
@@ -132,8 +132,8 @@ def _noise(measured: PictureMeasurement) -> list[Block]:
         Heading(2, "Noise from frame to frame"),
         Grid(heads, frame_rows(measured), numbers=(1,)),
         Text(
-            "What stays from frame to frame is the scene's as well: fixed patterns need frames of "
-            "a uniform field, as --flats."
+            "What stays from frame to frame includes the scene: to measure fixed patterns, "
+            "give frames of a uniform field with --flats."
         ),
     ]
 
@@ -170,9 +170,9 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
             Text(
                 "MTF50 in cycles/sample along the edge's normal. Normals within "
-                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° are counted as across, of ±90° as along: "
-                "the standard error is that of this direction, if the edge alone showed it. Edges "
-                "of other directions say how the blur turns with direction."
+                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° count as across, those near ±90° as "
+                "along: the standard error is for this direction, if no other edge were used. "
+                "Edges in other directions show how the blur changes with direction."
             ),
         ]
     if refused:

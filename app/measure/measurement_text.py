@@ -21,14 +21,14 @@ from core.physics.measurement.levels.photon_transfer import PhotonTransfer
 
 # Of what changes from frame to frame: what stays is the scene's as well.
 TEMPORAL = {
-    "tvh": "random from sample to sample and frame to frame",
-    "t": "of whole frames from one to the next",
-    "tv": "of rows from frame to frame",
-    "th": "of columns from frame to frame",
+    "tvh": "random from sample to sample and from frame to frame",
+    "t": "whole frames, from one to the next",
+    "tv": "rows, from frame to frame",
+    "th": "columns, from frame to frame",
 }
 _GAMMA = {
-    "usual": "numbers of 8 bits of this format usually follow the eye, not the light",
-    "possible": "numbers of 8 bits may follow the eye, not the light",
+    "usual": "8-bit numbers in this format usually have a gamma",
+    "possible": "8-bit numbers may have a gamma",
 }
 NYQUIST = 0.5  # cycles per sample
 _MOST_REASONS = 8
@@ -57,12 +57,12 @@ def figure_rows(measured: PictureMeasurement) -> list[Row]:
     """The figures of most use: name, value with its error, unit, meaning."""
     used = sum(edge.used for edge in measured.edges)
     rows: list[Row] = [
-        ("edges", str(used), "", f"edges in use, of {len(measured.edges)} that were seen"),
+        ("edges", str(used), "", f"edges used, of {len(measured.edges)} found"),
         *_mtf_rows("x", "across", measured.x, measured.interval_x_mrad, measured.pitch_um),
         *_mtf_rows("y", "along", measured.y, measured.interval_y_mrad, measured.pitch_um),
     ]
     if measured.noise is not None:
-        alone = "" if measured.flats is None else ", by the picture alone"
+        alone = "" if measured.flats is None else ", from the picture alone"
         rows += _noise_rows(measured.noise, measured.unit, alone)
     return rows
 
@@ -89,7 +89,7 @@ def _mtf_rows(
         value, error = (
             float(np.interp(NYQUIST, curve.frequency, of)) for of in (curve.mtf, curve.sigma)
         )
-        meaning = f"MTF {words} at the Nyquist frequency, the pixel's own included"
+        meaning = f"MTF {words} at the Nyquist frequency, including the pixel"
         rows.append((f"mtf_nyquist_{name}", with_error(value, error), "", meaning))
     return rows
 
@@ -101,7 +101,7 @@ def _noise_rows(noise: NoiseFigures, unit: str, alone: str) -> list[Row]:
     ):  # fmt: skip
         if value:
             text = number_text(float(f"{value:.3g}"))
-            rows.append((name, text, unit, f"what whole {words} have of their own"))
+            rows.append((name, text, unit, f"noise of whole {words}"))
     for line in noise.lines:
         where = f"{line.across:.4f} across, {line.down:.4f} down cycles/sample"
         amplitude = with_error(line.amplitude, line.amplitude_error)
@@ -152,10 +152,11 @@ def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, s
     if curve.full_well_e and curve.read_noise_e:
         ratio = curve.full_well_e / curve.read_noise_e
     return [
-        ("gain_e_per_dn", curve.gain_e_per_dn, "e-/DN", "electrons of one digital number"),
+        ("gain_e_per_dn", curve.gain_e_per_dn, "e-/DN", "electrons per digital number"),
         ("gain_error", curve.gain_error, "e-/DN", "its standard error"),
-        ("offset_dn", curve.offset_dn, "DN", "number of no electrons"),
-        ("read_noise_e", curve.read_noise_e, "e-", "temporal noise in the dark, less rounding"),
+        ("offset_dn", curve.offset_dn, "DN", "digital number without electrons"),
+        ("read_noise_e", curve.read_noise_e, "e-", "temporal noise in the dark, without "
+                                                   "rounding"),
         ("read_noise_error", curve.read_noise_error, "e-", "its standard error"),
         ("full_well_e", curve.full_well_e, "e-", "level of saturation"),
         ("brightest_e", curve.brightest_e, "e-", "the brightest level"),
@@ -167,7 +168,7 @@ def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, s
         ("saturation_capacity_e", emva.saturation_capacity_e, "e-",
          "µe.sat of EMVA 1288: level of the largest temporal variance"),
         ("sensitivity_threshold_e", emva.sensitivity_threshold_e, "e-",
-         "µe.min of EMVA 1288: light of SNR 1"),
+         "µe.min of EMVA 1288: signal at SNR 1"),
         ("emva_dynamic_range_dB", _decibels(emva.dynamic_range), "dB", "µe.sat over µe.min"),
         ("snr_max_dB", _decibels(emva.snr_max), "dB", "√µe.sat"),
         ("dsnu_row_e", emva.dsnu_row_e, "e-", "DSNU of whole rows"),
@@ -186,7 +187,7 @@ def _decibels(ratio: float | None) -> float | None:
 def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
     """What of the files' formats makes their numbers other than the camera's."""
     lines = [
-        f"{file.name}: {_GAMMA[file.gamma]}: they are taken as linear, and where the camera has "
+        f"{file.name}: {_GAMMA[file.gamma]}: they are taken as linear; if the camera has "
         "applied a gamma, the figures are not the camera's"
         for file in files
         if file.gamma and not file.is_lossy
@@ -224,23 +225,23 @@ def remarks(measured: PictureMeasurement) -> list[str]:
             lines.append(f"no MTF50 {words}: the MTF does not fall to one half")
         if np.any(curve.mtf > 1.0 + np.maximum(_ABOVE_ONE * curve.sigma, _LEAST_ABOVE)):
             lines.append(
-                f"the MTF {words} exceeds 1: the picture was sharpened, and the MTF is that of the "
-                "sharpened picture"
+                f"the MTF {words} exceeds 1: the picture was sharpened, and this is the MTF of "
+                "the sharpened picture"
             )
         if curve.edges <= _FEW:
             many = "one edge" if curve.edges == 1 else f"{curve.edges} edges"
             others = sum(edge.used for edge in measured.edges) - curve.edges
             lines.append(
-                f"{many} within {LARGEST_ANGLE_DEG:g}° of {words}: the MTF leans on edges of other "
-                "directions, and few confirm its error"
+                f"{many} within {LARGEST_ANGLE_DEG:g}° of {words}: the MTF depends on edges in "
+                "other directions, and few edges check its error"
                 if others > 0
-                else f"the MTF {words} is that of {many}: no others confirm it, nor its error"
+                else f"the MTF {words} comes from only {many}, so its error could not be checked"
             )
         if curve.scatter > _SCATTERED:
             lines.append(
-                f"edges differ by {curve.scatter:.2g} times what their own errors allow, {words}: "
-                "the blur differs over the picture, or some of them are not sharp in the scene; "
-                "the error is widened by that"
+                f"edges {words} differ by {curve.scatter:.2g} times what their own errors "
+                "allow: the blur varies over the picture, or some edges are not sharp in the "
+                "scene; the error is widened by that"
             )
     if measured.noise is None:
         lines.append(f"no noise: {measured.noise_reason}")
@@ -248,12 +249,12 @@ def remarks(measured: PictureMeasurement) -> list[str]:
         lines += measured.noise.remarks
         if measured.noise.reason:
             # The flat fields' figures stand beside.
-            alone = "" if measured.flats is None else "of the picture alone, "
+            alone = "" if measured.flats is None else "from the picture alone, "
             lines.append(f"{alone}{measured.noise.reason}")
         known = (measured.noise.gain_e_per_dn, measured.noise.read_noise_dn)
         if None in known and measured.flats is None:
             lines.append(
-                "what helps for gain and read noise: frames of flat fields at several levels "
+                "to get gain and read noise, give frames of flat fields at several levels "
                 "(--flats), and without light (--dark)"
             )
     if measured.picture_count > 1 and measured.frames is None:
@@ -275,15 +276,15 @@ def _tail_lines(measured: PictureMeasurement) -> list[str]:
         if tail.share < max(_LEAST_TAIL, tail.error):
             continue
         line = (
-            f"{measured.picture_name(picture)}: {with_error(100 * tail.share, 100 * tail.error)} % "
-            "of the light lies in long tails (veiling glare, a scintillator or the like): the MTF "
-            "has them in it"
+            f"{measured.picture_name(picture)}: "
+            f"{with_error(100 * tail.share, 100 * tail.error)} % of the light lies in long "
+            "tails (veiling glare, a scintillator or similar): the MTF includes them"
         )
         if tail.beyond > _LEAST_BEYOND:
             line += (
-                f"; at {tail.seen:.0f} samples from the edges, where the frame or something else "
-                f"begins, their sides are not level yet: {100 * tail.beyond:.2g} % may lie beyond, "
-                "and the error is widened by what is not known of it"
+                f"; {tail.seen:.0f} samples from the edges, where the frame ends or something "
+                f"else begins, their sides are not level yet: {100 * tail.beyond:.2g} % may "
+                "lie beyond, and the error is widened for what is not known"
             )
         lines.append(line)
     return lines
@@ -330,42 +331,49 @@ class Refusal(NamedTuple):
     helps: str
 
 
-_ROOM = "larger areas: some 20 samples on both sides of the edge without anything else"
+_ROOM = "larger areas: about 20 clear samples on both sides of the edge"
 _EVEN = "even areas on both sides: plain surfaces in even light"
-_TURNED = "the edge turned by about 5° from rows and columns"
-_LOSSLESS = "raw numbers, TIFF or PNG in place of JPEG"
+_TURNED = "an edge turned by about 5° from rows and columns"
+_LOSSLESS = "raw numbers, TIFF or PNG instead of JPEG"
 REFUSALS = (
     Refusal("compressed", "compressed with loss", _LOSSLESS),
     Refusal("interlaced", "interlaced", "the odd or the even rows alone"),
     Refusal(
-        "clipped", "clipped at black or white", "another exposure: no side at the end of the range"
+        "clipped",
+        "clipped at black or white",
+        "another exposure: neither side at the end of the range",
     ),
     Refusal(
         "too little contrast",
         "too little contrast for its length and the noise",
         "more contrast or light, a longer edge, or the mean of several frames",
     ),
-    Refusal("frame's side", "too near to the frame's side", "the edge farther inside"),
-    Refusal("its spread", "its blur does not end in the room that it has", _ROOM),
     Refusal(
-        "not straight", "not straight", "a cut, ruled or printed edge, flat; a shorter one where "
-        "the lens bends lines",
+        "frame's border", "too close to the edge of the frame", "the edge further inside the frame"
+    ),
+    Refusal(
+        "the edge spread", "the edge spread is wider than the clear area around the edge", _ROOM
+    ),
+    Refusal(
+        "not straight",
+        "not straight",
+        "a flat edge that is cut, ruled or printed; a shorter one if the lens bends lines",
     ),
     Refusal("not slanted", "not slanted enough", _TURNED),
     Refusal("cannot be supersampled", "not slanted enough", _TURNED),
     Refusal(
         "soft in the scene",
         "softer than other edges of the picture",
-        "edges that are sharp by themselves and in focus: no shadows, nothing that moves, all at "
-        "one distance",
+        "edges that are sharp themselves and in focus: no shadows, nothing moving, all at one "
+        "distance",
     ),
-    Refusal("another edge", "another edge too near", _ROOM),
-    Refusal("sides or its contrast differ", "its sides are not even along it", _EVEN),
-    Refusal("a side is not level", "a side is not level", _EVEN),
-    Refusal("samples beside it", "too little room beside it", _ROOM),
+    Refusal("another edge", "another edge too close", _ROOM),
+    Refusal("sides or its contrast vary", "its sides are not even along it", _EVEN),
+    Refusal("a side is not level", "one side is not level", _EVEN),
+    Refusal("samples beside it", "too little clear area beside it", _ROOM),
     Refusal("samples lie about", "too short", "a longer edge"),
-    Refusal("less clear than", "less clear than others, of which none can be used", ""),
-    Refusal("not looked at", "not looked at, as clearer ones came first", ""),
+    Refusal("weaker than", "weaker than others, none of which can be used", ""),
+    Refusal("not examined", "not examined, as stronger ones came first", ""),
 )  # fmt: skip
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]?\d+)?")
 _MOST = 3

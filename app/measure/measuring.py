@@ -54,9 +54,7 @@ from nodes.files.frame_reading import open_frames
 
 Matrix = NDArray[np.float64]
 Report = Callable[[str], None]
-_INTERPOLATED = (
-    "the MTF is that of the picture, with what filling it in has changed; its noise is not measured"
-)
+_INTERPOLATED = "the MTF is that of the interpolated picture; its noise is not measured"
 _LEAST = 16  # rows and columns, below which nothing is measured
 _MOST_COLOURS = 4
 MOST_PREVIEWS = 4
@@ -209,7 +207,7 @@ def refuse_small(name: str, rows: int, columns: int) -> None:
     if min(rows, columns) >= _LEAST:
         return
     colours = (
-        "; of an array (rows, columns, colours) give one colour, (rows, columns)"
+        "; from an array (rows, columns, colours) give one colour, (rows, columns)"
         if columns <= _MOST_COLOURS < rows
         else ""
     )
@@ -224,8 +222,8 @@ def _refuse_dark(picture: Matrix, name: str, offset: float) -> None:
     mean = float(picture.mean())
     if not offset < mean:
         raise DataError(
-            f"{name}: its mean level, {mean:.6g}, is not above the level without light, "
-            f"{offset:.6g}: give frames without light as --dark, or the number as --offset-dn"
+            f"{name}: its mean level, {mean:.6g}, is not above the dark level, {offset:.6g}: "
+            "give frames without light as --dark, or the number as --offset-dn"
         )
 
 
@@ -236,7 +234,7 @@ def _refuse_extreme(picture: Matrix, name: str) -> None:
     if most > _LARGEST or 0.0 < high - low < 1.0 / _LARGEST:
         raise DataError(
             f"{name}: samples from {low:.4g} to {high:.4g} cannot be measured; allowed: up to "
-            f"{_LARGEST:g}, that differ by {1.0 / _LARGEST:g} or more: scale them"
+            f"{_LARGEST:g}, with differences of {1.0 / _LARGEST:g} or more: scale them"
         )
 
 
@@ -388,7 +386,7 @@ def with_frames(
         frames.sigma, frames.sigma_error, frames.mean_level, frames.gain_e_per_dn,
         frames.gain_error, frames.read_noise_dn, frames.read_noise_error, offset_dn, None, None,
         frames.step, () if noise is None else noise.lines, frames.levels, missing,
-        ("noise is that of what changes from frame to frame, without fixed patterns",),
+        ("the noise is what changes from frame to frame, without fixed patterns",),
     ), ""  # fmt: skip
 
 
@@ -404,7 +402,7 @@ def _first(reasons: Sequence[str]) -> str:
     """The first reason, and that other pictures have others of their own."""
     if len(reasons) < _SEVERAL:
         return "".join(reasons)
-    return f"{reasons[0]} (and the like of other pictures)"
+    return f"{reasons[0]} (and similar reasons in other pictures)"
 
 
 def _once(texts: Iterable[str]) -> list[str]:
@@ -483,8 +481,8 @@ def _no_edge(near: Sequence[MeasuredEdge], direction: str) -> str:
     across = "across" if direction == "x" else "along"
     if not near:
         return (
-            f"no straight edge whose normal lies within {LARGEST_ANGLE_DEG:g}° of {direction} "
-            f"({across}) was seen"
+            f"no straight edge was found whose normal lies within {LARGEST_ANGLE_DEG:g}° of "
+            f"{direction} ({across})"
         )
     if removed := sum(edge.why_not == BY_HAND for edge in near):
         many = "1 edge" if removed == 1 else f"{removed} edges"

@@ -23,7 +23,7 @@ from nodes.files.read import check_finite, read_info, read_pixels
 
 Matrix = NDArray[np.float64]
 
-NO_DATA = "put one number in their place, such as 0: areas of one number are left out"
+NO_DATA = "replace them by one number, such as 0: areas of one number are left out"
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 """Shares of red, green and blue in luminance (ITU-R BT.709)."""
 _COLOURS = ("R", "G", "B")
@@ -208,7 +208,8 @@ def common_limits(files: Sequence[PictureFile]) -> tuple[float, float] | None:
         if (low, high) != ends:
             raise DataError(
                 f"{path} has whole numbers from {low:g} to {high:g}, and {first} from "
-                f"{ends[0]:g} to {ends[1]:g}: give pictures of one camera, stored in one way"
+                f"{ends[0]:g} to {ends[1]:g}: give pictures of one camera, all stored the same "
+                "way"
             )
     return known[0][1] if len(known) == len(files) else None
 

@@ -17,17 +17,16 @@ from nodes.files.common.file_format import suffixes
 if TYPE_CHECKING:
     from core.evaluation.policy import Precision
 
-_EPILOG = """\
-shipped networks:
+_EPILOG = """example networks:
 {networks}
 
 exit codes:
   0  done
-  1  a failure of the program, or stopped
-  2  a fault of the input; one line on stderr says which
+  1  the program failed or was stopped
+  2  the input has an error; one line on stderr says which
 
-imagechain help COMMAND lists the options of a command; --set, --save, --report, --figure and
---output may be repeated, --vary be given twice, for a study any number of times."""
+imagechain help COMMAND lists the options of a command. --set, --save, --report, --figure and
+--output may be repeated; --vary may be given twice, and any number of times for a study."""
 
 
 class Options(argparse.Namespace):
@@ -118,7 +117,7 @@ class _Parser(argparse.ArgumentParser):
         """Refuse an unknown option, or one word too many."""
         name = word.partition("=")[0]
         if not name.startswith("-"):
-            self.error(f"{shown(name)} is one word too many")
+            self.error(f"unexpected argument: {shown(name)}")
         self.error(f"there is no option {shown(name)}{close(name, self.option_names())}")
 
     def format_help(self) -> str:
@@ -184,7 +183,7 @@ def _parser(used: str) -> tuple[_Parser, Mapping[str, _Parser]]:
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     # `--debug` is taken before the words come here: for the help, and what is like a wrong one.
-    about_debug = "print Python's traceback before the line of an error"
+    about_debug = "print Python's traceback before the error line"
     parser.add_argument("--debug", action="store_true", help=about_debug)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, (about, words) in COMMANDS.items():

@@ -121,7 +121,7 @@ def file_at_temperature(option: str, text: str) -> tuple[Path, float]:
     kelvin = float(number) + _ZERO_K[unit]
     if not 0.0 < kelvin <= _HOTTEST_K:
         raise UsageError(
-            f"{option} {text!r:.120}: {kelvin:.6g} K is no temperature of a black body; allowed: "
+            f"{option} {text!r:.120}: {kelvin:.6g} K is not a possible temperature; allowed: "
             f"above 0 to {_HOTTEST_K:g} K"
         )
     return path, kelvin

@@ -66,7 +66,9 @@ def _final(evaluation: Evaluation) -> tuple[str, Image, Work]:
 def _noise_facts(evaluation: Evaluation) -> Fact:
     port, image, work = _final(evaluation)
     if evaluation.work.blocks is not None:
-        raise DataError("the pictures are made in blocks, and noises followed through whole ones")
+        raise DataError(
+            "the pictures are made in blocks, and noise is followed only through whole pictures"
+        )
     predicted = noise_shares(work, work.value(NoiseOf(image)), kind="all")
     if not predicted.shares:
         raise DataError(f"no noise is added on the way to {port}")
@@ -116,7 +118,7 @@ def _blur_facts(evaluation: Evaluation) -> Fact:
         before=unknown_before(passed),
     )
     if not blur.shares and blur.before is not None:
-        raise DataError(f"what {blur.before} does is not known as transfer functions")
+        raise DataError(f"the effect of {blur.before} is not a known transfer function")
     if not blur.shares:
         raise DataError(f"no transfer function other than 1 leads to {port}")
     return {
@@ -156,7 +158,7 @@ def budget(facts: Fact) -> list[Block]:
         blocks.append(Drawn(bars_png(noise, blur), caption, "shares of noise and blur"))
     for what, section, shares in (("Noise", _noise, noise), ("Blur", _blur, blur)):
         reason = contributions[f"{what.lower()}_reason"]
-        unknown = Text(f"{what} is not shared out: {reason}.")
+        unknown = Text(f"{what} cannot be shared among its sources: {reason}.")
         blocks += section(shares) if shares else [unknown]
     return blocks
 
@@ -278,8 +280,8 @@ def _beside(noise: Fact) -> str:
         return f"{all_noise}; this picture’s own noise is not known: {reason}."
     unit = f" {noise['unit']}" if noise["unit"] else ""
     return (
-        f"{all_noise}, {number(noise['together'])}{unit} simulated in this picture, whose mean "
-        f"the noise moves by {number(noise['together_mean'])}{unit}."
+        f"{all_noise}, {number(noise['together'])}{unit} simulated in this picture; the noise "
+        f"changes its mean by {number(noise['together_mean'])}{unit}."
     )
 
 
@@ -300,7 +302,10 @@ def _blur(blur: Fact) -> list[Block]:
     heads = ("stage", "node", "|MTF| x", "share x (%)", "|MTF| y", "share y (%)")
     text = f"At {xi} cyc/mrad across and {eta} along."
     if blur["behind"] is not None:
-        text += f" What {blur['behind']} does is not known as transfer functions: stages behind it "
+        text += (
+            f" The effect of {blur['behind']} is not a known transfer function: only the "
+            "stages after it are listed"
+        )
         text += "alone."
     heading = Heading(3, "Blur of the stages")
     return [heading, Text(text), Grid(heads, rows, numbers=(2, 3, 4, 5))]

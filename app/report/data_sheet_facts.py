@@ -76,13 +76,13 @@ _MICROBOLOMETER: Rows = (
     ("White noise", "white_netd_K", "K"),
     ("1/f noise", "flicker_K", "K"),
     ("Fixed pattern", "fixed_pattern_K", "K"),
-    ("Left of a change after a frame", "lag_percent", "%"),
+    ("Remainder of a change after one frame", "lag_percent", "%"),
     ("SNR", "snr", ""),
 )
 _AIR: Rows = (("Transmission", "transmission", ""), ("Optical depth", "optical_depth", ""))
 _RANGES: Rows = (
     ("Size of the target", "target_size_m", "m"),
-    ("Target less background", "target_delta_K", "K"),
+    ("Target minus background", "target_delta_K", "K"),
     ("Extinction of the air", EXTINCTION, "1/km"),
     ("NETD of the chain", "netd_K", "K"),
     ("Detection (Johnson)", "detection_range_km", "km"),

@@ -88,18 +88,21 @@ def judged_facts(evaluation: Evaluation) -> dict[str, Any]:
 def _reason(evaluation: Evaluation) -> str | None:
     chain = evaluation.chain
     if evaluation.work.blocks is not None:
-        return "the pictures are made in blocks, and edges measured in whole ones"
+        return "the pictures are made in blocks, and edges are measured only in whole pictures"
     if chain.final is None:
         return "the network has no final picture"
     if not chain.cascade:
         return f"no chain of transfer functions leads to the final picture, {chain.final}"
     if len(chain.sources) != 1:
         sources = ", ".join(chain.sources)
-        return f"{chain.final} stems from more than one picture ({sources}): no edge replaces both"
+        return (
+            f"{chain.final} comes from more than one picture ({sources}): one edge cannot "
+            "replace them all"
+        )
     source = chain.sources[0]
     bands = evaluation.plan.output(source).bands
     if bands is not None:
-        return f"{source} has {bands.count} bands of wavelength, and an edge in its place has one"
+        return f"{source} has {bands.count} wavelength bands, and an edge in its place has one"
     return None
 
 
@@ -113,7 +116,7 @@ class _Chain:
         passed = transfer_of(self.picture(0.0))
         if passed.source.key != self.edge(0.0).key:
             raise DataError(
-                f"what {passed.source.node or 'a node'} does to the picture is not known as a "
+                f"the effect of {passed.source.node or 'a node'} on the picture is not a known "
                 "transfer function"
             )
 
@@ -289,7 +292,7 @@ def edge_row(work: Work, recipe: Recipe, source: Recipe, axis: Axis, samples: in
     while recipe.key != source.key:
         lineage = lineage_of(recipe)
         if lineage is None or lineage.picture is None:
-            raise DataError(f"what {recipe.node} does to the picture is not known")
+            raise DataError(f"the effect of {recipe.node} on the picture is not known")
         changes.append(lineage.linear)
         recipe = lineage.picture
     row = np.clip(np.arange(samples) + 1.0 - samples / 2, 0.0, 1.0)

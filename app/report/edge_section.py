@@ -21,7 +21,7 @@ _NO_ERROR = 5e-7
 def judged(facts: Fact) -> list[Block]:
     """The section, with the reason where nothing could be measured."""
     edges, drawn_as = facts["judged"], facts["drawn_as"]
-    blocks: list[Block] = [Heading(2, "Judged by measurement")]
+    blocks: list[Block] = [Heading(2, "Checked by measurement")]
     if edges["reason"]:
         return [*blocks, Text(f"Not measured: {edges['reason']}.")]
     good = [measurement for measurement in edges["measurements"] if measurement["reason"] is None]
@@ -50,18 +50,19 @@ def _introduction(edges: Fact) -> str:
 
 def _caption(published: str | None) -> str:
     text = (
-        "MTF measured (marks, with their standard error) and expected (lines). Expected of the "
-        "slanted edge: the stages, and the blur of the samples themselves, which is the area of "
-        "the scene's, pixels combined, and interpolation where the edge runs; what pixels too far "
-        "apart alias scatters about it. The row average sees an upright edge at one place among "
-        "the pixels, so that what lies beyond their Nyquist frequency is folded back, and takes "
-        "differences of neighbours, 0.64 at Nyquist: what is expected of it is computed along one "
-        "row, folding included."
+        "MTF measured (marks, with their standard errors) and expected (lines). For the "
+        "slanted edge, the expected MTF is the product of the stages and the blur of the "
+        "samples themselves: their area in the scene, combined pixels, and interpolation "
+        "along the edge. Aliasing from samples that are too far apart scatters about it. The "
+        "row average sees an upright edge at a single position among the pixels, so "
+        "frequencies beyond their Nyquist frequency are folded back; it also takes "
+        "differences of neighbours, 0.64 at Nyquist. Its expected MTF is computed along one "
+        "row and includes this folding."
     )
     if published:
         text += (
-            " The row average is the thesis' way. Its curves of the real cameras' pictures are "
-            "printed without numbers, and not drawn here."
+            " The row average is the method of the thesis. Its curves for real cameras' "
+            "pictures are printed without numbers, and not drawn here."
         )
     return named(text, published)
 

@@ -158,10 +158,7 @@ def _shown_pictures(evaluation: Evaluation, shown: list[dict[str, Any]]) -> list
         )
         for picture in shown
     ]
-    caption = (
-        "; ".join(alike) + ". Each picture has grey levels of its own, between its 0.1 % and "
-        "99.9 % quantiles."
-    )
+    caption = "; ".join(alike) + ". Grey levels span each picture's own 0.1 % to 99.9 % quantiles."
     return [Drawn(drawn, caption, "input and output pictures")]
 
 
@@ -182,7 +179,7 @@ def _other_pictures(
         [_picture(evaluation, picture, picture["port"]) for picture in shown], beside
     )
     more = _not_shown([picture["port"] for picture in rest])
-    return [Drawn(drawn, "Other pictures the network ends in." + more, "other output pictures")]
+    return [Drawn(drawn, "Other output pictures of the network." + more, "other output pictures")]
 
 
 def _not_shown(ports: Sequence[str]) -> str:
@@ -206,7 +203,7 @@ def _published(facts: dict[str, Any]) -> list[Block]:
     if rows:
         good = sum(row["verdict"] == REPRODUCED for row in rows)
         blocks += [
-            Heading(2, "Beside the published figures"),
+            Heading(2, "Comparison with published figures"),
             Text(f"{good} of {len(rows)} reproduced."),
             Grid(
                 ("figure", "where", "published", "here", "unit", "verdict", "reason"),
@@ -244,10 +241,10 @@ def _pupils(evaluation: Evaluation) -> list[Block]:
         return []
     titles = {
         "samples": "amplitude transmission of the exit pupils (axes in samples)",
-        "cyc/mrad": "autocorrelations of pupils at frequencies of their own (axes in cyc/mrad)",
+        "cyc/mrad": "autocorrelations of pupils at their own frequencies (axes in cyc/mrad)",
     }
     kinds = [text for unit, text in titles.items() if any(panel.unit == unit for panel in panels)]
-    caption = "; ".join(kinds).capitalize() + ". Grey is linear from the least to the greatest."
+    caption = "; ".join(kinds).capitalize() + (". Grey levels are linear from minimum to maximum.")
     more = _not_shown(left_out)
     drawn = panels_png(panels)
     shown = Drawn(drawn, caption + more, "exit pupils and autocorrelations")
@@ -258,7 +255,7 @@ def _curves(evaluation: Evaluation) -> list[Block]:
     curves = node_curves(evaluation)
     if not curves:
         return []
-    caption = "What nodes plot; gaps where there is no value."
+    caption = "Curves of nodes; a gap means that there is no value."
     caption += _not_shown([port for port, _ in curves[MOST:]])
     return [Heading(2, "Curves"), Drawn(curves_png(curves[:MOST]), caption, "curves of nodes")]
 
@@ -273,7 +270,10 @@ def _noise(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
         drawn = noise_png(
             [_picture(evaluation, picture, picture["port"]) for picture in alive[:_MOST_NOISES]]
         )
-        caption = "Noise pictures between their 0.1 % and 99.9 % quantiles, and their histograms."
+        caption = (
+            "Noise pictures, with grey levels spanning their 0.1 % to 99.9 % quantiles, "
+            "and their histograms."
+        )
         caption += _not_shown([picture["port"] for picture in alive[_MOST_NOISES:]])
         blocks.append(Drawn(drawn, caption, "noise pictures and histograms"))
     if still:
@@ -325,9 +325,9 @@ def _nodes(facts: dict[str, Any]) -> list[Block]:
         )
     seconds = facts["run"]["seconds"]
     words = (
-        "Parameters not listed have their defaults. A node that only multiplies the spectrum takes "
-        "no time of its own: the product is applied where the picture is made. Input pictures "
-        f"{seconds['sources']:.3f} s, evaluation {seconds['evaluation']:.3f} s, "
+        "Parameters not listed have their defaults. A node that only multiplies the spectrum "
+        "takes no time of its own: the product is applied where the picture is made. Input "
+        f"pictures {seconds['sources']:.3f} s, evaluation {seconds['evaluation']:.3f} s, "
         f"{seconds['total']:.3f} s in all before this report."
     )
     heads = ("node", "module", "set", "", "time")
@@ -364,7 +364,7 @@ def data_sheet(facts: Fact) -> list[Block]:
     if mtf is not None:
         where = f"{_rounded(mtf['nyquist_x'])} cyc/mrad across, {_rounded(mtf['nyquist_y'])} along"
         blocks.append(Heading(3, "MTF at the pixels' Nyquist frequency"))
-        blocks.append(Text(f"At {where}: half a cycle in a pixel of the delivered picture."))
+        blocks.append(Text(f"At {where}: half a cycle per pixel of the final picture."))
         shown = [(r["label"], r["node"], _rounded(r["x"]), _rounded(r["y"])) for r in mtf["rows"]]
         blocks.append(Grid(("stage", "node", "across", "along"), shown, numbers=(2, 3)))
     return blocks
@@ -409,13 +409,13 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
     drawn_as = facts["drawn_as"]
     if acting:
         caption = (
-            "MTF of every stage, signed, at the frequencies of the picture's FFT, a. across and b. "
-            "along. "
+            "MTF of every stage, signed, at the frequencies of the picture's FFT, a. across "
+            "and b. along. "
         )
         caption += (
             "Total: the product before pixels are combined."
             if chain.cascade
-            else f"The stages stand side by side and have no product (total): {chain.missing}."
+            else f"The stages are not in one chain and have no product (total): {chain.missing}."
         )
         blocks += _stages(
             evaluation, responses, named(caption, drawn_as.get("stages")), "every stage"
@@ -428,7 +428,7 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
         blocks.append(Drawn(drawn, named(caption, drawn_as.get("total")), "product of the MTFs"))
     if responses.beside:
         alone = replace(responses, stages=responses.beside, products=())
-        caption = "Transfer functions that do not lead to the output shown."
+        caption = "Transfer functions outside the path to the output shown."
         blocks += _stages(evaluation, alone, caption, "further stages")
     return [*blocks, _at_nyquist(responses, facts["transfer"]["at_nyquist"])]
 
@@ -465,16 +465,19 @@ def _at_nyquist(responses: Responses, nyquist: Fact) -> Block:
 # The section on what was not computed, and why.
 
 _KINDS = {
-    "disabled": ("the node", "it is switched off"),
-    "identity": ("the node", "its setting changes nothing"),
+    "disabled": ("the node", "it is disabled"),
+    "identity": ("the node", "with its settings it changes nothing"),
     "below_budget": ("a stage", "it changes less than the error budget, {budget} of the range"),
-    "wavelengths": ("transforms of every band", "a few wavelengths stand for all"),
-    "pupil_centre": ("the pupil's OTF beyond the band", "it does not reach the picture"),
-    "mirrored_edges": ("a frame padded for its edges", "cosine transforms mirror by themselves"),
+    "wavelengths": ("transforms of every band", "a few wavelengths represent all bands"),
+    "pupil_centre": ("the pupil's OTF beyond the band", "it does not affect the picture"),
+    "mirrored_edges": (
+        "padding of the frame's edges",
+        "cosine transforms mirror the frame already",
+    ),
     "folded": ("the picture before its pixels are combined", "the spectrum is folded instead"),
-    "region": ("pictures beyond a region", "no more of them is used"),
-    "unchanged": ("values that were there", "nothing they are made of has changed"),
-    "unseen": ("whole arrays of outputs", "they are not used"),
+    "region": ("pictures outside a region", "only the region is used"),
+    "unchanged": ("values computed before", "their inputs have not changed"),
+    "unseen": ("whole output arrays", "they are not used"),
 }
 
 

@@ -98,9 +98,9 @@ def spectrum(facts: Fact) -> list[Block]:
     spectra, responses = facts["spectra"]["means"], facts["spectra"]["responses"]
     if not spectra:
         return []
-    caption = "Mean of every band of the pictures, left."
+    caption = "Left: mean of every band of the pictures."
     if responses:
-        caption += " Response to every wavelength, right, from 0 to 1."
+        caption += " Right: response at every wavelength, from 0 to 1."
     drawn = Drawn(
         spectra_png(spectra, responses),
         caption + of_many(len(spectra), "spectra"),
@@ -184,8 +184,9 @@ def _transformed_table(facts: Fact) -> list[Block]:
     ]
     if not rows:
         return []
-    heads = ("filtered picture", "wavelengths transformed", "changes at most, of the contrast")
+    heads = ("filtered picture", "wavelengths transformed", "largest change, of the contrast")
     words = (
-        "Wavelengths that are not transformed are made of the others, where the optics allow it."
+        "Wavelengths that are not transformed are computed from the others, where the optics "
+        "allow it."
     )
     return [Text(words), Grid(heads, rows, numbers=(1, 2))]

@@ -116,7 +116,9 @@ def _picture_of(plan: Plan, name: str) -> str:
         return own
     taken = [port for port in _sink_inputs(plan) if port[0] == name]
     if not taken:
-        raise NetworkError("marked final, but it has no picture: mark a node that has", node=name)
+        raise NetworkError(
+            "this node is marked final but has no picture: mark a node that has one", node=name
+        )
     return taken[0][1]
 
 

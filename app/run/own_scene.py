@@ -39,8 +39,8 @@ _MOST_SAMPLES = 1 << 27  # of which the range is looked for
 _UNITS = {"c": "°C", "celsius": "°C", "f": "°F", "degf": "°F", "fahrenheit": "°F", "k": "K"}
 _REFLECTANCE = ("reflectance", "albedo", "%", "1")
 _KNOWN = (
-    "a unit of radiance (W/m²/sr, uW/cm^2/sr/um, …), a temperature (K, C, F, mK), reflectance, %, "
-    f"or {RELATIVE}: scaled to the range of the scene that it replaces"
+    "a unit of radiance (W/m²/sr, uW/cm^2/sr/um, …), a temperature (K, C, F, mK), "
+    f"reflectance, %, or {RELATIVE}: scaled to the range of the old scene"
 )
 Array = NDArray[Any]
 Pair = tuple[float, float]
@@ -198,12 +198,13 @@ class _Replacing:
         unit = _worded(own.unit)
         if not (unit or info.unit):
             raise UsageError(
-                f"{info.path}: does not say the unit of its bands: give {self._option('unit')}, "
-                "such as W/m²/sr/µm"
+                f"{info.path}: the file does not give the unit of its bands: give "
+                f"{self._option('unit')}, such as W/m²/sr/µm"
             )
         if unit == RELATIVE:
             raise UsageError(
-                f"{self._option('unit')} {RELATIVE}: not of a cube; give a unit such as W/m²/sr/µm"
+                f"{self._option('unit')} {RELATIVE}: not allowed for a cube; give a unit such "
+                "as W/m²/sr/µm"
             )
         first, last = band_ends_um(info)
         ends = float(min(first)), float(max(last))
@@ -211,11 +212,11 @@ class _Replacing:
         low, high = max(wanted[0], ends[0]), min(wanted[1], ends[1])
         if low >= high:
             raise UsageError(
-                f"{info.path}: its bands, {_um(ends)}, do not meet {_um(wanted)}: give "
-                f"{self._option('band_um')}, or take a network of that band"
+                f"{info.path}: its bands, {_um(ends)}, do not overlap {_um(wanted)}: give "
+                f"{self._option('band_um')}, or use a network for that band"
             )
         kept = before is not None and before.bands is not None
-        how = "each of its own" if kept else "summed"
+        how = "each kept" if kept else "summed"
         share = coverage(info, wanted)
         part = "" if (low, high) == wanted else f", {100 * share:.0f} % of {_um(wanted)}"
         outside = self._outside((low, high))
@@ -232,14 +233,16 @@ class _Replacing:
         values: dict[str, Any] = {}
         if self._rgb:
             values["bands"] = "luminance"
-            self._kind = "samples, the luminance of its colours"
+            self._kind = "samples, from the luminance of the colours"
         elif info.bands > 1:
             self._kind = f"samples, the first of {info.bands} channels (band = 0)"
         unit, stated = _worded(own.unit) or _worded(info.unit or ""), bool(own.unit)
         band = own.band_um or _header_band(info) or (None if before is None else before.band_um)
         if band is not None:
             values |= {"cut_on_um": band[0], "cut_off_um": band[1]}
-            whose = "" if own.band_um else " of its header" if _header_band(info) else " as before"
+            whose = (
+                "" if own.band_um else " from its header" if _header_band(info) else " as before"
+            )
             self._where.append(f"band {_um(band)}{whose}{self._outside(band)}")
         radiance = _radiance(unit)
         same = bool(unit) and before is not None and unit == before.unit
@@ -249,10 +252,10 @@ class _Replacing:
             return values | self._relative(unit)
         if radiance is not None and radiance.spectral:
             if band is None:
-                raise UsageError(f"{unit}: give {self._option('band_um')}, over which it is summed")
+                raise UsageError(f"{unit}: give {self._option('band_um')}, the band to sum over")
             scale = radiance.factor * (band[1] - band[0])
             values |= {"scale": scale, "unit": "W/m²/sr"}
-            self._lines.append(f"samples in {unit}, times the width of the band")
+            self._lines.append(f"samples in {unit}, multiplied by the width of the band")
             return values
         self._converter = self._conversion(unit)
         largest = np.iinfo(info.dtype).max if np.dtype(info.dtype).kind == "u" else 1
@@ -260,14 +263,14 @@ class _Replacing:
             values["scale"] = 1.0 / largest
             self._lines.append(f"samples 0…{largest} are reflectances of 0…1")
         else:
-            self._lines.append(f"samples in {unit}{'' if stated else ', as the file says'}")
+            self._lines.append(f"samples in {unit}{'' if stated else ', from the file'}")
         return values | {"unit": unit}
 
     def _outside(self, band: Pair) -> str:
         scene_um = None if self._before is None else self._before.band_um
         if scene_um is None or (band[0] < scene_um[1] and scene_um[0] < band[1]):
             return ""
-        return f", outside the {_um(scene_um)} of the scene before"
+        return f", outside the old scene's {_um(scene_um)}"
 
     def _relative(self, unit: str) -> dict[str, Any]:
         """Scaled so that the range of the samples becomes that of the scene before."""
@@ -292,7 +295,7 @@ class _Replacing:
         of_unit = f" in {unit}" if unit and unit != RELATIVE else ""
         self._lines.append(
             f"{what} {first:.5g}…{last:.5g}{of_unit} scaled to {low:.4g}…{high:.4g} {before.unit}, "
-            f"the range of the scene before{self._hint('unit', 'says what they are')}"
+            f"the range of the old scene{self._hint('unit', 'sets the unit')}"
         )
         return {**scaled, "unit": before.unit}
 
@@ -366,15 +369,15 @@ class _Replacing:
             angle = step * wide, step * high
             if max(angle) >= 180.0:
                 raise UsageError(
-                    f"{self._option('sample_m')} {own.sample_m:g}: {_deg(angle)} at {distance:g} m "
-                    "is no field of view; allowed is below 180°"
+                    f"{self._option('sample_m')} {own.sample_m:g}: {_deg(angle)} at "
+                    f"{distance:g} m is not a possible field of view; allowed is below 180°"
                 )
             self._where.append(f"field of view {_deg(angle)}, samples of {own.sample_m:g} m at "
                                f"{distance:g} m")  # fmt: skip
             return angle
         if info.fov_x_deg and info.fov_y_deg:
-            self._where.append(f"field of view {_deg((info.fov_x_deg, info.fov_y_deg))}, of its "
-                               "header")  # fmt: skip
+            self._where.append(f"field of view {_deg((info.fov_x_deg, info.fov_y_deg))}, from "
+                               "its header")  # fmt: skip
             return info.fov_x_deg, info.fov_y_deg
         before = self._fov_before()
         if before is None:
@@ -416,7 +419,7 @@ class _Replacing:
         taking = [*first, *others]
         for name in taking:
             network = _with(network, name, range_m=distance)
-        where = f" (range_m of {', '.join(taking)})" if taking else ": no node of it takes one"
+        where = f" (range_m of {', '.join(taking)})" if taking else ": no node uses it"
         self._where.append(f"distance {distance:g} m{where}")
         return network
 
@@ -432,7 +435,7 @@ class _Replacing:
             interval = max(across, y * self._before.rows / self._info.rows)
         self._lines.append(
             f"samples of {interval:.4g} m on the ground"
-            f"{'' if self._own.sample_m else ', over as much of it as the scene before'} "
+            f"{'' if self._own.sample_m else ', over as much ground as the old scene'} "
             f"({name}.ground_interval_m)"
         )
         return _with(network, name, ground_interval_m=interval, ground_interval_y_m=None)
@@ -458,7 +461,7 @@ class _Replacing:
             if name in layout:
                 layout[source] = (layout[name][0], layout[name][1] + 160.0)
             title = declaration(self._library[self._converter]).title
-            self._lines.append(f"{title} ({source}) makes radiance of it")
+            self._lines.append(f"{title} ({source}) converts it to radiance")
         links = [
             replace(link, source=source, output="image") if link.source == name else link
             for link in links
@@ -476,7 +479,7 @@ class _Replacing:
             if value is not None and not isinstance(value, Mapping):
                 network = network.with_parameter(name, parameter, value)
                 self._lines.append(
-                    f"{name}.{parameter} = {value} from now on: it followed the scene"
+                    f"{name}.{parameter} = {value} from now on: it was linked to the old scene"
                 )
         return network
 
@@ -552,7 +555,9 @@ def _with(network: Network, name: str, **values: Any) -> Network:
 def _info(path: Path) -> PictureInfo:
     info = read_info(path)
     if min(info.rows, info.columns) < 2:
-        raise FileError(f"{path}: {info.columns} × {info.rows} samples are no picture of a scene")
+        raise FileError(
+            f"{path}: {info.columns} × {info.rows} samples are too few for a picture of a scene"
+        )
     return info
 
 
@@ -561,7 +566,7 @@ def grey(array: Array) -> Array:
     if array.ndim == 3 and array.shape[-1] in (3, 4):
         return np.asarray(array[..., :3] @ np.array(LUMINANCE))
     if array.ndim == 0:
-        raise DataError(f"{array.item()!r:.80} is no picture: give a file, or (rows, columns)")
+        raise DataError(f"{array.item()!r:.80} is not a picture: give a file, or (rows, columns)")
     if array.ndim != 2:
         shape = " × ".join(map(str, array.shape))
         raise DataError(f"an array of {shape}: give (rows, columns), or (rows, columns, 3)")

@@ -80,14 +80,14 @@ def save_preset(network: Network, name: str, folder: Path, library: Library) -> 
     """Write a macro of a network to a file of a folder; it has the macro's name."""
     node = network.node(name)
     if node.macro is None:
-        raise NetworkError(f"{shown(name)} is no macro: group nodes to make one (Ctrl+G)")
+        raise NetworkError(f"{shown(name)} is not a macro: group nodes to make one (Ctrl+G)")
     for parameter in node.linked:
         raise NetworkError(
-            f"{shown(name)}.{parameter} follows {shown(expression_text(node.params[parameter]))}, "
-            "which has no value to be kept"
+            f"{shown(name)}.{parameter} follows "
+            f"{shown(expression_text(node.params[parameter]))}, so there is no value to keep"
         )
     if any(letter in _BARRED for letter in node.id) or node.id.strip(" ") != node.id:
-        raise NetworkError(f"{shown(name)} can be no name of a file: rename the node first")
+        raise NetworkError(f"{shown(name)} cannot be a file name: rename the node first")
     path = folder / f"{node.id}.json"
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -95,9 +95,7 @@ def save_preset(network: Network, name: str, folder: Path, library: Library) -> 
     except OSError as error:
         raise FileError(f"cannot write {shown(str(path))}: {error.strerror or error}") from None
     if there:
-        raise FileError(
-            f"there is a preset {shown(node.id)} already ({path}): rename the node first"
-        )
+        raise FileError(f"a preset {shown(node.id)} exists already ({path}): rename the node first")
     macro = as_new(node)
     assert macro.macro is not None
     macro = replace(macro, macro=replace(macro.macro, name=macro.macro.name or node.id))
@@ -118,7 +116,7 @@ def _preset(path: Path, library: Library, *, own: bool) -> Preset:
     try:
         nodes = tuple(read_unchanged(path, library=library).nodes.values())
         if len(nodes) != 1 or nodes[0].macro is None:
-            raise NetworkError(f"{path}: no preset, which is a network of one macro")
+            raise NetworkError(f"{path}: not a preset; a preset is a network of one macro")
     except ImagechainError as error:
         return Preset(path, path.stem, error.message, own, error.message)
     body = nodes[0].macro
@@ -153,13 +151,13 @@ def save_set(name: str, node: Node, folder: Path) -> None:
     for parameter in node.linked:
         text = expression_text(node.params[parameter])
         raise NetworkError(
-            f"{shown(parameter)} follows {shown(text)}, which has no value to be kept", node=node.id
+            f"{shown(parameter)} follows {shown(text)}, so there is no value to keep", node=node.id
         )
     if not name.strip() or not name.isprintable():
-        raise NetworkError(f"{name!r:.80} is no name of a set: it must not be blank")
+        raise NetworkError(f"{name!r:.80} is not a name for a set: it must not be blank")
     sets = sets_of(node.module, folder)
     if name not in sets and len(sets) >= MOST:
-        raise NetworkError(f"there are {MOST} sets of this module already, which is the most")
+        raise NetworkError(f"this module has {MOST} sets already; no more are allowed")
     _write({**sets, name: thaw(node.params)}, node.module, folder)
 
 
@@ -181,8 +179,8 @@ def given(
         if key in values:
             if parameter is None:
                 raise NetworkError(
-                    f"the set {shown(name)} has a parameter {shown(key)} that {declared.title} has "
-                    "not",
+                    f"the set {shown(name)} has a parameter {shown(key)}, which "
+                    f"{declared.title} does not have",
                     node=where,
                 )
             parameter.coerce(values[key])
@@ -200,7 +198,7 @@ def _is_set(value: Any) -> bool:
 
 def _file(module: str, folder: Path) -> Path:
     if not all(name.isidentifier() for name in module.split(".")):
-        raise NetworkError(f"{shown(module)} is no module whose parameters can be kept")
+        raise NetworkError(f"{shown(module)} is not a module whose parameters can be kept")
     return folder / f"{module}.json"
 
 

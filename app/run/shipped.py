@@ -36,7 +36,7 @@ def shipped_networks() -> dict[str, Path]:
 def find_network(text: str) -> Place:
     """The file of that path, else the shipped network of that name."""
     if not text:
-        raise FileError("'' is no network: give a file, or the name of a shipped one")
+        raise FileError("'' is not a network: give a file, or the name of an example network")
     path = Path(text)
     is_there = _is_there(path)
     if _is_picture(path) and not (path.is_file() and _holds_json(path)):

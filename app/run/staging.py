@@ -172,8 +172,8 @@ class Staging:
         now = real_target(target)
         if self._led_to.get(target, now) != now:
             raise FileError(
-                f"cannot write {target}: it, or a folder on its way, has become a link to another "
-                f"place, {now}, since the run began"
+                f"cannot write {target}: it, or a folder in its path, has become a link to "
+                f"another place, {now}, since the run began"
             )
 
     def _place(self, real: Path, target: Path) -> Path:
@@ -250,7 +250,11 @@ def _check_existing(real: Path, target: Path) -> None:
         raise FileError(f"cannot write {target}: {error.strerror or error}") from error
     unfit = no_regular_file(status.st_mode)
     if ZARR.matches(real):
-        unfit = "" if is_store(real) else "what is there is no Zarr store; allowed: a new name"
+        unfit = (
+            ""
+            if is_store(real)
+            else ("a file that is not a Zarr store has this name; allowed: a new name")
+        )
     if unfit:
         raise FileError(f"cannot write {target}: {unfit}")
     if not os.access(real, os.W_OK):

@@ -99,8 +99,8 @@ def way_in_words(facts: dict[str, Any]) -> str:
         return f"in memory: pictures of {largest} take up to {needed}, {allowed} are allowed"
     return (
         f"in blocks: pictures of {largest} would take up to {needed} in memory, {allowed} are "
-        f"allowed; up to {amount_text(facts['scratch_bytes'])} lay on disk in "
-        f"{facts['scratch_arrays']} arrays, transformed by passes over rows and columns"
+        f"allowed; up to {amount_text(facts['scratch_bytes'])} were on disk in "
+        f"{facts['scratch_arrays']} arrays, transformed by rows and columns"
     )
 
 
@@ -159,8 +159,8 @@ def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> N
     """Refuse a format in which a picture on disk cannot be written row after row, and frames."""
     if frames is not None and frames > 1:
         raise UsageError(
-            f"--frames {frames}: pictures of {image.rows} × {image.columns} samples that are made "
-            "in blocks are made once: give 1, or another --seed for each run"
+            f"--frames {frames}: a picture of {image.rows} × {image.columns} samples that is "
+            "made in blocks is made only once: give 1, or run again with another --seed"
         )
     if not any(kind.matches(path) for kind in STREAMED):
         words = " ".join(suffix for kind in STREAMED for suffix in kind.suffixes)
@@ -185,9 +185,9 @@ def _refuse_planes(plan: Plan, ports: Iterable[str], disk: ScratchDisk, policy: 
         plane = isinstance(value, SpectrumWire | Transfer)
         if plane and disk.wants(value.grid.shape, policy.dtype):
             raise UsageError(
-                f"--save {port}: a {value.port_type} of {value.grid.rows} × {value.grid.columns} "
-                "samples is made as a whole, which --memory "
-                f"{amount_text(disk.memory_bytes)} does not hold"
+                f"--save {port}: a {value.port_type} of {value.grid.rows} × "
+                f"{value.grid.columns} samples must be made as a whole, and does not fit into "
+                f"--memory {amount_text(disk.memory_bytes)}"
             )
 
 
@@ -199,6 +199,6 @@ def _refuse_without_room(needed: int, scratch: Path) -> None:
         raise FileError(f"cannot write to the scratch folder {scratch}: {reason}") from error
     if needed > free:
         raise FileError(
-            f"the scratch folder {scratch} has room for {amount_text(free)}, and a run in blocks "
-            f"takes {amount_text(needed)} at least: --scratch gives another"
+            f"the scratch folder {scratch} has {amount_text(free)} free, and a run in blocks "
+            f"takes at least {amount_text(needed)}: give another one with --scratch"
         )

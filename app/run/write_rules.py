@@ -153,7 +153,7 @@ class WriteRules:
         if not any(_within(real, folder) for folder in self.folders):
             why = "it lies outside the network's folder and the output folder"
         elif (real.is_file() or is_store(real)) and not self._has_written(real):
-            why = "the file that is there was not written by this network, or has changed since"
+            why = "the existing file was not written by this network, or has changed since"
         else:
             return
         raise FileError(f"cannot write {target}{leads}: {why}; {lift}", node=node or None)

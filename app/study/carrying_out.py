@@ -49,7 +49,7 @@ class Workers:
     def check(self) -> None:
         """Refuse workers that cannot be had."""
         if self.tls and not self.scheduler:
-            raise UsageError(f"{', '.join(TLS)}: they are for --scheduler ADDRESS")
+            raise UsageError(f"{', '.join(TLS)}: they need --scheduler ADDRESS")
         if not isinstance(self.scheduler, str):
             return
         if self.scheduler and not has_dask():
@@ -71,9 +71,9 @@ class Workers:
         if not address or address.startswith(_INNER):
             return ""
         return (
-            f"the scheduler {shown(address)} has no TLS: whoever reaches its port runs code as the "
-            f"workers' user. Start it and its workers with {', '.join(TLS)}, and give "
-            "these to the study too"
+            f"the scheduler {shown(address)} has no TLS: anyone who reaches its port can run "
+            f"code as the workers' user. Start it and its workers with {', '.join(TLS)}, and "
+            "give these to the study too"
         )
 
 
@@ -282,7 +282,7 @@ def _lost(study: Study, row: Row) -> bool:
 def _kept(why: str, journal: Journal, study: Study) -> str:
     return (
         f"{why}; {len(journal.rows)} of {len(study.points)} points are done and kept in "
-        f"{journal.path}: the same command goes on from there"
+        f"{journal.path}: give the same command again to resume"
     )
 
 

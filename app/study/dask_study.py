@@ -94,7 +94,7 @@ class _Cluster:
             raise
         except ImportError as error:
             raise UsageError(
-                f"a worker cannot load imagechain: {error}; it must be installed there"
+                f"a worker cannot load imagechain: {error}; install it there"
             ) from error
         except Exception as error:
             self._check()
@@ -124,7 +124,7 @@ class _Cluster:
             raise self._gone()
 
     def _gone(self) -> FileError:
-        return FileError(f"the scheduler {self._address()} is gone")
+        return FileError(f"the scheduler {self._address()} no longer answers")
 
     def _address(self) -> str:
         scheduler = self._client.scheduler
@@ -185,14 +185,14 @@ def check_address(scheduler: str, tls: Sequence[str]) -> None:
         )
     if tls and protocol not in ("tls", "wss"):
         raise UsageError(
-            f"--scheduler {scheduler:.120}: certificates are for tls://HOST:PORT, which a "
-            "scheduler started with --tls-ca-file, --tls-cert and --tls-key has"
+            f"--scheduler {scheduler:.120}: certificates need tls://HOST:PORT, of a scheduler "
+            "started with --tls-ca-file, --tls-cert and --tls-key"
         )
     made: Any = Security
     if protocol in ("tls", "wss") and not tls and made().tls_client_cert is None:
         raise UsageError(
             f"--scheduler {scheduler:.120}: give --tls-ca-file, --tls-cert and --tls-key, the "
-            "files that it was started with"
+            "files that the scheduler was started with"
         )
 
 

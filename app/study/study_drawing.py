@@ -319,7 +319,7 @@ def write_summary(result: StudyRows, path: Path) -> None:
 def summary_page(result: StudyRows) -> str:
     """The picture, what varied, each figure's spread with its ends' points, and what failed."""
     study = result.study
-    caption = f"Figures of {len(result.rows)} points; a cross: no figure there."
+    caption = f"Figures of {len(result.rows)} points; a cross marks a point without the figure."
     blocks: list[Block] = [
         Heading(1, f"{study.name or 'Image chain'}: study"),
         Drawn(study_png(result), caption, caption),

@@ -116,17 +116,17 @@ class Journal:
             # Something is there, and not even its first line is whole: nothing of it counts.
             if content and not _line(self._head).startswith(content):
                 raise UsageError(
-                    f"{self.path}: it is no journal of a study; --fresh throws it away"
+                    f"{self.path}: it is not the journal of a study; --fresh discards it"
                 )
             return
         head = lines[0][1]
         if not isinstance(head, dict) or head.get("format") != FORMAT:
-            raise UsageError(f"{self.path}: it is no journal of a study; --fresh throws it away")
+            raise UsageError(f"{self.path}: it is not the journal of a study; --fresh discards it")
         if head != self._head:
             raise UsageError(
-                f"{self._output}: another study, or one of other inputs, has been begun there and "
-                f"is not finished ({len(lines) - 1} rows in {self.path.name}); --fresh throws it "
-                "away"
+                f"{self._output}: another study, or this one with other inputs, was begun "
+                f"there and is not finished ({len(lines) - 1} rows in {self.path.name}); "
+                "--fresh discards it"
             )
         for _, entry in lines[1:]:
             row = _row(entry)

@@ -59,8 +59,8 @@ def sampled(
             return axes, grid_points(axes)
         if points is None or not axes:
             raise UsageError(
-                "--sample latin: give --points N, how many to draw, and --vary NODE.PARAM=FROM:TO, "
-                "from where"
+                "--sample latin: also give --points N, the number of points, and --vary "
+                "NODE.PARAM=FROM:TO, the range"
             )
         return latin_points(axes, points, network.seed)
     if vary:
@@ -110,7 +110,7 @@ def listed_points(
     """
     name = shown_path(str(path))
     if path.exists() and not path.is_file():  # a pipe would be waited for
-        raise FileError(f"cannot read {name}: it is no regular file")
+        raise FileError(f"cannot read {name}: it is not a regular file")
     try:
         if (length := path.stat().st_size) > _MOST_BYTES:
             raise FileError(f"{name}: a list of {length} bytes; allowed: {_MOST_BYTES}")
@@ -118,14 +118,16 @@ def listed_points(
     except OSError as error:
         raise FileError(f"cannot read {name}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
-        raise FileError(f"{name}: it is no text in UTF-8") from error
+        raise FileError(f"{name}: it is not UTF-8 text") from error
     lines = [line for line in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in line)]
     if len(lines) < 2:
-        raise FileError(f"{name}: a line of names NODE.PARAM and one for each point must be there")
+        raise FileError(
+            f"{name}: it must have a first line of names NODE.PARAM, and one line for each point"
+        )
     heads = [plain_cell(head.strip()) for head in lines[0]]
     labels = [head.partition(" (")[0] for head in heads]
     if len(set(labels)) < len(labels):
-        raise FileError(f"{name}: two columns have one name")
+        raise FileError(f"{name}: two columns have the same name")
     _check_number(len(lines) - 1)
     columns: list[list[Any]] = [[] for _ in labels]
     axes = []
@@ -191,7 +193,7 @@ def _read(axis: Axis, cell: str, where: str) -> Any:
 OVER = "--over"
 MOST_VALUES = 1_000_000
 _OVER_FORM = "NODE.PARAM=PATTERN, such as scene.path='scenes/*.img'"
-_SPAN = "NODE.PARAM=FROM:TO, or :log after it, or a list a,b,c"
+_SPAN = "NODE.PARAM=FROM:TO, FROM:TO:log, or a list a,b,c"
 
 
 @dataclass(frozen=True)
@@ -259,8 +261,8 @@ def span_axis(text: str, network: Network, *, library: Library) -> Axis:
         low = high = np.nan
     if (len(parts) > 2 and not log) or not low < high:
         raise UsageError(
-            f"{OPTION} {setting.port}={setting.text:.80}: for values that are drawn write {_SPAN}, "
-            "FROM below TO"
+            f"{OPTION} {setting.port}={setting.text:.80}: for drawn values write {_SPAN}, FROM "
+            "below TO"
         )
     if log and low <= 0:
         raise UsageError(f"{OPTION} {setting.port}={setting.text:.80}: log needs FROM above 0")
@@ -302,7 +304,7 @@ def files_axis(text: str, network: Network, *, library: Library) -> Axis:
     inner = behind(setting, network)
     parameter = _named(OVER, inner, network, library)
     if parameter.kind != "path":
-        raise UsageError(f"{OVER} {setting.port}: {parameter.allowed()}, no file name")
+        raise UsageError(f"{OVER} {setting.port}: {parameter.allowed()}, not a file name")
     matching = glob.glob(setting.text, recursive=True)  # noqa: PTH207, as Path's needs a folder
     names = [name for name in matching if Path(name).is_file()]
     if not names:
@@ -325,7 +327,7 @@ def allowed(parameter: Parameter, value: Any, node: str) -> None:
     except ParameterError as error:
         raise error.at(node) from error
     if coerced is None and value is not None:
-        why = "it stands for an empty parameter, as null does"
+        why = "this value stands for an empty parameter, as null does"
         raise ParameterError(parameter.name, value, why, node=node)
 
 

@@ -71,7 +71,9 @@ class SavePattern:
         except (ValueError, TypeError) as error:
             raise UsageError(f"{self.save.shown}: {{{name}:{form}}}: {error}") from error
         if not word or word in (".", "..") or any(c in word for c in ("/", "\\", "\0")):
-            raise UsageError(f"{self.save.shown}: {name} = {shown(word)} is no part of a file name")
+            raise UsageError(
+                f"{self.save.shown}: {name} = {shown(word)} cannot be part of a file name"
+            )
         return word
 
 
@@ -82,7 +84,7 @@ def save_pattern(save: Save, axes: Sequence[Axis]) -> SavePattern:
     try:
         for text, name, form, conversion in string.Formatter().parse(save.text):
             if name is not None and (conversion or "{" in (form or "")):
-                raise ValueError("only a format of numbers may follow a field's name")
+                raise ValueError("only a number format may follow a field's name")
             if name is not None and re.search("[0-9]{4}", form or ""):
                 raise ValueError(f"{{{name}:{form:.20}}}: at most 999 characters or digits")
             if name is not None and name not in known:
@@ -233,8 +235,8 @@ class Study:
             for row in self.files:
                 for pattern, name in zip(self.saves, row, strict=True):
                     if name in taken:
-                        raise UsageError(f"{pattern.save.shown}: {shown(name)} is another file of "
-                                         "this study")  # fmt: skip
+                        raise UsageError(f"{pattern.save.shown}: {shown(name)} is another file "
+                                         "of this study")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -300,7 +302,7 @@ def make_study(
     places = [(axis.node, axis.parameter.name) for axis in axes]
     for number, axis in enumerate(axes):
         if places.index(places[number]) < number:
-            raise UsageError(f"{axis.label} varies twice: vary another parameter")
+            raise UsageError(f"{axis.label} is varied twice: vary another parameter")
     across = grid_points(overs)
     if len(across) * len(inner_points) > MOST_POINTS:
         raise UsageError(

@@ -230,7 +230,10 @@ class SearchRange:
 def search_range(parameter: Parameter, present: object, given: str, *, option: str) -> SearchRange:
     """The range given as ``LOW:HIGH``, else the parameter's own, else about its present value."""
     if parameter.kind not in ("number", "integer"):
-        raise UsageError(f"{option}: {parameter.name} is {parameter.allowed()}, no number to solve")
+        raise UsageError(
+            f"{option}: {parameter.name} is {parameter.allowed()}, not a number "
+            "that can be solved for"
+        )
     whole = parameter.kind == "integer"
     if given:
         low, high = low_high(option, given)

@@ -116,14 +116,14 @@ def _with_unit(name: str, unit: str) -> str:
 def page(results: Results) -> str:
     """The picture, the figures with their meaning, every value, and what failed."""
     title = f"{results.network or 'Image chain'}: trade-off"
-    caption = f"Figures of merit as {results.varied.text} moves"
+    caption = f"Figures of merit against {results.varied.text}"
     caption += f", a curve for each {results.second.text}." if results.second else "."
     if results.present is not None:
         present = shown_value(results.present, results.varied.unit)
         caption += f" The network as it stands has {present}"
         caption += " (dashed line)." if results.varied.is_numeric else "."
     if results.failures():
-        caption += " A cross: no figure at that value, see the gaps below."
+        caption += " A cross marks a value without the figure; the gaps below say why."
     blocks = [
         Heading(1, title),
         Drawn(trade_off_png(results), caption, caption),

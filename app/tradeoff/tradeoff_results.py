@@ -286,7 +286,9 @@ def with_value(network: Network, engine: Engine, node: str, parameter: str, valu
     declared = parameter_of(network, engine, node, parameter)
     coerced = declared.coerce(value)
     if coerced is None and value is not None:
-        raise ParameterError(parameter, value, "it stands for an empty parameter, as null does")
+        raise ParameterError(
+            parameter, value, "this value stands for an empty parameter, as null does"
+        )
     return network.with_parameter(node, parameter, plain(coerced))
 
 

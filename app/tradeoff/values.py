@@ -16,7 +16,7 @@ from core.modules.parameters import Parameter, plain
 from core.network.network import Network
 
 OPTION = "--vary"
-FORM = "NODE.PARAM=FROM:TO:COUNT, or :log after it, or a list a,b,c"
+FORM = "NODE.PARAM=FROM:TO:COUNT, FROM:TO:COUNT:log, or a list a,b,c"
 MOST = 1000
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?", re.ASCII)
 _COUNT = re.compile(r"[0-9]{1,9}", re.ASCII)

@@ -40,7 +40,7 @@ def test_arrays_and_files(tmp_path):
     assert json.loads((tmp_path / "m.json").read_text()) == measured.to_dict()
     fewer = measured.without(0)
     assert fewer.x.edges == 1
-    assert fewer.edges[0].why_not == "removed by hand"
+    assert fewer.edges[0].why_not == "removed by you"
     assert measured.x.edges == 2
     with pytest.raises(ic.ParameterError, match="edge = 7"):
         measured.without(7)

@@ -26,12 +26,14 @@ class Crumbs(QWidget):
     def __init__(self, level: Level, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName("crumbs")
-        self.setAccessibleName("way to the macro shown")
+        self.setAccessibleName("path to the macro shown")
         self._level = level
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(4, 2, 4, 2)
         self._row.setSpacing(2)
-        self.up = self._button("crumbs.up", "↑ Up", "Show what lies around this macro (Alt+PgUp)")
+        self.up = self._button(
+            "crumbs.up", "↑ Up", "Leave this macro and show the network around it (Alt+PgUp)"
+        )
         self.up.clicked.connect(level.leave)
         self.steps: list[QToolButton] = []
         self._others: list[QLabel] = []

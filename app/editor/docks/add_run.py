@@ -42,9 +42,9 @@ from nodes.files.formats import WRITTEN
 
 KINDS: tuple[tuple[Kind, str], ...] = (
     ("sweep", "Sweep: a parameter over values"),
-    ("frames", "Frames, each with noise of its own"),
+    ("frames", "Frames, each with its own noise"),
     ("files", "Pictures, one after the other"),
-    ("run", "One run, with the files it writes"),
+    ("run", "One run that also writes the network's files"),
 )
 _USUAL_COUNT, _USUAL_FRAMES = 5, 16
 
@@ -84,7 +84,7 @@ class AddRun(QDialog):
         self.kinds.addItems([text for _, text in KINDS])
         self.parameter = ParameterChoice(self._session, self)
         self.values = self._line(FORM)
-        self.pictures = Check("a picture for each value, too", self)
+        self.pictures = Check("also write a picture for each value", self)
         self.pictures.setChecked(True)
         self.frames = self._line("a whole number")
         self.frames.setText(str(_USUAL_FRAMES))
@@ -93,8 +93,10 @@ class AddRun(QDialog):
         self.files.setMaximumHeight(7 * self.fontMetrics().height())
         self.files.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.choose = tool_button("add_run.choose", "Choose…", "Choose pictures", self)
-        self.drop = tool_button("add_run.drop", "Remove", "Take the marked ones out", self)
-        self.folder = self._line("a folder; it is made where it is missing")
+        self.drop = tool_button(
+            "add_run.drop", "Remove", "Remove the selected ones from the list", self
+        )
+        self.folder = self._line("a folder; it is created if it does not exist")
         self.browse = tool_button("add_run.browse", "Browse…", "Choose the folder", self)
         self.report = Check("a report (HTML) for each run", self)
         self._form = QFormLayout()
@@ -211,7 +213,7 @@ class AddRun(QDialog):
             ends = f"{shown_number(span.low)}:{shown_number(span.high)}"
             self.values.setText(f"{ends}:{_USUAL_COUNT}{':log' if span.log else ''}")
             unit = parameter.param.unit
-            self.values.setToolTip(f"{FORM}{unit and f'; in {unit} where no unit is typed'}")
+            self.values.setToolTip(f"{FORM}{unit and f'; in {unit} if you type no unit'}")
             self._say("parameter", "")
 
     # --- files and folders ------------------------------------------------------------------
@@ -318,7 +320,7 @@ class AddRun(QDialog):
                 raise UsageError("give a folder")
             folder = (self._session.folder.absolute() / Path(text).expanduser()).absolute()
             if folder in self._taken():
-                raise UsageError("a run in the queue writes there: choose another folder")
+                raise UsageError("a queued run writes to this folder: choose another one")
             check_folder(folder)
         except (ImagechainError, RuntimeError) as error:  # of a home that nobody has
             self._say("folder", str(error))
@@ -344,7 +346,7 @@ class AddRun(QDialog):
 
 # The values a parameter is to take as a person types them: a range, or a list.
 
-FORM = "FROM:TO:COUNT, or :log after it, or a list a, b, c"
+FORM = "FROM:TO:COUNT, FROM:TO:COUNT:log, or a list a, b, c"
 _EQUAL_STEPS, _EQUAL_FACTORS = 3, 4
 
 
@@ -377,7 +379,7 @@ def _range(text: str, parameter: Parameter) -> tuple[list[Any], bool]:
     if not (count.isascii() and count.isdigit() and len(count) < 10 and 2 <= int(count) <= MOST):
         raise UsageError(f"COUNT = {count or 'nothing'!s:.20} is not allowed: from 2 to {MOST}")
     if low == high:
-        raise UsageError(f"FROM and TO are both {low:g}: two different numbers make a range")
+        raise UsageError(f"FROM and TO are both {low:g}: a range needs two different numbers")
     if log and (low <= 0 or high <= 0):
         raise UsageError("log needs FROM and TO above 0")
     whole = parameter.kind == "integer"
@@ -396,6 +398,6 @@ def _number(text: str, parameter: Parameter) -> Any:
 def _allowed(value: Any, parameter: Parameter) -> Any:
     coerced = parameter.coerce(value)
     if coerced is None:
-        allowed = "it stands for an empty parameter"
+        allowed = "this value stands for an empty parameter"
         raise ParameterError(parameter.name, value, allowed, unit=parameter.param.unit)
     return plain(coerced)

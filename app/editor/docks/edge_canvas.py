@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 _NEAR_PX = 12.0  # of a click from an edge
 _MOST_ZOOM = 64.0
 _HINT = (
-    "Measure Viewer takes the picture of a viewer, Files… any picture files, which may be dropped "
-    "here as well. Edges are searched for, and the MTF measured across each."
+    "Measure Viewer measures the picture in a viewer; Files… measures picture files, and you "
+    "can drop files here too. The edges are found, and the MTF is measured across each one."
 )
 
 
@@ -46,7 +46,7 @@ class EdgeCanvas(QWidget):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("measure.picture")
-        self.setAccessibleName("Picture with its edges; arrow keys go from edge to edge")
+        self.setAccessibleName("Picture with its edges; use the arrow keys to move between edges")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
         self._measured: PictureMeasurement | None = None

@@ -45,7 +45,7 @@ class EdgeTable(QTreeWidget):
         super().__init__(parent)
         self._measured: PictureMeasurement | None = None
         self.setObjectName("measure.edges")
-        self.setAccessibleName("Edges; Del removes the marked one, or uses it again")
+        self.setAccessibleName("Edges; Del leaves the selected one out, or uses it again")
         self.setHeaderLabels(["Edge", "Normal", "MTF50", "State"])
         self.setRootIsDecorated(False)
         self.setUniformRowHeights(True)
@@ -181,8 +181,8 @@ class MtfChart(ChartWidget):
         self.setObjectName("measure.mtf")
         self.setAccessibleName("MTF against frequency")
         self.setToolTip(
-            "MTF pooled across (full) and along (dashed), with ± 2 standard errors, and that of "
-            "the chosen edge along its normal"
+            "Pooled MTF across (full) and along (dashed) with ± 2 standard errors, and the "
+            "MTF of the selected edge along its normal"
         )
         self.setMouseTracking(True)
         self._measured: PictureMeasurement | None = None

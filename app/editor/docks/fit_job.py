@@ -103,7 +103,10 @@ def fit_to_picture(
         )
         return _outcome(task, result)
     if len(pictures.samples) > 1:
-        raise UsageError("a known scene is fitted to one picture, as each has its place in it")
+        raise UsageError(
+            "a known scene can be fitted to one picture only, because its "
+            "position in the picture matters"
+        )
     try:
         result = fit_known_scene(engine, plan, work, free=free, pictures=pictures, report=report)
     except (UsageError, DataError) as error:
@@ -116,7 +119,9 @@ def limited_parameters(task: FitTask) -> tuple[FreeParameter, ...]:
     from app.fit.free_parameter import FREE, free_parameters
 
     if not task.numbers:
-        raise UsageError("nothing is free: right-click a number on a panel, Free for a fit")
+        raise UsageError(
+            "no parameter is free: right-click a number on a panel and choose Free for a fit"
+        )
     try:
         free = free_parameters([one.port for one in task.numbers], task.network, task.library)
     except ImagechainError as error:
@@ -167,10 +172,10 @@ def _pictures(pictures: Pictures) -> FittedPictures:
         try:
             return read_pictures(pictures)
         except ImagechainError as error:
-            text, band, _ = str(error).partition(": name the one to measure, --band")
+            text, band, _ = str(error).partition(": choose the band to measure with --band")
             if not band:
                 raise
-            raise UsageError(f"{text}: show one of them in a viewer, and fit to that") from error
+            raise UsageError(f"{text}: show one of them in a viewer and fit to that") from error
     return FittedPictures((pictures.name,), (np.asarray(pictures.samples, np.float64),))
 
 

@@ -33,8 +33,8 @@ from core.network.network import Network
 
 _NO_PICTURE = "no picture"
 _NOTHING_FREE = "Right-click a number on a panel: Free for a fit"
-_SAID_HERE = "Fit says here how well the chain meets the picture, and what to be warned of"
-_NO_EDGES = "The picture was fitted as a whole, no edges by themselves"
+_SAID_HERE = "Fit reports here how well the chain matches the picture, and any warnings"
+_NO_EDGES = "The picture was fitted as a whole, not edge by edge"
 _TAKE = "Write all fitted values into the network, as one step that undo takes back"
 
 
@@ -130,8 +130,8 @@ class FitView(WorkerView):
             declared = self._session.declared(node) if node in network.nodes else None
             parameter = declared.parameter(name) if declared is not None else None
             if parameter is None or name in network.nodes[node].linked:
-                why = "is not there any more" if parameter is None else "follows others now"
-                self._say(f"{one.number.port} {why}: nothing was taken", failed=True)
+                why = "no longer exists" if parameter is None else "is now linked to others"
+                self._say(f"{one.number.port} {why}: no value was changed", failed=True)
                 return
             try:
                 value = plain(parameter.coerce(_rounded(one)))
@@ -158,7 +158,8 @@ class FitView(WorkerView):
         self.file = tool_button(
             "fit.file",
             "Pictures…",
-            "Choose pictures to fit to, or drop them here; without, those measured last count",
+            "Choose pictures to fit to, or drop them here; if you choose none, the pictures "
+            "measured last are used",
             self,
         )
         self.name = QLabel(_NO_PICTURE, self)
@@ -171,17 +172,18 @@ class FitView(WorkerView):
         self.known = toggle_button(
             "fit.known",
             "Known Scene",
-            "The network's source is the scene of the picture, which is fitted as a whole; else "
-            "ideal edges take its place where the picture has edges",
+            "Tick this if the network's source is the scene of the picture: the picture is "
+            "then fitted as a whole. Otherwise ideal edges replace the source where the "
+            "picture has edges",
             self,
         )
         self.remove = tool_button(
-            "fit.remove", "Remove", "Fix the marked parameter again (Del)", self
+            "fit.remove", "Remove", "Fix the selected parameter again (Del)", self
         )
         self.which = QComboBox(self)
         self.which.setObjectName("fit.edges")
-        self.which.setAccessibleName("Which edge is drawn")
-        self.which.setToolTip("Which of the picture's edges is drawn")
+        self.which.setAccessibleName("Edge to plot")
+        self.which.setToolTip("Choose which of the picture's edges is plotted")
         self.which.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         bar = QWidget(self)
         flow = FlowLayout(bar, across=4, down=2)
@@ -193,7 +195,7 @@ class FitView(WorkerView):
         self.table = FreeTable(self._session, self)
         self.words = QPlainTextEdit(self)
         self.words.setObjectName("fit.words")
-        self.words.setAccessibleName("What the fit says of itself")
+        self.words.setAccessibleName("Result of the fit")
         self.words.setReadOnly(True)
         self.words.setTabChangesFocus(True)
         self.chart = SpreadChart(self)
@@ -207,7 +209,7 @@ class FitView(WorkerView):
             splitter.setChildrenCollapsible(False)
             splitter.setStretchFactor(0, 1)
             splitter.setStretchFactor(1, 1)
-        self.status = StatusLine("fit", "What is fitted, or why not", "", self)
+        self.status = StatusLine("fit", "What is fitted, or why no fit is possible", "", self)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(1)
@@ -373,10 +375,10 @@ class SpreadChart(ChartWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(width=24, height=14, parent=parent)
         self.setObjectName("fit.spread")
-        self.setAccessibleName("Samples of the edge and the chain's spread")
+        self.setAccessibleName("Edge profile measured and modelled")
         self.setToolTip(
-            "Samples of the picture across the edge, from its dark level 0 to its bright one 1, "
-            "and what the chain gives there"
+            "Profile across the edge, from the dark level 0 to the bright level 1: the "
+            "picture's samples and the chain's edge spread"
         )
         self.edge: DrawnEdge | None = None
         self._why_none = ""
@@ -390,7 +392,7 @@ class SpreadChart(ChartWidget):
         edge = self.edge
         reach = 8.0 if edge is None else max(1.0, float(np.abs(edge.distance).max(initial=0.0)))
         x = Axis(-reach, reach, "distance from the edge (samples)")
-        y = Axis(_LOW, _HIGH, "share of the step")
+        y = Axis(_LOW, _HIGH, "fraction of the step")
         chart = Chart(painter, area, x, y, self.theme)
         if edge is not None:
             self._paint(painter, chart, edge, x, y)

@@ -33,10 +33,10 @@ class FreeTable(QTableWidget):
         self._session = session
         self._fitted: tuple[FittedNumber, ...] = ()
         self.setObjectName("fit.free")
-        self.setAccessibleName("Free parameters, with limits and fitted values; Del fixes one")
+        self.setAccessibleName("Free parameters with their limits and fitted values; Del fixes one")
         self.setToolTip(
-            "What the fit determines, within limits that may be typed. It is not saved with the "
-            "network"
+            "The parameters that the fit determines. Limits can be typed in; they are not "
+            "saved with the network"
         )
         self.setHorizontalHeaderLabels(list(_HEADS))
         self.setSelectionBehavior(QTableWidget.SelectionBehavior.SelectRows)
@@ -95,7 +95,7 @@ class FreeTable(QTableWidget):
         if column in (_LOW, _HIGH):
             item.setFlags(flags | Qt.ItemFlag.ItemIsEditable)
             end = "Low" if column == _LOW else "High"
-            item.setToolTip(tip(f"{end} limit of the fit; empty: the parameter's own"))
+            item.setToolTip(tip(f"{end} limit for the fit; empty: the parameter's own limit"))
         else:
             item.setFlags(flags)
             if parameter is not None:

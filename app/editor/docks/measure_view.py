@@ -146,7 +146,7 @@ class MeasureView(WorkerView):
         choose_pictures(self.window(), title, name=name, chosen=self.measure_files)
 
     def _choose_target(self) -> None:
-        dialog = SaveDialog(self.window(), "Write the measurement", str(Path.cwd()), _KINDS)
+        dialog = SaveDialog(self.window(), "Save the measurement", str(Path.cwd()), _KINDS)
         dialog.setObjectName("measure_export_dialog")
         dialog.setDefaultSuffix(HTML.suffixes[0].removeprefix("."))
         dialog.selectFile("measured.html")
@@ -169,7 +169,7 @@ class MeasureView(WorkerView):
         """Write the results in the background: .json, .csv or .html, by the name."""
         measured = self.measured
         if measured is None:
-            self._say("nothing is measured yet", failed=True)
+            self._say("nothing has been measured yet", failed=True)
             return
 
         def job(_check: Check, _report: Callable[[str], None]) -> Path:
@@ -247,26 +247,27 @@ class MeasureView(WorkerView):
         self.file = tool_button(
             "measure.file",
             "Files…",
-            "Measure a picture, or several of one camera together; or drop them here",
+            "Measure a picture, or several from the same camera together; you can also drop "
+            "them here",
             self,
         )
         self.stop = tool_button("measure.cancel", "Cancel", "Stop measuring (Esc)", self)
         self.remove = tool_button("measure.remove", _REMOVE, "", self)
-        self.fit = tool_button("measure.fit", "Fit", "Show all of the picture (F)", self)
+        self.fit = tool_button("measure.fit", "Fit", "Show the whole picture (F)", self)
         self.unused = toggle_button(
-            "measure.unused", "Not Used", "Draw edges that cannot be used, too", self
+            "measure.unused", "Not Used", "Also draw the edges that cannot be used", self
         )
         self.unused.setChecked(True)
         self.write = tool_button(
             "measure.export",
             "Export…",
-            "Write all (.json), MTF (.csv), a page (.html)",
+            "Save everything (.json), the MTF (.csv) or a page (.html)",
             self,
         )
         self.pictures = QComboBox(self)
         self.pictures.setObjectName("measure.pictures")
-        self.pictures.setAccessibleName("Which of the pictures is shown")
-        self.pictures.setToolTip("Which of the pictures is shown")
+        self.pictures.setAccessibleName("Picture to show")
+        self.pictures.setToolTip("Picture to show")
         self.band = BandBox(self)
         bar = QWidget(self)
         flow = FlowLayout(bar, across=4, down=2)
@@ -296,7 +297,9 @@ class MeasureView(WorkerView):
         self.halves.setStretchFactor(1, 4)
         for splitter in (right, self.halves):
             splitter.setChildrenCollapsible(False)
-        self.status = StatusLine("measure", "What is measured, or why not", "Values there", self)
+        self.status = StatusLine(
+            "measure", "What is measured, or why it cannot be", "Values there", self
+        )
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(1)
@@ -425,13 +428,13 @@ class MeasureView(WorkerView):
         again = edge is not None and not edge.used
         self.remove.setText(_USE if again and edge is not None and edge.curve else _REMOVE)
         about = (
-            "Choose an edge on the picture or in the list first"
+            "First select an edge in the picture or in the list"
             if edge is None
             else f"Edge {self.current + 1} cannot be used: {edge.why_not}"
             if edge.curve is None
-            else "Use the chosen edge in the pooled MTF again (Del)"
+            else "Use the selected edge in the pooled MTF again (Del)"
             if again
-            else "Leave the chosen edge out of the pooled MTF (Del)"
+            else "Leave the selected edge out of the pooled MTF (Del)"
         )
         self.remove.setToolTip(about)
         self.remove.setAccessibleName(about)
@@ -440,7 +443,7 @@ class MeasureView(WorkerView):
 # Which band of files that have several is measured.
 
 _NONE, _MOST = -1, 99_999
-_ABOUT = "Which band of files that have several, counted from 0"
+_ABOUT = "Band to measure in files with several, counted from 0"
 
 
 class BandBox(QSpinBox):
@@ -450,7 +453,7 @@ class BandBox(QSpinBox):
         super().__init__(parent)
         self.setObjectName("measure.band")
         self.setAccessibleName(_ABOUT)
-        self.setToolTip(f"{_ABOUT}; –: their only one, or the luminance of colours")
+        self.setToolTip(f"{_ABOUT}; –: the only band, or the luminance of a colour picture")
         self.setRange(_NONE, _MOST)
         self.setPrefix("Band ")
         self.setSpecialValueText("Band –")

@@ -41,11 +41,13 @@ def picture_of(number: int, viewer: ImageViewer) -> ViewerPicture:
         raise UsageError(f"viewer {number} shows no picture")
     value = picture.value
     if not isinstance(value, Image) or picture.facts.kind != "picture":
-        raise UsageError(f"viewer {number} shows {port}, which is no picture of a scene")
+        raise UsageError(f"viewer {number} shows {port}, which is not a picture of a scene")
     if picture.reduced > 1:
-        raise UsageError(f"viewer {number} shows a preview still: wait for the picture itself")
+        raise UsageError(f"viewer {number} still shows a preview: wait for the picture itself")
     if viewer.choices.mapping == "spectrum" or viewer.choices.mode == "difference":
-        raise UsageError(f"viewer {number} shows a spectrum or a difference: show the picture")
+        raise UsageError(
+            f"viewer {number} shows a spectrum or a difference: show the picture instead"
+        )
     wavelengths = picture.facts.wavelengths_um
     taken = f"the band at {wavelengths[0]:.4g} µm" if wavelengths else ""
     return ViewerPicture(

@@ -278,7 +278,7 @@ class RunProcess(QObject):
         elif self._stopping:
             self._end("cancelled")
         elif crashed:
-            text = f"its process was ended by the system (signal {code}): is the memory full?"
+            text = f"the system ended its process (signal {code}): memory may have run out"
             self._end("failed", text)
         else:
             self._end("failed", _last_line(self._errors.decode("utf-8", "replace")))
@@ -305,7 +305,7 @@ def python_environment() -> QProcessEnvironment:
 
 def _last_line(said: str) -> str:
     lines = [line for line in said.splitlines() if line.strip()]
-    return in_line(lines[-1].removeprefix(_PREFIX)) if lines else "it ended without a word"
+    return in_line(lines[-1].removeprefix(_PREFIX)) if lines else "it ended without saying why"
 
 
 # The network of the window as it is now, as a job.

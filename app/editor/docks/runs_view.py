@@ -52,8 +52,8 @@ _NUMBER, _SHARE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
 _TICK_MS = 1000
 PREVIEW_PX, _SEVERAL_PX, _LEAST_PX = 256, 96, 64
 _HINT = (
-    "No runs yet. Add… makes one: a sweep of a parameter, frames, a list of pictures, or the "
-    "network once with the files it writes. It goes on while you edit."
+    "No runs yet. Add… starts one: a sweep of a parameter, frames, a list of pictures, or one "
+    "run that also writes the network's files. You can edit while it runs."
 )
 _OPEN_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DROP_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
@@ -80,13 +80,13 @@ class RunsView(QWidget):
 
     def _build(self) -> None:
         self.add = tool_button("runs.add", "Add…", "Add a run to the queue", self)
-        self.stop = tool_button("runs.cancel", "Cancel", "Stop the marked run (Del)", self)
-        self.clear = tool_button("runs.clear", "Clear", "Take ended runs off the list", self)
+        self.stop = tool_button("runs.cancel", "Cancel", "Stop the selected run (Del)", self)
+        self.clear = tool_button("runs.clear", "Clear", "Remove finished runs from the list", self)
         self.folder = tool_button(
-            "runs.folder", "Open Folder", "Open the folder of the marked run's files", self
+            "runs.folder", "Open Folder", "Open the folder with the selected run's files", self
         )
         self.page = tool_button(
-            "runs.page", "Open Report", "Open the marked run's report or trade-off", self
+            "runs.page", "Open Report", "Open the selected run's report or trade-off", self
         )
         bar = QWidget(self)
         flow = FlowLayout(bar, across=4, down=2)
@@ -98,11 +98,11 @@ class RunsView(QWidget):
         self.hint: QLabel = centred_hint(_HINT, self)
         self.hint.setObjectName("runs.hint")
         self.hint.setContentsMargins(12, 0, 12, 0)
-        self.detail = ElidedLabel("runs.detail", "State of the marked run", self)
+        self.detail = ElidedLabel("runs.detail", "State of the selected run", self)
         self.detail.setContentsMargins(6, 0, 6, 0)
         self.previews = QListWidget(self)
         self.previews.setObjectName("runs.previews")
-        self.previews.setAccessibleName("Pictures that the marked run has made")
+        self.previews.setAccessibleName("Pictures that the selected run has made")
         self.previews.setViewMode(QListWidget.ViewMode.IconMode)
         self.previews.setMovement(QListWidget.Movement.Static)
         self.previews.setResizeMode(QListWidget.ResizeMode.Adjust)
@@ -275,7 +275,7 @@ class _RunList(QTreeWidget):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("runs.list")
-        self.setAccessibleName("Runs that wait, go on and have ended")
+        self.setAccessibleName("Runs that are queued, running and finished")
         self.setColumnCount(2)
         self.setHeaderHidden(True)
         self.setRootIsDecorated(False)
@@ -341,12 +341,12 @@ class ReportStatus(QWidget):
         self.stop = QPushButton("Cancel", self)
         self.stop.setObjectName("report.cancel")
         self.stop.setAccessibleName("Cancel the report")
-        self.stop.setToolTip("Stop the report; nothing is written then")
+        self.stop.setToolTip("Stop writing the report; no file is written")
         self.open = QPushButton("Open", self)
         self.open.setObjectName("report.open")
         self.open.setAccessibleName("Open the report")
         self.open.setToolTip("Show the report in the browser")
-        self.away = tool_button("report.away", "×", "Take this away; the report stays", self)
+        self.away = tool_button("report.away", "×", "Close this message; the report stays", self)
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
         for widget in (self.label, self.progress, self.stop, self.open, self.away):

@@ -32,7 +32,7 @@ from core.network.network import Network
 
 MOST_CURVES = 8  # of a plot turned to many angles those of the last ones are kept
 SHARE = 4  # of what computed values may take, for pictures of snapshots: one part in so many
-NOTHING_KEPT = "nothing is kept yet: Ctrl+K keeps the present state"
+NOTHING_KEPT = "there are no snapshots yet: Ctrl+K keeps the present state"
 _OWNER = "snapshots.kept"
 
 Figures = Mapping[tuple[str, str], tuple[Any, str]]
@@ -216,7 +216,7 @@ class Snapshots(QObject):
             self.way = None
         ports, curves = tuple(dict.fromkeys(self._ports())), tuple(self._plot.queries())
         self._want(state, SnapshotQuery(source, ports, curves, figures=True))
-        self._say(f"kept as {name}: K flips to it and back, W wipes between it and now")
+        self._say(f"kept as {name}: K switches between it and now, W wipes between the two")
         self._update()
 
     def choose(self, state: Snapshot) -> None:
@@ -248,9 +248,9 @@ class Snapshots(QObject):
         if state is None:
             self._say(NOTHING_KEPT, "advice")
         elif self._session.do(Restored(state.network, f"Go back to {state.name}")):
-            self._say(f"back at {state.name}; Ctrl+Z undoes it")
+            self._say(f"restored {state.name}; Ctrl+Z undoes it")
         else:
-            self._say(f"the network is as in {state.name} already")
+            self._say(f"the network is already as in {state.name}")
 
     def compare(self, way: Way) -> None:
         """Show A in the place of B, or both at the sides of a wipe; again: B alone."""
@@ -346,8 +346,9 @@ class Snapshots(QObject):
         dropped = drop_pictures(self.states, self.capacity_bytes, self.chosen, self._ports())
         if dropped:
             self._say(
-                f"snapshots keep {self.capacity_bytes / 2**20:.0f} MiB of pictures: some of "
-                f"{', '.join(dropped)} are dropped, and computed again when compared"
+                f"snapshots hold at most {self.capacity_bytes / 2**20:.0f} MiB of pictures: "
+                f"those of {', '.join(dropped)} were dropped and will be computed again when "
+                "compared"
             )
 
     def _forget(self) -> None:
@@ -358,8 +359,8 @@ class Snapshots(QObject):
         self._ask()
         self._update()
         if count:
-            text = "the snapshot" if count == 1 else f"the {count} snapshots"
-            text += " of the last network went with it"
+            gone = "the snapshot was" if count == 1 else f"the {count} snapshots were"
+            text = f"{gone} removed with the previous network"
             QTimer.singleShot(0, self, lambda: self._say(text))
 
     def _update(self) -> None:

@@ -83,20 +83,20 @@ class SnapshotsView(Viewer):
         name = self.owner
         self.keep = tool_button(f"{name}.keep", "Keep", "Keep the present state (Ctrl+K)", self)
         self.flip = toggle_button(
-            f"{name}.flip", "Flip", "Show A in the place of B, and back (K)", self
+            f"{name}.flip", "Flip", "Show A in place of B, and back (K)", self
         )
         self.wipe = toggle_button(
-            f"{name}.wipe", "Wipe", "Show A left and B right of a divider (W)", self
+            f"{name}.wipe", "Wipe", "Show A on the left and B on the right of a divider (W)", self
         )
         self.back = tool_button(
-            f"{name}.back", "Go Back", "Make the network what it was in A; can be undone", self
+            f"{name}.back", "Go Back", "Change the network back to A; you can undo this", self
         )
-        self.remove = tool_button(f"{name}.remove", "Remove", "Keep A no longer (Del)", self)
+        self.remove = tool_button(f"{name}.remove", "Remove", "Delete A (Del)", self)
         self.list = SnapshotList(self._snapshots, self)
         self.figures = QListWidget(self)
         self.figures.setObjectName(f"{name}.figures")
-        self.figures.setAccessibleName("Figures that have changed; Ctrl+C copies one")
-        self.figures.setToolTip("Figures of the snapshot, A → of the network now, B")
+        self.figures.setAccessibleName("Changed figures; Ctrl+C copies one")
+        self.figures.setToolTip("Figures in the snapshot, A → figures now, B")
         self.figures.setWordWrap(True)
         self.title = ElidedLabel(f"{name}.title", "How many figures differ", self)
         bar = QHBoxLayout()
@@ -162,8 +162,10 @@ class SnapshotList(QTreeWidget):
         super().__init__(parent)
         self._snapshots = snapshots
         self.setObjectName("snapshots.list")
-        self.setAccessibleName("Snapshots: F2 renames, Del removes, Enter goes back")
-        self.setToolTip("The current one is A. F2 renames, Del removes, Enter goes back to it")
+        self.setAccessibleName("Snapshots: F2 renames, Del deletes, Enter goes back")
+        self.setToolTip(
+            "The current one is A. F2 renames it, Del deletes it, Enter goes back to it"
+        )
         self.setHeaderLabels(["Snapshot", "Kept"])
         self.setRootIsDecorated(False)
         self.setUniformRowHeights(True)

@@ -25,7 +25,7 @@ class TradeOffBar(QWidget):
         self._span: Span | None = None
         self.parameter = ParameterChoice(session, self)
         self.parameter.setObjectName("tradeoff.parameter")
-        self.parameter.setAccessibleName("Parameter that is varied")
+        self.parameter.setAccessibleName("Parameter to vary")
         self.low = self._edit("low", "From")
         self.high = self._edit("high", "To")
         self.log = Check("log", self)
@@ -39,12 +39,14 @@ class TradeOffBar(QWidget):
         self.count.setSuffix(" points")
         self.count.setRange(LEAST_COUNT, MOST_COUNT)
         self.count.setKeyboardTracking(False)
-        self.figures = toggle_button("tradeoff.choose", "Figures", "Choose which are shown", self)
+        self.figures = toggle_button(
+            "tradeoff.choose", "Figures", "Choose the figures to show", self
+        )
         self.figures.setChecked(True)
         self.export = tool_button(
             "tradeoff.export",
             "Export…",
-            "Write the charts (.png .svg), or their numbers (.csv)",
+            "Save the charts (.png .svg), or their numbers (.csv)",
             self,
         )
         layout = FlowLayout(self, across=4, down=2)
@@ -107,7 +109,7 @@ class TradeOffBar(QWidget):
         for edit, number in ((self.low, low), (self.high, high)):
             if number is None:
                 edit.mark()
-                self.refused.emit(f"{edit.text()!r:.40} is no number")
+                self.refused.emit(f"{edit.text()!r:.40} is not a number")
                 return
         assert low is not None
         assert high is not None

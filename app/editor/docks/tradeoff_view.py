@@ -46,8 +46,8 @@ if TYPE_CHECKING:
 
 
 _LIST_SHARE = 0.36  # of the width, at most
-_HINT = "Choose a parameter above, or Trade off… in the menu of its value on a control panel"
-_HOW = "The upright line is the value now: drag it, or press ← and →"
+_HINT = "Choose a parameter above, or right-click a value on a control panel and choose Trade off…"
+_HOW = "The upright line marks the present value: drag it, or press ← and →"
 
 
 class TradeOffView(Viewer):
@@ -106,7 +106,7 @@ class TradeOffView(Viewer):
         """Write the charts (``.png``, ``.svg``), or their numbers (``.csv``)."""
         parameter, span = self.varied.parameter, self.span
         if parameter is None or span is None or not self.points:
-            raise UsageError("the trade-off shows no curves")
+            raise UsageError("the trade-off has no curves to save")
         if CSV.matches(path):
             points = tuple(self.points[value] for value in sorted(self.points))
             varied = Variation(self.varied.node, parameter, tuple(sorted(self.points)), span.log)
@@ -164,7 +164,7 @@ class TradeOffView(Viewer):
         self.plots = TradeOffPlots(self)
         self.list = CurveList(self)
         self.list.setObjectName("tradeoff.figures")
-        self.list.setAccessibleName("Figures that are shown")
+        self.list.setAccessibleName("Figures to show")
         self.status = StatusLine(self.owner, "What could not be computed", "Values there", self)
         beside = QHBoxLayout()
         beside.setSpacing(2)

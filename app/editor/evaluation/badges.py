@@ -15,8 +15,8 @@ from core.network.macro import SEPARATOR
 from core.network.network import Network
 
 DISABLED = "disabled: passes its input on, if it has one"
-STALE = "held back: shows what it had before the last changes, until all is generated"
-IDENTITY = "left out: its setting changes nothing"
+STALE = "not updated: shows its result from before the last changes, until you compute everything"
+IDENTITY = "skipped: with these settings it changes nothing"
 _SHOWN_SKIPS = ("mirrored_edges", "pupil_centre", "folded", "region")
 
 
@@ -171,7 +171,7 @@ def as_error(error: Exception, node: str | None = None) -> ImagechainError:
     if isinstance(error, ImagechainError) and not isinstance(error, Cancelled):
         return error
     if isinstance(error, MemoryError):
-        text = "our own failure: not enough memory; make the picture smaller, or close other ones"
+        text = "not enough memory: make the picture smaller, or close other pictures"
         return OwnFailure(text, node=node)
     reason = " ".join(str(error).split())[:200]
     return OwnFailure(f"our own failure: {type(error).__name__}: {reason}", node=node)

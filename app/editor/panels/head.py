@@ -92,7 +92,7 @@ class PanelHead(QWidget):
             "pin", "Pin", "Keep this panel open when another node is selected", checkable=True
         )
         self.sets = self.bar.add_button(
-            "sets", "≡", "Named sets of these parameters: save them, or take them again"
+            "sets", "≡", "Save these parameters as a preset, or load one"
         )
         self.help = self.bar.add_button("help", "?", "What this module does", checkable=True)
         self.close_button = self.bar.add_button("close", "×", "Close this panel")
@@ -132,14 +132,19 @@ class PanelHead(QWidget):
         below = self.below
         self.auto = toggle_button("auto", "Auto-Generate", "Auto-Generate", below)
         self.auto.setToolTip(
-            tip("Compute after each change; else the node stays as it was until all is generated")
+            tip(
+                "Compute after each change; if unticked, the node keeps its result until you "
+                "compute everything"
+            )
         )
         self.generate = tool_button("generate", "Generate Image", "Generate Image", below)
-        self.generate.setToolTip(tip("Compute everything now, also what is held back"))
+        self.generate.setToolTip(
+            tip("Compute everything now, including nodes that are not updated")
+        )
         self.disable = toggle_button("disable", "Disable", "Disable", below)
         self.disable.setToolTip(tip("Pass the input on unchanged"))
         self.output = toggle_button("output", "Output", "Output", below)
-        self.output.setToolTip(tip("Mark its picture as what the network delivers (O)"))
+        self.output.setToolTip(tip("Make its picture the output of the network (O)"))
         buttons = FlowLayout()
         for button in (self.auto, self.generate, self.disable, self.output):
             buttons.addWidget(button)

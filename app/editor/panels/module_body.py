@@ -145,7 +145,7 @@ class _PortRow(QObject):
         self.follow(None)
 
     def _offer_viewers(self) -> None:
-        tooltip = "Show it in viewer 1; the arrow (or Down key) offers the others"
+        tooltip = "Show it in viewer 1; the arrow (or Down key) lists the others"
         self.button.setToolTip(tip(tooltip))
         self.button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
         menu = QMenu(self.button)
@@ -205,8 +205,8 @@ class UnknownBody(QWidget):
         self.note = plain_label(
             "unknown_module",
             self,
-            f"There is no module {shown(module)} in this library{why and f': {why}'}. The node is "
-            "kept as it is, with these parameters, and is saved again; it computes nothing.",
+            f"There is no module {shown(module)} in this library{why and f': {why}'}. The node "
+            "is kept with these parameters and saved again, but computes nothing.",
             role=CHANGED,
         )
         self._grid = QGridLayout()

@@ -238,7 +238,7 @@ class SetsMenu(QMenu):
         edit, action = line_in_menu(self, "Save as", "set_name")
         edit.setPlaceholderText("name")
         edit.setAccessibleName("name to save these parameters under")
-        edit.setToolTip("Enter keeps the parameters as they are now under this name")
+        edit.setToolTip("Press Enter to save the present parameters under this name")
         edit.returnPressed.connect(partial(self._keep, edit))
         return action
 

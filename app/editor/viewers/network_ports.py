@@ -25,7 +25,7 @@ PLOT_TYPES = ("curve", "table")
 VIEWER_NUMBERS = tuple(range(1, 10))
 """Of the viewers of pictures there may be."""
 
-HOW_TO_MARK = "select the node of the one that is the output and press O"
+HOW_TO_MARK = "select the node whose picture is the output, and press O"
 
 
 @dataclass(frozen=True)

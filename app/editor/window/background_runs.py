@@ -64,7 +64,7 @@ class BackgroundRuns(QObject):
             ends = " or ".join(suffixes(*REPORTS))
             self._say("error", f"no report {shown(file.name)}: its name must end in {ends}")
         elif file.absolute() in self._taken():
-            self._say("note", f"{shown(file.name)} is being written already")
+            self._say("note", f"{shown(file.name)} is already being written")
         else:
             try:
                 job = job_of(self._session, "report", file)
@@ -137,7 +137,7 @@ def runs_go_on(parent: QWidget, runs: Sequence[str]) -> Question:
     number = f"{len(runs)} runs are" if len(runs) > 1 else "A run is"
     box.setText(f"{number} not done yet: {runs[0]}{' …' if len(runs) > 1 else ''}")
     box.setTextFormat(Qt.TextFormat.PlainText)
-    box.setInformativeText("Quitting stops them; what they have not written yet is lost.")
+    box.setInformativeText("Quitting stops them. Results not yet written are lost.")
     box.offer("cancel", "&Keep Running", ROLE.RejectRole)
     box.offer("stop", "&Stop and Quit", ROLE.DestructiveRole)
     return box

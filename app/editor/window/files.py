@@ -175,7 +175,7 @@ class Files(QObject):
 def save_changes(parent: QWidget, network: str) -> Question:
     box = Question(parent, "save_changes", "Save changes?")
     box.setText(f"Save the changes of {network or 'this network'}?")
-    box.setInformativeText("Without saving they are lost.")
+    box.setInformativeText("If you do not save, they are lost.")
     for answer, text, standard in (
         ("save", "&Save", QMessageBox.StandardButton.Save),
         ("discard", "&Discard", QMessageBox.StandardButton.Discard),
@@ -189,13 +189,15 @@ def save_changes(parent: QWidget, network: str) -> Question:
 
 
 def changed_file(parent: QWidget, file: str, done: str) -> Question:
-    box = Question(parent, "changed_file", "Save over it?")
-    box.setText(f"{file} has been {done} by another program since it was opened or saved here.")
+    box = Question(parent, "changed_file", "Overwrite it?")
+    box.setText(f"Another program has {done} {file} since you opened or saved it here.")
     box.offer("save_as", "Save &As…", ROLE.AcceptRole)
     if done == "removed":
-        box.setInformativeText("Overwrite makes it anew.")
+        box.setInformativeText("Overwrite writes it again.")
     else:
-        consequence = "Overwrite loses what was changed there; Reload loses the changes made here."
+        consequence = (
+            "Overwrite discards the changes made there; Reload discards the changes made here."
+        )
         box.setInformativeText(consequence)
         box.offer("reload", "&Reload", ROLE.DestructiveRole)
     box.offer("overwrite", "&Overwrite", ROLE.DestructiveRole)

@@ -158,7 +158,7 @@ class HandbookOpening(QObject):
     def open(self, word: str = "") -> None:
         """Open the page of a module, or the first; at once the one that was wanted last."""
         if self._process.state() != QProcess.ProcessState.NotRunning:
-            self._session.message.emit("note", "the handbook is being opened")
+            self._session.message.emit("note", "opening the handbook")
             return
         self._process.setProcessEnvironment(python_environment())
         program, *words = command("app.command.cli", "handbook", "--path", *filter(None, [word]))
@@ -175,7 +175,7 @@ class HandbookOpening(QObject):
                 self._process.waitForFinished(_CLOSING_MS)
 
     def _say_that_it_takes_long(self) -> None:
-        self._session.message.emit("note", "the handbook's pages are being made, once")
+        self._session.message.emit("note", "preparing the handbook's pages, once")
 
     def _finished(self, code: int, status: QProcess.ExitStatus) -> None:
         self._long.stop()
@@ -184,7 +184,9 @@ class HandbookOpening(QObject):
         if self._closed:
             return
         if code or status == QProcess.ExitStatus.CrashExit or not printed:
-            reason = in_line(errors.strip().removeprefix("imagechain: ")) or "its process was ended"
+            reason = (
+                in_line(errors.strip().removeprefix("imagechain: ")) or "its process was stopped"
+            )
             self._session.message.emit("error", f"the handbook is not opened: {reason}")
         elif QDesktopServices.openUrl(QUrl.fromLocalFile(str(Path(printed)))):
             self._session.message.emit("note", f"the handbook is in the browser: {printed}")

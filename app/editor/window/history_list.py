@@ -90,11 +90,11 @@ class HistoryModel(QAbstractListModel):
     @staticmethod
     def _place(*, present: bool, undone: bool, saved: bool) -> str:
         if present:
-            text = "The network as it stands"
+            text = "The network as it is now"
         elif undone:
-            text = "Undone: a click or Enter does it again"
+            text = "Undone: click or press Enter to redo it"
         else:
-            text = "A click or Enter undoes all after it"
+            text = "Click or press Enter to undo everything after it"
         return f"{text}; as it was saved" if saved else text
 
 
@@ -105,7 +105,9 @@ class HistoryList(QListView):
         super().__init__(parent)
         self.setObjectName("history")
         self.setAccessibleName("History")
-        self.setToolTip("What was done; a click or Enter goes back there, or forth")
+        self.setToolTip(
+            "Steps of this network; click one or press Enter to go back or forward to it"
+        )
         self.setUniformItemSizes(True)
         self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)

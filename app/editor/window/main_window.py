@@ -138,7 +138,7 @@ class MainWindow(QMainWindow):
             names = dict.fromkeys(each.original.name if each.original else "" for each in left)
             of = ", ".join(name or "a network never saved" for name in names)
             self.status.report(
-                "error", f"unsaved work was left behind, of {of}: see File > Welcome Page"
+                "error", f"unsaved work in {of} can be recovered: see File > Welcome Page"
             )
 
     def show_welcome(self) -> None:

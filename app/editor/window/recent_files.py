@@ -33,7 +33,7 @@ class RecentMenu(QMenu):
         super().__init__("Open &Recent", parent)
         self.setObjectName("menu.recent")
         self.setToolTipsVisible(True)
-        self.menuAction().setToolTip("Open one of the networks opened or saved last")
+        self.menuAction().setToolTip("Open a recent network")
         self._settings = settings
         self._choose = choose
         self._cleared = cleared
@@ -62,7 +62,7 @@ class RecentMenu(QMenu):
         self.addSeparator()
         clear = self.addAction("&Clear List")
         clear.setObjectName("recent.clear")
-        clear.setToolTip("Forget which networks were opened; the files stay")
+        clear.setToolTip("Clear this list; the files stay")
         clear.setEnabled(bool(recent))
         clear.triggered.connect(self._clear)
 

@@ -49,11 +49,11 @@ class ShortcutRow(NamedTuple):
 # What keys do on the canvas without being an action.
 CANVAS = (
     ShortcutRow(
-        "Canvas", "Move what is selected", "arrow keys", "Shift: by one unit; a backdrop: its size",
+        "Canvas", "Move the selection", "arrow keys", "Shift: by one unit; a backdrop: its size",
         (*_ARROWS, *(f"Shift+{arrow}" for arrow in _ARROWS)),
     ),
     ShortcutRow(
-        "Canvas", "Go to the next node", "Ctrl with arrow keys", "Shift: and add it",
+        "Canvas", "Go to the next node", "Ctrl with arrow keys", "Shift: add it to the selection",
         (*(f"Ctrl+{arrow}" for arrow in _ARROWS), *(f"Ctrl+Shift+{arrow}" for arrow in _ARROWS)),
     ),
     ShortcutRow(
@@ -64,21 +64,26 @@ CANVAS = (
 # What the mouse does has no action to be read from.
 MOUSE = (
     ("Mouse", "Pan", "middle button", "Drag the canvas"),
-    ("Mouse", "Zoom", "wheel", "Enlarge or shrink at the pointer"),
-    ("Mouse", "Add", "double-click", "Search a module and add it there"),
-    ("Mouse", "Wire", "drag from a port", "On empty canvas: the modules that fit"),
-    ("Mouse", "Insert", "drop a node on a wire", "Lead the wire through the node"),
-    ("Mouse", "Bend a wire", "double-click on it", "Put a dot there; drag it, Del deletes it"),
-    ("Mouse", "Cut wires", "Alt+Shift and drag", "Disconnect what the line crosses"),
-    ("Mouse", "Open", "drop a file", "A picture becomes Read Image, a network is opened"),
+    ("Mouse", "Zoom", "wheel", "Zoom at the pointer"),
+    ("Mouse", "Add", "double-click", "Search for a module and add it there"),
+    ("Mouse", "Wire", "drag from a port", "On empty canvas: list the modules that fit"),
+    ("Mouse", "Insert", "drop a node on a wire", "Insert the node into the wire"),
+    ("Mouse", "Bend a wire", "double-click on it", "Add a dot; drag it, Del deletes it"),
+    ("Mouse", "Cut wires", "Alt+Shift and drag", "Disconnect the wires that the line crosses"),
+    ("Mouse", "Open", "drop a file", "A picture becomes a Read Image, a network is opened"),
     ("Mouse", "Region", "⬚, or R on a picture", "Draw the region of the selected module"),
     ("Mouse", "Move a region", "drag, or arrow keys", "Shift: by 10; Ctrl: its last edges; Esc"),
-    ("Mouse", "Move a wipe", "drag, or Ctrl+arrow", "Of A and B, or two wires; Shift: by more"),
+    (
+        "Mouse",
+        "Move a wipe",
+        "drag, or Ctrl+arrow",
+        "Between A and B, or two wires; Shift: larger steps",
+    ),
     (
         "Mouse",
         "Show another band",
         "drag its line, or PgUp",
-        "Of a picture with bands; PgDown: back",
+        "In a picture with bands; PgDown: back",
     ),
     ("Mouse", "Default", "right-click on a value", "Reset it to its default"),
 )
@@ -93,8 +98,8 @@ class ShortcutList(QDialog):
         self.search = QLineEdit(self)
         self.search.setObjectName("shortcuts.search")
         self.search.setAccessibleName("Search the shortcuts")
-        self.search.setPlaceholderText("Words of an action, or its keys")
-        self.search.setToolTip("Words of an action, or its keys; Down goes to the list")
+        self.search.setPlaceholderText("Name of an action, or its keys")
+        self.search.setToolTip("Name of an action, or its keys; Down goes to the list")
         self.search.setClearButtonEnabled(True)
         self.catcher = KeyCatcher(self)
         self.table = _table(self)

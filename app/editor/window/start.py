@@ -216,5 +216,5 @@ def encoded(image: QImage) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "window.png"
         if not image.save(str(file)):
-            raise FileError("the window cannot be drawn: no picture came of it")
+            raise FileError("the window cannot be drawn: it gave no picture")
         return file.read_bytes()

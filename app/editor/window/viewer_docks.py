@@ -103,7 +103,7 @@ class ViewerDocks(QObject):
         for link in self._session.network.links_into(name):
             self.look_at(number, f"{link.source}.{link.output}")
             return
-        self._session.message.emit("advice", f"{name} has nothing to show: nothing comes into it")
+        self._session.message.emit("advice", f"{name} has nothing to show: it has no input")
 
     def _viewer(self, number: int) -> ImageViewer:
         viewer = self.images.get(number)
@@ -130,7 +130,7 @@ class ViewerDocks(QObject):
         if not isValid(self._window):  # type: ignore[no-untyped-call] # they vanish with the window
             return
         for bar in self._window.findChildren(QTabBar):
-            bar.setAccessibleName(bar.accessibleName() or "Parts behind one another")
+            bar.setAccessibleName(bar.accessibleName() or "Tabs")
 
 
 # Docks of the window.
@@ -202,7 +202,7 @@ class FullScreen(QObject):
         if self.page is not None:
             self.leave()
         elif dock is None:
-            self._session.message.emit("note", "no viewer is open to show over the whole screen")
+            self._session.message.emit("note", "no viewer is open to show in full screen")
         else:
             self._used, self.page = dock, dock.widget()
             focus = self.page.focusWidget() or self.page.findChild(QGraphicsView)

@@ -61,7 +61,7 @@ class WelcomePage(QScrollArea):
         left.addLayout(self._lists)
         left.addStretch()
         whole.addLayout(left, 1)
-        right.addWidget(_heading("Networks to begin with", 1.25))
+        right.addWidget(_heading("Networks to start with", 1.25))
         whole.addLayout(right, 2)
         self.setWidget(page)
 

@@ -18,7 +18,7 @@ USAGE = {
     "option before the command": (["--vesrion"], "--vesrion; did you mean --version?"),
     "no network": (["run"], "NETWORK (imagechain run --help)"),
     "option like another": (["run", "net.json", "--reprot=a.html"], "--reprot; did you mean --re"),
-    "too many words": (["run", "net.json", "kodak"], "kodak is one word too many"),
+    "too many words": (["run", "net.json", "kodak"], "unexpected argument: kodak"),
     "check no such network": (["check", "nosuch"], "nosuch is neither a file nor the name of"),
     "unknown option": (["run", "net.json", "--fast"], "--fast"),
     "abbreviated option": (["run", "net.json", "--prec", "double"], "--prec"),

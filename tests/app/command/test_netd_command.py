@@ -105,7 +105,7 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_p
     [
         (("none.npy=3K", "hot.npy=9K"), "none.npy: no such file"),
         (("huge.npy=3K", "hot.npy=9K"),
-         "huge.npy: the numbers are too large for their variance to be known"),
+         "huge.npy: the numbers are too large to compute their variance"),
         (("one.npy=3K", "hot.npy=9K"),
          "one.npy: holds a single frame; noise in time needs 2 or more"),
         (("hot.npy=300K", "small.npy=310K"),

@@ -106,7 +106,7 @@ def test_of_several_solutions_the_one_nearest_to_the_present(imagechain, small, 
     ("words", "line"),
     [
         (("--for", "fpa.gain", "--until", "fpa.netd_K=1"), "Focal Plane has no parameter gain"),
-        (("--for", "fpa.units", "--until", "fpa.netd_K=1"), "no number to solve"),
+        (("--for", "fpa.units", "--until", "fpa.netd_K=1"), "not a number that can be solved for"),
         (("--for", "fpa.read_noise_e", "--until", "fpa.netd=1"), "no such read-out"),
         (("--for", "fpa.read_noise_e", "--until", "fpa.netd_K=cold"), "must be a number, in K"),
         (("--for", "fpa.read_noise_e=5:1", "--until", "fpa.netd_K=1"), "LOW below HIGH"),

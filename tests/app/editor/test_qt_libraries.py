@@ -24,7 +24,7 @@ def broken(tmp_path):
 
 
 TOLD = (
-    "imagechain: the editor needs libraries of the system that are missing: libEGL.so.1, "
+    "imagechain: the editor needs system libraries that are missing: libEGL.so.1, "
     "libglib-2.0.so.0 (on Debian or Ubuntu, as root: apt-get install -y libegl1 libglib2.0-0)\n"
 )
 

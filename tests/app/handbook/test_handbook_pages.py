@@ -190,7 +190,7 @@ def test_a_module_at_fault_has_a_page_that_states_it():
     declared = declaration(Faulty)
     assert module_page(declared).formulas[0][0] == r"<code>\frac{</code>"
     example = example_of(declared, Engine({**LIBRARY, "acme.faulty": Faulty}))
-    assert example.reason.startswith("It was not run for this page: ")
+    assert example.reason.startswith("This page's example was not run: ")
     assert "at fault" in example.reason
     assert not example.figures
 

@@ -60,5 +60,5 @@ def test_figures_of_flat_fields_are_told_from_the_pictures_own(tmp_path):
     own = [meaning for name, *_, meaning in figure_rows(beside) if name in ("gain", "read_noise")]
     said = [line for line in remarks(beside) if "gain" in line or "read noise" in line]
     assert own or said
-    assert all("by the picture alone" in meaning for meaning in own)
-    assert all(line.startswith("of the picture alone, ") for line in said)
+    assert all("from the picture alone" in meaning for meaning in own)
+    assert all(line.startswith("from the picture alone, ") for line in said)

@@ -44,11 +44,11 @@ def uneven():
         (np.clip(edge(), 60.0, 190.0), "clipped at black or white", "exposure"),
         (edge(levels=(50.0, 62.0), noise=3.0, shape=(24, 96)), "too little contrast", "light"),
         (edge(0.0), "not slanted enough", "5°"),
-        (edge(0.5, middle=(92.5, 48.0)), "too near to the frame's side", "inside"),
-        (two_edges(), "another edge too near", "larger areas"),
+        (edge(0.5, middle=(92.5, 48.0)), "too close to the edge of the frame", "inside"),
+        (two_edges(), "another edge too close", "larger areas"),
         (interlaced(), "interlaced", "rows alone"),
         (uneven(), "its sides are not even along it", "even light"),
-        (edge(sigma=(5.0, 5.0)), "its blur does not end in the room that it has", "larger areas"),
+        (edge(sigma=(5.0, 5.0)), "the edge spread is wider", "larger areas"),
     ],
 )
 def test_the_clearest_edge_is_refused_with_what_helps(picture, words, helps):

@@ -92,10 +92,10 @@ def test_what_cannot_be_followed_says_why(imagechain, write, tmp_path):
     found = json.loads((tmp_path / "r.json").read_text())["budget"]
     assert (found["noise"], found["blur"]) == (None, None)
     assert found["noise_reason"].startswith("noise cannot be followed through back")
-    assert found["blur_reason"] == "what back does is not known as transfer functions"
+    assert found["blur_reason"] == "the effect of back is not a known transfer function"
     page = (tmp_path / "r.html").read_text()
-    assert "Noise is not shared out: noise cannot be followed through back" in page
-    assert "Blur is not shared out: what back does is not known" in page
+    assert "Noise cannot be shared among its sources: noise cannot be followed through back" in page
+    assert "Blur cannot be shared among its sources: what back does is not known" in page
 
 
 def test_a_picture_of_nothing_but_noise_is_shared_out(imagechain, write, tmp_path):

@@ -231,7 +231,7 @@ def test_reasons_not_to_measure():
     only = blurred(
         blur=("gaussian_mtf", {"sigma_x_mrad": 0.5, "sigma_y_mrad": 0.5, "apply": "filter_only"})
     )
-    assert why_not(evaluated(only)).startswith("what back does to the picture is not known")
+    assert why_not(evaluated(only)).startswith("the effect of back on the picture is not")
 
 
 def test_a_uniform_scene_has_an_edge_put_in_all_the_same():

@@ -87,7 +87,7 @@ def test_html_needs_no_other_file(imagechain, write, published, tmp_path):
         assert kind == "data:image/png;"
         assert base64.b64decode(data, validate=True).startswith(b"\x89PNG")
     for words in (
-        "Beside the published figures",
+        "Comparison with published figures",
         "Conflicts within the source",
         "a different blur",
     ):

@@ -65,7 +65,7 @@ def test_the_figures_are_there(report):
         assert caption.startswith(f"As Tantalo 1996, {figure}. ")
         assert picture.startswith(b"\x89PNG")
     assert facts["drawn_as"]["judged"] == f"Tantalo 1996, {judged}"
-    assert "Judged by measurement" in page.heads
+    assert "Checked by measurement" in page.heads
 
 
 @pytest.mark.thorough(but=2)

@@ -122,8 +122,8 @@ def test_temperatures_become_radiance(scene_of, write, small, picture, unit, zer
     band = ("--scene-band-um", 3.7, 4.8, "--precision", "double")
     now, said = scene_of("net.json", *words, *band, port="to_radiance.image")
     assert now[5, 7] == pytest.approx(planck(float(kelvin[5, 7]), 3.7, 4.8), rel=1e-5)
-    assert "To Radiance (to_radiance) makes radiance of it" in said
-    assert "band 3.7 to 4.8 µm, outside the 8 to 12 µm of the scene before" in said
+    assert "To Radiance (to_radiance) converts it to radiance" in said
+    assert "band 3.7 to 4.8 µm, outside the old scene's 8 to 12 µm" in said
 
 
 def test_reflectances_are_lit(scene_of, write, small, picture):
@@ -145,7 +145,7 @@ def test_a_unit_of_radiance_is_taken_as_it_is(scene_of, write, small, picture):
     density = ("--scene-unit", "W/m²/sr/µm", "--scene-band-um", 8, 10)
     now, said = scene_of("net.json", "--scene", file, *density)
     np.testing.assert_allclose(now, 2.0 * samples, rtol=1e-6)
-    assert "times the width of the band" in said
+    assert "multiplied by the width of the band" in said
 
 
 @pytest.mark.parametrize(
@@ -202,7 +202,7 @@ def cube(tmp_path, unit="W/m^2/sr/um"):
     return "cube.img"
 
 
-@pytest.mark.parametrize(("bands", "said"), [(0, "summed"), (8, "each of its own")])
+@pytest.mark.parametrize(("bands", "said"), [(0, "summed"), (8, "each kept")])
 def test_a_cube(scene_of, write, small, tmp_path, bands, said):
     small["nodes"]["scene"]["params"] |= {"bands": bands, "kind": "dormitory"}
     small["nodes"]["scene"]["params"] |= {"cut_on_um": 9.0, "cut_off_um": 13.0}
@@ -214,7 +214,7 @@ def test_a_cube(scene_of, write, small, tmp_path, bands, said):
 def test_a_cube_of_another_band_than_the_scene_before(scene_of, write, small, tmp_path):
     small["nodes"]["scene"]["params"] |= {"cut_on_um": 3.0, "cut_off_um": 5.0}
     _, text = scene_of(write(small), "--scene", cube(tmp_path), "--scene-band-um", 9, 12)
-    assert "4 bands, summed, 9 to 12 µm, outside the 3 to 5 µm of the scene before\n" in text
+    assert "4 bands, summed, 9 to 12 µm, outside the old scene's 3 to 5 µm\n" in text
 
 
 def test_several_scenes_are_asked_about(fails, picture):
@@ -236,7 +236,7 @@ def test_several_scenes_are_asked_about(fails, picture):
         (("--scene", "own.tif", "--scene-band-um", 5, 3), "--scene-band-um 5 3"),
         (("--scene", "own.tif", "--scene-sample-m", 1), "--scene-sample-m needs --scene-range-m"),
         (("--scene-unit", "K"), "--scene-unit goes with --scene FILE"),
-        (("--scene", "cube.img"), "does not say the unit of its bands: give --scene-unit"),
+        (("--scene", "cube.img"), "the file does not give the unit of its bands: give --scene-unit"),
         (("--scene", "cube.img", "--scene-unit", "relative"), "not of a cube"),
         (
             ("--scene", "cube.img", "--scene-unit", "W/m²/sr/µm", "--scene-band-um", 3, 5),
@@ -268,7 +268,7 @@ def test_what_followed_the_scene_keeps_its_value(imagechain, write, small, pictu
     small["nodes"]["blur"]["params"]["sigma_x_mrad"] = {"expression": "scene.width / 100"}
     done = imagechain("run", write(small), "--scene", picture(GREY))
     assert done.returncode == 0
-    assert "blur.sigma_x_mrad = 0.48 from now on: it followed the scene" in done.stdout
+    assert "blur.sigma_x_mrad = 0.48 from now on: it was linked to the old scene" in done.stdout
 
 
 def test_solve_and_study_take_it(imagechain, write, small, picture, tmp_path):

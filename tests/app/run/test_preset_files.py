@@ -124,7 +124,7 @@ def test_an_own_preset_is_saved_listed_and_put_in(lens, tmp_path):
     name, operation = placed(preset, lens, LIBRARY, None)
     copy = operation.apply(lens).nodes[name].macro
     assert copy.nodes == lens.nodes["lens"].macro.nodes
-    with pytest.raises(ImagechainError, match="there is a preset lens already"):
+    with pytest.raises(ImagechainError, match="a preset lens exists already"):
         save_preset(lens, "lens", folder, LIBRARY)
     save_preset(Rename("lens", "other").apply(lens), "other", folder, LIBRARY)
     assert len(own_presets(folder, LIBRARY)) == 2
@@ -136,7 +136,7 @@ def test_what_is_no_preset_is_listed_with_its_problem(lens, tmp_path):
     (tmp_path / "plain.json").write_text(json.dumps(plain))
     broken, no_macro = own_presets(tmp_path, LIBRARY)
     assert "broken.json" in broken.problem
-    assert "no preset, which is a network of one macro" in no_macro.problem
+    assert "not a preset; a preset is a network of one macro" in no_macro.problem
     with pytest.raises(ImagechainError, match=r"broken\.json: not JSON"):
         placed(broken, lens, LIBRARY, None)
 

@@ -113,10 +113,10 @@ def test_the_report_tells_what_a_region_saved(imagechain, tmp_path):
     (fact,) = [each for each in report["skipped"]["back"] if each["kind"] == "region"]
     assert fact["share"] == pytest.approx(0.5 + 0.5 * 24 / 48)
     page = (tmp_path / "r.html").read_text()
-    assert "pictures beyond a region" in page
+    assert "pictures outside a region" in page
     assert "back (75 % computed)" in page
     imagechain("run", "net.json", "--save", "pixels.image[3:8,12:24]=a.npy", *words[2:])
     report = json.loads((tmp_path / "r.json").read_text())
     (fact,) = [each for each in report["skipped"]["back"] if each["kind"] == "region"]
     assert fact["share"] == 1  # the final picture is made whole in any case
-    assert "pictures beyond a region" not in (tmp_path / "r.html").read_text()
+    assert "pictures outside a region" not in (tmp_path / "r.html").read_text()

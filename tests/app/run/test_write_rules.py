@@ -22,7 +22,7 @@ from core.errors import FileError
 from nodes.files.read import read_pixels
 
 OWN = ["final.png", "mtf.csv", "readouts.json"]
-CHANGED = "the file that is there was not written by this network, or has changed since"
+CHANGED = "the existing file was not written by this network, or has changed since"
 
 
 @pytest.fixture(autouse=True)
@@ -135,7 +135,7 @@ def test_a_store_is_refused_unless_written_before(network, run, refused, tmp_pat
     (store / "c" / "0" / "0").write_bytes(b"other")
     assert CHANGED in refused(path)
     (store / "zarr.json").unlink()
-    assert "what is there is no Zarr store; allowed: a new name" in refused(path)
+    assert "a file that is not a Zarr store has this name" in refused(path)
 
 
 def test_another_network_s_file_is_refused(network, run, refused, tmp_path):

@@ -85,7 +85,7 @@ def test_a_worker_of_another_version_is_named(study, monkeypatch, tmp_path):
     monkeypatch.setattr("app.study.study_request.version", lambda: "0.0")
     done = study("--output=a.csv")
     assert done.returncode == 2
-    assert "all must have one version; 0 of 40 points are done" in done.stderr
+    assert "all must have the same version; 0 of 40 points are done" in done.stderr
 
 
 def test_a_scheduler_that_is_gone_ends_it_with_one_line(study, rows_of, cluster, tmp_path, monkeypatch):  # fmt: skip  # noqa: E501

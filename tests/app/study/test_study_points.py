@@ -94,7 +94,7 @@ LISTS = {
     "out of range": (f"{SIGMA}\n1\n-1\n", "line 3: sigma_x_mrad = -1 mrad is not allowed"),
     "no rows": (f"{SIGMA}\n", "a line of names"),
     "short row": (f"{SIGMA},{D_STAR}\n1,1e10\n1\n", "line 3 has 1 cells"),
-    "twice": (f"{SIGMA},{SIGMA}\n1,1\n", "two columns have one name"),
+    "twice": (f"{SIGMA},{SIGMA}\n1,1\n", "two columns have the same name"),
     "no name": ("sigma\n1\n", "write NODE.PARAM"),
 }
 
@@ -192,7 +192,7 @@ def test_rows_that_the_disk_cannot_hold_are_one_line_and_no_file(suffix, library
 
 def test_points_from_a_pipe_are_refused_and_not_waited_for(tmp_path, network):
     os.mkfifo(tmp_path / "points.csv")
-    with pytest.raises(FileError, match=r"cannot read .*points\.csv: it is no regular file"):
+    with pytest.raises(FileError, match=r"cannot read .*points\.csv: it is not a regular file"):
         listed_points(tmp_path / "points.csv", network, library=LIBRARY)
 
 

@@ -53,7 +53,7 @@ class Adding:
             show, face = partial(self._show_node, name), item.face
             choices.append(Choice(name, show, face.module, module, face.summary, colour))
         if not choices:
-            session.message.emit("note", "there is no node to find yet")
+            session.message.emit("note", "the network has no nodes to find yet")
             return
         room = view.viewport().rect()
         self._popup.open_at(QPoint(room.width() // 3, room.height() // 8), "Find a node", choices)
@@ -107,7 +107,7 @@ class Adding:
         surface = self._surface
         session = surface.session
         if not session.selection:
-            session.message.emit("advice", "select the node to be wired first")
+            session.message.emit("advice", "select the node you want to wire first")
             return
         possible = possible_links(session.network, session.library, session.selection)
         choices = [

@@ -39,7 +39,7 @@ class Menus:
         self._delete_dot = self.wire_menu.addAction("D&elete Dot")
         self._delete_dot.triggered.connect(partial(without_argument, dots.remove))
         self._straighten = self.wire_menu.addAction("&Straighten")
-        self._straighten.setToolTip("Take all dots of the wire away")
+        self._straighten.setToolTip("Remove all dots from the wire")
         self._straighten.triggered.connect(partial(without_argument, dots.straighten))
         self._pos: QPoint | None = None
         self.backdrop_menu.addAction("&Edit Title").triggered.connect(self._edit_title)

@@ -24,7 +24,7 @@ class Minimap(QWidget):
         super().__init__(view.viewport())
         self.setObjectName("canvas.minimap")
         self.setAccessibleName("Map of the network")
-        self.setToolTip("The whole network; press or drag to go there (M)")
+        self.setToolTip("The whole network; click or drag to go there (M)")
         self.setCursor(Qt.CursorShape.PointingHandCursor)
         self._view = view
         self._content = content

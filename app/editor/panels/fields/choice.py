@@ -156,7 +156,7 @@ class NumbersField(TypedField):
 
     def build(self) -> None:
         edit = self.build_edit()
-        edit.setPlaceholderText("none: type numbers as 0, 0.1")
+        edit.setPlaceholderText("none: type numbers, as in 0, 0.1")
         self.row.addWidget(self.label, 1)
         self.row.addWidget(self.unit)
         self.column.addWidget(edit)

@@ -205,7 +205,7 @@ class Field(QWidget):
         parameter, node = self.parameter, self.node
         if parameter.kind in ("number", "integer"):
             trade_off = partial(node.requests.trade_off.emit, node.name, parameter.name)
-            about = "Figures of merit as this parameter moves"
+            about = "Plot figures of merit against this parameter"
             offer(menu, "trade_off", "Trade off…", trade_off, about=about)
             self.add_link_actions(menu)
         default = ""
@@ -215,12 +215,12 @@ class Field(QWidget):
         offer(menu, "reset", f"Reset to default{default}", self._reset).setEnabled(self.stored)
         menu.addSeparator()
         clipboard, copied = QGuiApplication.clipboard(), self.copied_text
-        about = "Put it on the clipboard with its unit; of a linked one the expression"
+        about = "Copy the value with its unit; if it is linked, its expression"
         copying = offer(
             menu, "copy_value", "Copy value", partial(clipboard.setText, copied), about=about
         )
         copying.setEnabled(bool(copied))
-        about = "Take the clipboard's value, in any unit that fits"
+        about = "Paste a value, in any unit that fits"
         pasting = partial(self._paste, clipboard.text())
         action = offer(menu, "paste_value", "Paste value", pasting, about=about)
         action.setEnabled(bool(clipboard.text().strip()))

@@ -23,8 +23,8 @@ from core.network.macro import SEPARATOR
 from core.network.network import EXPRESSION
 
 _ABOUT_FREE = (
-    "A fit to a picture (the dock Fit) determines what is free; this holds while the network is "
-    "open, and is not saved with it"
+    "A fit to a picture (the Fit dock) determines the free parameters. They stay free while "
+    "the network is open; this is not saved with it"
 )
 _SWITCH = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
 
@@ -75,7 +75,7 @@ def typed_text(parameter: Parameter, text: str) -> str:
 def _value_of_node(parameter: Parameter, text: str) -> str:
     copied, name = read_values(text), parameter.name
     if name not in copied.values:
-        raise ParameterError(name, None, "the clipboard's node has no such value")
+        raise ParameterError(name, None, "the node on the clipboard has no such value")
     raw = copied.values[name]
     if isinstance(raw, dict) and EXPRESSION in raw:
         return f"= {expression_text(raw)}"
@@ -146,7 +146,7 @@ def _naming(menu: QMenu, session: Session, macro: str, name: str) -> QWidgetActi
     edit, action = line_in_menu(menu, "Name", "exposed_name")
     edit.setText(name)
     edit.setAccessibleName(f"name of the parameter {name} on this panel")
-    edit.setToolTip("What the parameter is called on this panel; Enter takes it")
+    edit.setToolTip("What this panel calls the parameter; press Enter to apply")
 
     def take() -> None:
         new = edit.text().strip()

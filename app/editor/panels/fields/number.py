@@ -26,10 +26,13 @@ from core.modules.parameters import Parameter
 from core.names import thaw
 from core.network.linked_values import expression
 
-_HOW_TO_DRAG = "Drag its name sideways to change it: Shift finer, Ctrl coarser"
+_HOW_TO_DRAG = "Drag the name sideways to change the value: Shift finer, Ctrl coarser"
 _SHARES = {False: (5, 4), True: (3, 8)}  # of the row's width, for name and line: of a linked one
 _UNLINK = "Type a value to unlink it, or right-click"
-_HOW_TO_TYPE = "Type a number, arithmetic (2*0.3), another unit, or = to follow other parameters"
+_HOW_TO_TYPE = (
+    "Type a number, arithmetic (2*0.3), a value in another unit, or = and an "
+    "expression of other parameters"
+)
 
 
 class NumberField(TypedField):
@@ -99,7 +102,7 @@ class NumberField(TypedField):
     def add_link_actions(self, menu: QMenu) -> None:
         """Follow other parameters, or stop and keep the value."""
         if self.link is None:
-            about = "Type an expression behind ="
+            about = "Type an expression after ="
             offer(menu, "link", "Link to other parameters…", self._begin_link, about=about)
             return
         value = "" if self.link.problem else f", keep {self._shown()}"

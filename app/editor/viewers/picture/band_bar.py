@@ -37,8 +37,8 @@ class BandBar(QWidget):
         self._writing = False
         self.shown = QComboBox(self)
         self.shown.setObjectName(f"{owner}.bands")
-        self.shown.setAccessibleName("Bands that are shown")
-        self.shown.setToolTip("Bands that are shown: all together, one, or three as colours")
+        self.shown.setAccessibleName("Bands to show")
+        self.shown.setToolTip("Bands to show: all together, one, or three as colours")
         for name, text in _TEXTS.items():
             self.shown.addItem(text.format(whole="mean"), name)
         self.slider = QSlider(Qt.Orientation.Horizontal, self)
@@ -51,7 +51,7 @@ class BandBar(QWidget):
             for name in CHANNELS
         )
         self._letters = tuple(QLabel(name[0].upper(), self) for name in CHANNELS)
-        self.even = tool_button(f"{owner}.even", "Even", "Take three evenly spaced bands", self)
+        self.even = tool_button(f"{owner}.even", "Even", "Use three evenly spaced bands", self)
         self.about = ElidedLabel(f"{owner}.band.about", "The bands", self)
         self.about.setForegroundRole(FAINT)
         letter = self.fontMetrics().averageCharWidth()
@@ -235,8 +235,8 @@ class WavelengthSpin(QSpinBox):
         low, high = self._ends
         if wavelength is not None and not low <= wavelength <= high:
             self.noted.emit(
-                f"{wavelength:.4g} µm is outside the bands, {low:.4g} to {high:.4g} µm: "
-                "the nearest one is shown"
+                f"{wavelength:.4g} µm is outside the bands, {low:.4g} to {high:.4g} µm: the "
+                "nearest band is shown"
             )
 
 

@@ -23,7 +23,7 @@ class PictureBar(QWidget):
         super().__init__(parent)
         self.ports = PortChoice(session, PICTURE_TYPES, "no wire", self)
         self.ports.setObjectName(f"{owner}.port")
-        self.ports.setAccessibleName("Wire that is shown")
+        self.ports.setAccessibleName("Wire to show")
         shown = menu_button(f"{owner}.display", "Display", "How the picture is drawn", self)
         compared = menu_button(f"{owner}.compare", "Compare", "Compare with another wire", self)
         self.display = DisplayMenu(shown.menu())
@@ -35,8 +35,8 @@ class PictureBar(QWidget):
         self.menus = (shown.menu(), compared.menu())
         for menu, title in zip(self.menus, ("&Display", "&Compare"), strict=True):
             menu.setTitle(title)
-        self.fit = tool_button(f"{owner}.fit", "Fit", "Show all of the picture (F or 0)", self)
-        self.dots = tool_button(f"{owner}.dots", "1:1", "Show each sample one dot wide (1)", self)
+        self.fit = tool_button(f"{owner}.fit", "Fit", "Show the whole picture (F or 0)", self)
+        self.dots = tool_button(f"{owner}.dots", "1:1", "Show each sample as one dot (1)", self)
         self.region = toggle_button(
             f"{owner}.region", "⬚", "Draw the region of the selected module (R)", self
         )

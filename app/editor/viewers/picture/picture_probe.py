@@ -112,12 +112,14 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
     if not any(file_format.matches(path) for file_format in SAVED):
         raise UsageError(f"{path}: a picture is written as {' '.join(suffixes(*SAVED))}")
     if picture.reduced > 1:
-        raise UsageError("the picture is a preview still: wait until it is shown at full size")
+        raise UsageError("the picture is still a preview: wait until it is shown at full size")
     if PNG.matches(path):
         write_bytes(path, shown_png(picture, table, split))
         return
     if picture.channels:
-        raise UsageError(f"{path}: colours of three bands are written as .png, or show one band")
+        raise UsageError(
+            f"{path}: three bands shown as colours can only be saved as .png; or show one band"
+        )
     samples: Any = picture.samples
     if picture.facts.kind == "plane":
         samples = scipy.fft.ifftshift(samples)

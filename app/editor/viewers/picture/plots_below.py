@@ -209,7 +209,7 @@ _FEW = 24  # bands up to which every one has a dot
 _ROOM, _ABOVE = 0.06, 0.6  # beside the curves, of their range; above them stands the legend
 _LONGEST = 110  # letters of a problem beside the curves
 MEAN = "mean of the picture"
-NO_SAMPLE = "a single sample's is shown on wires before filtering"
+NO_SAMPLE = "a single sample's NER is shown on wires before filtering"
 PAUSE_MS = 30
 """While the cursor moves, the spectrum under it is taken at most so often."""
 

@@ -111,10 +111,13 @@ class RegionTool(QObject):
     def _armed(self, on: bool) -> None:
         self._button.setChecked(on)
         if on and self._node is not None:
-            text = f"Drag a rectangle over what {self._node} is to look at; Esc gives it up"
+            text = f"Drag a rectangle for {self._node}; Esc cancels"
             self._session.message.emit("note", text)
         elif self._node is not None:
-            text = "Arrow keys move the region, with Ctrl its last corner; Shift: ten times as far"
+            text = (
+                "Arrow keys move the region; Ctrl moves its last corner; Shift moves ten "
+                "times as far"
+            )
             self._session.message.emit("note", text)
 
     def _clicked(self) -> None:

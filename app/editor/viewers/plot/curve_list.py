@@ -24,7 +24,7 @@ class CurveList(QListWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setAccessibleName("Curves that are shown")
+        self.setAccessibleName("Curves to show")
         width = self.fontMetrics().averageCharWidth()
         self.setIconSize(QSize(3 * width, self.fontMetrics().height()))
         self.setTextElideMode(Qt.TextElideMode.ElideMiddle)

@@ -87,7 +87,7 @@ class FiguresStrip(Viewer):
         self.label(RUN_TIME).show_text(NONE)
 
     def _add(self, name: str, caption: str) -> None:
-        head = ElidedLabel(f"{self.owner}.{name}.caption", f"{caption}, what it is", self)
+        head = ElidedLabel(f"{self.owner}.{name}.caption", f"What {caption} means", self)
         font = head.font()
         font.setPointSizeF(font.pointSizeF() * 0.85)
         head.setFont(font)
@@ -109,7 +109,7 @@ class FiguresStrip(Viewer):
         self._names = names
         for (head, value), (name, caption) in zip(self._slots[1:-1], shown, strict=True):
             head.setObjectName(f"{self.owner}.{name}.caption")
-            head.setAccessibleName(f"{caption}, what it is")
+            head.setAccessibleName(f"What {caption} means")
             head.show_text(caption)
             value.setObjectName(f"{self.owner}.{name}")
             value.setAccessibleName(caption)
@@ -117,7 +117,11 @@ class FiguresStrip(Viewer):
     def _show(self, answer: Figures | None, why: str = "") -> None:
         figures = {} if answer is None else {figure.name: figure for figure in answer.figures}
         missing = self._show_output(answer, why)
-        none = why or missing or "no Focal Plane or Electronics & Noise in the network computes it"
+        none = (
+            why
+            or missing
+            or ("no Focal Plane or Electronics & Noise module in the network computes it")
+        )
         if figures:
             self._name_slots([(figure.name, figure.caption) for figure in figures.values()])
         for name in self._names:
@@ -138,7 +142,7 @@ class FiguresStrip(Viewer):
         if answer is None:
             label.show_text(NONE, why)
         elif answer.output is not None:
-            label.show_text(answer.output, "The picture that the network delivers")
+            label.show_text(answer.output, "The picture that the network outputs")
         else:
             label.show_text(
                 f"{len(answer.choices)} pictures" if answer.choices else NONE, answer.missing
@@ -154,7 +158,7 @@ class FiguresStrip(Viewer):
 
     def _pass_done(self, done: Any) -> None:
         if isinstance(done, PassDone) and done.after_edit and not done.cancelled:
-            kind = f"a preview of 1:{done.reduced}" if done.reduced > 1 else "all that is shown"
+            kind = f"a preview of 1:{done.reduced}" if done.reduced > 1 else "everything shown"
             about = f"Time that {kind} took after the last change: {done.seconds:.4f} s"
             self.label(RUN_TIME).show_text(figure_text(done.seconds, "s"), about)
 

@@ -399,7 +399,7 @@ class PlotBar(QWidget):
 
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
-        self.ports = PortChoice(session, PLOT_TYPES, "Chain's transfer functions", self)
+        self.ports = PortChoice(session, PLOT_TYPES, "Transfer functions of the chain", self)
         self.ports.setObjectName(f"{owner}.port")
         self.ports.setAccessibleName("What is plotted")
         self.outputs = OutputButtons(session, owner, self)
@@ -420,7 +420,7 @@ class PlotBar(QWidget):
         for name, text in PARTS.items():
             self.parts.addItem(text, name)
         self.log = toggle_button(f"{owner}.log", "Log", "Logarithmic ordinate", self)
-        self.fit = tool_button(f"{owner}.fit", "Fit", "Show all of the curves (F or 0)", self)
+        self.fit = tool_button(f"{owner}.fit", "Fit", "Show the whole plot (F or 0)", self)
         self._of_chain = (self._x, self._y, self.angle, self.parts)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(2, 2, 2, 0)

@@ -128,7 +128,7 @@ def transfer_drawing(curves: TransferCurves, parts: Parts, *, log: bool = False)
     notes = [f"no Total: {curves.missing}"] if curves.missing and entries else []
     if len(drawn) < len(curves.curves):
         stages = sum(curve.kind != "total" for curve in curves.curves)
-        notes += [f"Strongest {_FEW} of {stages:,} stages", "All: save the plot as CSV"]
+        notes += [f"Strongest {_FEW} of {stages:,} stages", "Save the plot as CSV to get them all"]
     return Drawing(
         f"{label} (cyc/mrad)", entries, tuple(panels), curves.marks, note="\n".join(notes)
     )
@@ -238,7 +238,7 @@ def with_kept(drawing: Drawing, kept: Drawing, name: str) -> Drawing:
     if not kept.panels or not drawing.panels:
         return drawing
     if drawing.bars or kept.bars:
-        return _noted(drawing, f"A {name}: bars are not drawn beside others")
+        return _noted(drawing, f"Bars of A {name} are not drawn beside others")
     axes = [(d.x_label, d.log_x) for d in (kept, drawing)]
     if axes[0] != axes[1]:
         return _noted(drawing, f"A {name} is not drawn: it is over {kept.x_label}")

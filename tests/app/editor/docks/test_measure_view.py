@@ -79,7 +79,7 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     view.choose(first)
     view.switch()
     texts = [view.figures.item(row, 0).text() for row in range(view.figures.rowCount())]
-    assert "No MTF across: 2 edges that would give it are removed by hand." in texts
+    assert "No MTF across: 2 edges that would give it are removed by you." in texts
     view.switch()
     view.choose(second)
     qtbot.keyClick(view.table, Qt.Key.Key_Space)
@@ -173,7 +173,7 @@ def test_the_window_measures_what_a_viewer_shows(window, qtbot):
 
 
 def test_the_key_brings_files_that_were_measured_to_the_front(window, qtbot, two_edges):
-    """Else edges that were removed by hand were lost by it."""
+    """Else edges that were removed by you were lost by it."""
     window.open_first("first_steps")
     viewer = window.viewers.images[1]
     qtbot.waitUntil(lambda: viewer.picture is not None and viewer.picture.reduced == 1)

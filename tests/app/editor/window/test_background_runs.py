@@ -284,7 +284,7 @@ def test_the_end_of_a_run_is_said_where_the_list_is_hidden(desk, qtbot, tmp_path
     (pid,) = computing(desk, qtbot, number)
     os.kill(pid, signal.SIGKILL)
     entry = over(desk, qtbot, number)
-    assert entry.text == "its process was ended by the system (signal 9): is the memory full?"
+    assert entry.text == "the system ended its process (signal 9): memory may have run out"
     assert desk.status.error == f"mine: {LONG} frames: failed: {entry.text}"
 
 

@@ -234,7 +234,7 @@ def test_there_is_no_viewer_to_show_over_the_first_page(make_window, idle, qtbot
     window = make_window()
     with qtbot.waitSignal(window.session.message) as message:
         window.actions_by_name["full_screen"].trigger()
-    assert message.args == ["note", "no viewer is open to show over the whole screen"]
+    assert message.args == ["note", "no viewer is open to show in full screen"]
     assert page_of(window) is None
 
 

@@ -93,7 +93,7 @@ def test_what_is_not_there_is_one_line(hand, page):
         (KEY.Key_Escape, None, "Cancel"),
         (KEY.Key_Tab, None, "Add Module"),
         (KEY.Key_Q, CTRL, "Quit"),
-        (KEY.Key_Up, None, "Move what is selected"),
+        (KEY.Key_Up, None, "Move the selection"),
         (KEY.Key_Question, SHIFT, "Shortcuts"),
         (KEY.Key_Plus, CTRL | SHIFT, "Zoom In"),
     ],

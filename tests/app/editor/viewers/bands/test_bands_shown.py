@@ -141,7 +141,7 @@ def test_a_wavelength_outside_the_bands_is_noted(viewer, bench, qtbot):
         type_in(inside)
     spin.stepBy(1)
     assert noted == []
-    why = "µm is outside the bands, 3 to 5 µm: the nearest one is shown"
+    why = "µm is outside the bands, 3 to 5 µm: the nearest band is shown"
     for outside, text in (("9500 nm", f"9.5 {why}"), ("2.9", f"2.9 {why}")):
         type_in(outside)
         assert noted == [("note", text)]
