@@ -34,7 +34,7 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
         Heading(1, title),
         Text(
             # No-break spaces: what belongs together stays in one line.
-            f"{_fitted(result)}, {misfit.degrees} degrees of freedom, {_CHI2} "
+            f"{_fitted(result)}, {misfit.degrees} degrees of freedom, {_CHI2}\N{NO-BREAK SPACE}"
             f"{short(result.chi2_per_degree)} (1: the residuals are noise alone).",
             "lead",
         ),
@@ -59,7 +59,7 @@ def _fitted(result: FitResult) -> str:
     count = len(result.fit.patches)
     shape = short(result.fit.misfit.shape_per_degree)
     edges = "1 edge" if count == 1 else f"{count} edges"
-    return f"{edges} (residuals of their shape: {_CHI2} {shape})"
+    return f"{edges} (residuals of their shape: {_CHI2}\N{NO-BREAK SPACE}{shape})"
 
 
 def _pictures(result: FitResult) -> list[Block]:

@@ -47,7 +47,7 @@ class LinkError(ParameterError):
         self.why = why
 
 
-_ONLY = "only numbers and whole numbers can follow others"
+_ONLY = "only a number can follow others"
 
 
 @dataclass(frozen=True)

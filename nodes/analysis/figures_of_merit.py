@@ -324,7 +324,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         raise DataError(
             f"the band begins at {band_um[0]:g} µm, where a scene reflects light and shows no "
             "temperature: NETD, MRTD, MDTD and the ranges from them do not apply; use Image "
-            "Quality, or give background_K for a scene that glows"
+            "Quality, or give background_K for a scene hot enough to emit there"
         )
 
     @warning

@@ -423,7 +423,7 @@ def budget_preview(figures: Mapping[str, Any], full_well_e: float | None) -> Pre
     ]
     temporal = figures["temporal_noise_e"]
     words = [filled, *(f"{bar.name} noise {bar.value}" for bar in bars)]
-    words.append(f"all that is temporal noise {noise(temporal)}")
+    words.append(f"total temporal noise {noise(temporal)}")
     merit = f"SNR {brief(snr)}" if snr is not None else ""
     if netd_K is not None:
         merit = f"NETD {kelvin(netd_K)}"

@@ -265,10 +265,10 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         count = outputs.image.header.bad_bands
         if not count:
             return None
-        bands = "1 band is" if count == 1 else f"{count} bands are"
+        bands, them = ("1 band is", "it") if count == 1 else (f"{count} bands are", "them")
         return Caution(
-            f"{bands} left out, because the header marks them as bad (bbl = 0)",
-            "remove bbl from the header if their samples are good",
+            f"{bands} left out, because the header marks {them} as bad (bbl = 0)",
+            "remove bbl from the header if the samples are good",
         )
 
     @warning

@@ -126,7 +126,7 @@ def test_what_a_camera_refuses():
         (lambda: camera(bad), "the frame: 1 sample is not finite"),
         (lambda: camera(good[0]), "an array of 24: give (rows, columns)"),
         (lambda: camera(good.astype(complex)), "the frame has samples of type complex128"),
-        (lambda: camera("own.png"), "'own.png' is no picture: give"),
+        (lambda: camera("own.png"), "'own.png' is not a picture: give"),
         (lambda: camera(good, seed=-1), "seed = -1 is not allowed"),
         (lambda: camera(good, number=0.5), "number = 0.5 is not allowed"),
         (lambda: chain.camera(20), "size = 20 is not allowed: two whole numbers"),

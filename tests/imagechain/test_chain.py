@@ -450,7 +450,7 @@ def test_a_chain_with_an_unknown_module_is_shown_and_saved_as_it_is(tmp_path):
         chain.set(5, 1)
     document["nodes"]["blur"]["module"] = "acme_optics.far_away"
     (tmp_path / "n.json").write_text(json.dumps(document), encoding="utf-8")
-    with pytest.raises(ic.NetworkError, match="of the package acme_optics, which is not installed"):
+    with pytest.raises(ic.NetworkError, match="the package acme_optics, which is not installed"):
         ic.open(tmp_path / "n.json").set("blur.a", 4)
 
 
@@ -549,7 +549,7 @@ def test_a_file_takes_the_place_of_the_scene(tmp_path, monkeypatch):
     np.testing.assert_array_equal(again, ours)
     with pytest.raises(ic.UsageError, match="fov_deg 0: give above 0°"):
         chain.replace_scene("own.npy", fov_deg=(0.0, 1.0))
-    with pytest.raises(ic.ImagechainError, match="7 is no picture: give a file, or"):
+    with pytest.raises(ic.ImagechainError, match="7 is not a picture: give a file, or"):
         chain.scene = 7
 
 

@@ -116,7 +116,9 @@ def test_a_client_is_taken_and_one_without_tls_warned_of(chain, monkeypatch):
             found["total.mtf_nyquist_x"] == ic.study(chain, jobs=1, **words)["total.mtf_nyquist_x"]
         )
         monkeypatch.setattr("app.study.carrying_out._INNER", ())
-        with pytest.warns(UserWarning, match=r"inproc://.* has no TLS: whoever reaches its port"):
+        with pytest.warns(
+            UserWarning, match=r"inproc://.* has no TLS: anyone who reaches its port"
+        ):
             ic.study(chain, scheduler=client, **words)
 
 

@@ -21,7 +21,10 @@ NETWORKS = {
     "out of range": (lambda n: n["nodes"]["jitter"]["params"].update(sigma_mrad=-1), "mrad"),
     "unknown port": (lambda n: n["links"].append(["scene.picture", "init.image"]), "picture"),
     "types": (lambda n: n["links"].__setitem__(0, ["scene.image", "init.magnitude"]), "magnitude"),
-    "two links": (lambda n: n["links"].append(["scene.image", "pixels.image"]), "takes one"),
+    "two links": (
+        lambda n: n["links"].append(["scene.image", "pixels.image"]),
+        "only one is allowed",
+    ),
     "missing input": (lambda n: n["links"].pop(), "pixels"),
     "cycle": (lambda n: n["links"].__setitem__(0, ["pixels.image", "init.image"]), "cycle"),
     "format": (lambda n: n.update(format="other"), "format"),

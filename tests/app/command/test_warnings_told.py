@@ -14,8 +14,8 @@ from nodes.transform.init_trans import InitTrans
 WRITES = "run writes net-output/final.png, net-output/mtf.csv, net-output/readouts.json"
 BAND = (
     "electronics: the picture's radiance is that of 8 to 14 µm and cut_on_um to cut_off_um are 3 "
-    "to 5 µm: the bands do not overlap: leave cut_on_um and cut_off_um empty for the picture's "
-    "band, or give the picture this one"
+    "to 5 µm: the bands do not overlap: leave cut_on_um and cut_off_um empty to use the "
+    "picture's band, or give the picture this band"
 )
 
 
@@ -193,9 +193,10 @@ def test_markup_in_a_nodes_name_is_plain_text(lwir, write, imagechain, tmp_path)
 
 
 KELVIN = (
-    "read: the samples, 290 ± 8, look like temperatures in kelvin and are read as W/m²/sr, which "
-    "not even all wavelengths give below 356 K: give the samples' unit, such as K or DN, or the "
-    "scale that makes W/m²/sr of them; cut_on_um and cut_off_um, if it is radiance"
+    "read: the unit may be wrong: the samples, 290 ± 8, look like temperatures in kelvin but are "
+    "read as W/m²/sr, more than a scene below 356 K emits over all wavelengths: give the samples' "
+    "unit, such as K or DN, or the scale that converts them to W/m²/sr; give cut_on_um and "
+    "cut_off_um if it is radiance"
 )
 
 
@@ -256,6 +257,6 @@ def test_a_check_that_fails_is_told_of_its_node(small, write, imagechain, monkey
     done = imagechain(*command, "net.json")
     assert (done.returncode, done.stderr) == (0, "")
     assert (
-        "warning: init: its check field_of_view failed (ZeroDivisionError: division by zero): a "
-        "fault of this program, not of the network; what it checks may be wrong or right"
+        "warning: init: its check field_of_view failed (ZeroDivisionError: division by zero): an "
+        "error in this program, not an error in the network; the condition was not checked"
     ) in done.stdout.splitlines()

@@ -91,10 +91,12 @@ def test_what_cannot_be_followed_says_why(imagechain, write, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     found = json.loads((tmp_path / "r.json").read_text())["budget"]
     assert (found["noise"], found["blur"]) == (None, None)
-    assert found["noise_reason"].startswith("noise cannot be followed through back")
+    assert found["noise_reason"].startswith("the noise behind back cannot be computed")
     assert found["blur_reason"] == "the effect of back is not a known transfer function"
     page = (tmp_path / "r.html").read_text()
-    assert "Noise cannot be shared among its sources: noise cannot be followed through back" in page
+    assert (
+        "Noise cannot be shared among its sources: the noise behind back cannot be computed" in page
+    )
     assert "Blur cannot be shared among its sources: what back does is not known" in page
 
 

@@ -247,7 +247,10 @@ def test_nothing_to_tell_says_why():
         "blur_reason": "no transfer function other than 1 leads to scene.image",
     }
     page = " ".join(block.text for block in budget(facts) if isinstance(block, Text))
-    assert "Noise cannot be shared among its sources: no noise is added on the way to scene.image." in page
+    assert (
+        "Noise cannot be shared among its sources: no noise is added on the way to scene.image."
+        in page
+    )
     assert "Blur cannot be shared among its sources: no transfer function other than 1" in page
 
 

@@ -62,7 +62,7 @@ def test_every_shipped_network_takes_a_picture(imagechain, picture, tmp_path, na
     scene = TWO_SCENES.get(name)
     done = imagechain("run", name, "--scene", f"{scene}={file}" if scene else file)
     if scene:  # its other picture has another size
-        assert "only equal sizes combine" in done.stderr
+        assert "both must have the same size" in done.stderr
         other = ("--scene", f"star={file}")
         done = imagechain("run", name, "--scene", f"{scene}={file}", *other)
     assert (done.returncode, done.stderr) == (0, "")
@@ -236,7 +236,10 @@ def test_several_scenes_are_asked_about(fails, picture):
         (("--scene", "own.tif", "--scene-band-um", 5, 3), "--scene-band-um 5 3"),
         (("--scene", "own.tif", "--scene-sample-m", 1), "--scene-sample-m needs --scene-range-m"),
         (("--scene-unit", "K"), "--scene-unit goes with --scene FILE"),
-        (("--scene", "cube.img"), "the file does not give the unit of its bands: give --scene-unit"),
+        (
+            ("--scene", "cube.img"),
+            "the file does not give the unit of its bands: give --scene-unit",
+        ),
         (("--scene", "cube.img", "--scene-unit", "relative"), "not of a cube"),
         (
             ("--scene", "cube.img", "--scene-unit", "W/m²/sr/µm", "--scene-band-um", 3, 5),

@@ -125,7 +125,7 @@ def test_noise_that_is_filtered_is_followed_in_memory_alone(fails, write, small)
     nodes["focal_plane"]["params"]["bad_pixel_percent"] = 1.0
     line = fails("run", write(document), "--memory", "50kB")
     assert line.startswith(
-        "imagechain: budget: following noises through filters and patterns takes a picture of 32"
+        "imagechain: budget: computing noise behind filters and patterns needs the whole"
     )
 
 
@@ -195,13 +195,12 @@ def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, 
         ),
         (
             ["--save", "back.image=b.npy", "--frames", "2"],
-            "--frames 2: pictures of 99 × 84 samples that are made in blocks are made once: give "
-            "1, or another --seed for each run",
+            "--frames 2: a picture of 99 × 84 samples that is made in blocks is made only once",
         ),
         (
             ["--save", "blur.magnitude=b.npy"],
-            "--save blur.magnitude: a magnitude of 99 × 84 samples is made as a whole, which "
-            "--memory 50 kB does not hold",
+            "--save blur.magnitude: a magnitude of 99 × 84 samples must be made as a whole, and "
+            "does not fit into --memory 50 kB",
         ),
         (["--memory", "much"], "--memory 'much': give a size such as 2GB or 500MB, 1kB or more"),
         (["--scratch", "away"], "cannot write to the scratch folder away: No such file or dir"),
@@ -219,7 +218,8 @@ def test_a_node_that_needs_the_whole_is_named_first(fails, small, write, scene):
     line = fails("run", write(document), "--memory", "50kB")
     assert line.startswith("imagechain: measured: ")
     assert (
-        "takes a picture of 99 × 84 samples as a whole, which --memory 50 kB does not hold" in line
+        "needs the whole picture of 99 × 84 samples, does not run in blocks, and --memory 50 kB"
+        in line
     )
 
 
@@ -235,7 +235,11 @@ def test_without_a_budget_it_runs_in_memory_as_before(small, write, scene, tmp_p
     plan = engine.plan(network, folder=tmp_path)
     way = WayOfRunning(50_000, largest_picture(plan, policy), at_most)
     how = {"ports": (), "report": False, "scratch": tmp_path}
-    expects = contextlib.nullcontext() if at_most else pytest.raises(DataError, match="as a whole")
+    expects = (
+        contextlib.nullcontext()
+        if at_most
+        else pytest.raises(DataError, match="needs the whole picture")
+    )
     with expects, blocks_of(way, engine, plan, policy, **how) as blocks:
         assert blocks is None
 

@@ -72,8 +72,10 @@ def test_slices_mark_and_read_both():
     assert found["at_nyquist_x"] == pytest.approx(-gaussian(10) * 2 / (3 * math.pi), rel=1e-9)
     marks = {mark.text: mark.x for mark in engine.value(plan, "slices.curve", work).marks}
     assert marks == pytest.approx({
-        "pixels' Nyquist horizontal": 0.5 / PITCH_X, "samples' Nyquist horizontal": 10.0,
-        "pixels' Nyquist vertical": 0.5 / PITCH_Y, "samples' Nyquist vertical": 10.0,
+        "Nyquist of the pixels horizontal": 0.5 / PITCH_X,
+        "Nyquist of the samples horizontal": 10.0,
+        "Nyquist of the pixels vertical": 0.5 / PITCH_Y,
+        "Nyquist of the samples vertical": 10.0,
     })  # fmt: skip
 
 

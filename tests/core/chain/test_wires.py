@@ -55,5 +55,7 @@ def test_a_chain_twice_as_long_hashes_twice_as_many_parts(monkeypatch):
 
 def test_a_chain_beyond_the_budget_is_refused():
     longest = Magnitude(None, GRID, factors=(stage(1),) * MOST_STAGES)
-    with pytest.raises(NetworkError, match=r"^5,001 stages in one chain: at most 5,000 are taken$"):
+    with pytest.raises(
+        NetworkError, match=r"^5,001 stages in one chain; at most 5,000 are allowed$"
+    ):
         longest.times(stage(2))

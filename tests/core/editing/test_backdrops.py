@@ -130,7 +130,7 @@ def test_around_nodes_they_lie_on_it_and_no_others():
 
 
 def test_around_nothing(kodak):
-    with pytest.raises(NetworkError, match="no nodes"):
+    with pytest.raises(NetworkError, match="select the nodes"):
         around(replace(kodak, layout={}), ["init"], {})
 
 

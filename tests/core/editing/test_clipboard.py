@@ -144,12 +144,12 @@ def hostile(**changes):
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("", "holds no copied nodes"),
-        ("a letter to somebody", "holds no copied nodes"),
-        ("[1, 2]", "holds no copied nodes"),
-        ("{}", "holds no copied nodes"),
-        (hostile(format="something else"), "holds no copied nodes"),
-        (hostile(nodes={}), "holds no nodes"),
+        ("", "contains no copied nodes"),
+        ("a letter to somebody", "contains no copied nodes"),
+        ("[1, 2]", "contains no copied nodes"),
+        ("{}", "contains no copied nodes"),
+        (hostile(format="something else"), "contains no copied nodes"),
+        (hostile(nodes={}), "contains no nodes"),
         (hostile()[:-9], "not JSON"),
         (hostile(version=99), "newer Imagechain"),
         (hostile(nodes={"a": {}}), "nodes.a.module is missing"),
@@ -384,18 +384,18 @@ def test_an_unknown_module_copies_what_is_set_and_takes_nothing(library, paste):
     strange = Node("strange", "of_another_version", {"gain": 2, "list": [1, {"a": None}]})
     text = copied_values(strange, None)
     assert json.loads(text)["values"] == {"gain": 2, "list": [1, {"a": None}]}
-    with pytest.raises(NetworkError, match="strange is of an unknown module"):
+    with pytest.raises(NetworkError, match="strange belongs to an unknown module"):
         paste(network_of(strange), "strange", "strange")
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "holds no values"),
-        ("a shopping list", "holds no values"),
-        ('{"format": "imagechain-nodes", "nodes": {}}', "holds no values"),
-        ('{"format": "imagechain-values", "values": {}}', "holds no values"),
-        ('{"format": "imagechain-values", "values": [1]}', "holds no values"),
+        ("", "contains no parameter values"),
+        ("a shopping list", "contains no parameter values"),
+        ('{"format": "imagechain-nodes", "nodes": {}}', "contains no parameter values"),
+        ('{"format": "imagechain-values", "values": {}}', "contains no parameter values"),
+        ('{"format": "imagechain-values", "values": [1]}', "contains no parameter values"),
         ('{"format": "imagechain-values", "values": {"a": 1}, "units": [1]}', "units"),
         ('{"format": "imagechain-values", "values": {"a": NaN}}', "NaN"),
         ('{"format": "imagechain-values"', "not JSON"),

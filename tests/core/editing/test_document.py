@@ -176,7 +176,7 @@ def test_saving_writes_what_is_opened_again(document, library, tmp_path):
 
 
 def test_a_document_without_a_file_asks_for_one(document):
-    with pytest.raises(NetworkError, match="say where"):
+    with pytest.raises(NetworkError, match="choose where to save it"):
         document.save()
 
 

@@ -162,7 +162,7 @@ def test_a_name_that_a_macro_shows_is_followed_and_renamed(camera, library):
     camera.do(set_parameter("electronics", "bias_percent", expression("camera.spot * 1000")))
     width = values(camera.network, library)["electronics", "bias_percent"]
     assert width == pytest.approx(truth(camera.network)["aberration", "sigma_y_mrad"] * 1000)
-    with pytest.raises(NetworkError, match=r"camera.spot cannot be hidden: electronics"):
+    with pytest.raises(NetworkError, match=r"camera.spot cannot be hidden, because electronics"):
         hide(camera.network, "camera", "spot", resolved(camera.network, library=library).value)
     with pytest.raises(NetworkError, match=r"one word of letters, digits and _, not size of"):
         camera.do(rename_exposed(camera.network, "camera", "spot", "size of spot"))

@@ -175,7 +175,7 @@ def test_one_wire_outside_may_feed_several_nodes_inside(shipped, library):
 
 
 def test_a_way_out_and_back_in_is_refused(shipped, library):
-    with pytest.raises(NetworkError, match="a way leads out of them and back in"):
+    with pytest.raises(NetworkError, match="a path leads out of them and back in"):
         group(shipped["kodak_kir310"], library, ["init", "back"])
 
 
@@ -241,9 +241,9 @@ def test_exposing_twice_or_renaming_to_a_name_that_is_taken_is_refused(camera):
     with pytest.raises(NetworkError, match=r"shows camera/init\.f_number already, as f_number"):
         expose(camera.network, "camera/init", "f_number")
     camera.do(expose(camera.network, "camera/init", "focal_length_mm"))
-    with pytest.raises(NetworkError, match="camera has a parameter f_number already"):
+    with pytest.raises(NetworkError, match="camera already has a parameter f_number"):
         camera.do(rename_exposed(camera.network, "camera", "focal_length_mm", "f_number"))
-    with pytest.raises(NetworkError, match="scene lies in no macro"):
+    with pytest.raises(NetworkError, match="scene is not inside a macro"):
         expose(camera.network, "scene", "width")
 
 
@@ -277,9 +277,9 @@ def test_links_inside_are_checked_like_those_outside(camera):
 
 
 def test_inside_of_what_is_no_macro(camera):
-    with pytest.raises(NetworkError, match="back is no macro: nothing lies inside of it"):
+    with pytest.raises(NetworkError, match="back is not a macro"):
         camera.do(Inside("back", Remove(("a",))))
-    with pytest.raises(NetworkError, match="back is no macro: there is nothing to ungroup"):
+    with pytest.raises(NetworkError, match="back is not a macro"):
         ungroup(camera.network, camera.library, "back")
 
 

@@ -94,7 +94,7 @@ def test_moving(network):
 
 @pytest.mark.parametrize("at", [(float("nan"), 0), (0, float("inf"))])
 def test_no_node_lies_nowhere(network, at):
-    with pytest.raises(NetworkError, match="look cannot lie at"):
+    with pytest.raises(NetworkError, match="look cannot be placed at"):
         Move({"look": at}).apply(network)
 
 
@@ -257,7 +257,7 @@ def test_toggling(fresh, library):
 
 @pytest.mark.parametrize("name", ["init", "detector"])
 def test_what_makes_no_picture_cannot_be_marked(fresh, library, name):
-    with pytest.raises(NetworkError, match="makes no picture"):
+    with pytest.raises(NetworkError, match="it has no picture"):
         output_toggled(fresh.network, library, name)
 
 

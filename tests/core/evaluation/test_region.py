@@ -31,9 +31,9 @@ class TestRectangle:
     @pytest.mark.parametrize(
         ("numbers", "told"),
         [
-            ((-1, 0, 1, 1), "region's top = -1 is not allowed: a whole number, 0 or above"),
+            ((-1, 0, 1, 1), "region's top = -1 is not allowed: a whole number, 0 or more"),
             ((0, -3, 1, 1), "region's left = -3"),
-            ((0, 0, 0, 1), "region's rows = 0 is not allowed: a whole number, 1 or above"),
+            ((0, 0, 0, 1), "region's rows = 0 is not allowed: a whole number, 1 or more"),
             ((0, 0, 1, -5), "region's columns = -5"),
             ((0, 0.5, 1, 1), "region's left = 0.5"),
         ],

@@ -175,7 +175,7 @@ def test_macros_inside_of_macros(document):
 
 def test_macros_lie_so_deep_at_most(document):
     assert not faults(nested(copy.deepcopy(document), 7))
-    with pytest.raises(NetworkError, match="macros lie more than 8 deep one inside the other"):
+    with pytest.raises(NetworkError, match="macros are nested more than 8 deep"):
         read(nested(document, 8))
 
 
@@ -214,15 +214,15 @@ MACRO = ("nodes", "camera", "macro")
         ((*MACRO, "parameters", "again"), "jitter.sigma_mrad",
          "camera: the inner parameter jitter.sigma_mrad is set by 2 parameters of the macro"),
         ((*MACRO, "inputs", "again"), "init.image",
-         "camera: the inner input init.image is fed by 2 inputs of the macro: it takes one"),
+         "camera: the inner input init.image is fed by 2 inputs of the macro; only one is allowed"),
         ((*MACRO, "inputs", "phase"), "back.phase",
-         "camera: its input phase feeds back.phase, which has a link inside already"),
+         "camera: its input phase feeds back.phase, which already has a link inside"),
         (("nodes", "camera", "params"), {"blurr": 1},
          "camera: blurr = 1 is not allowed: Small camera shows no such parameter; did you mean"),
         (("links", 1, 0), "camera.picture",
          "camera: the macro has no output picture (the link camera.picture → save.image): it has"),
         (("nodes", "camera/back"), {"module": "back_transform"},
-         "camera/back is the name of 2 nodes, one of them inside of a macro: give one of them"),
+         "camera/back is the name of 2 nodes, one of them inside a macro: give one of them"),
         ((*MACRO, "nodes", "jitter", "params"), {"sigma_mrd": 1},
          "camera/jitter: sigma_mrd = 1 is not allowed: Jitter MTF has no such parameter; did you"),
         ((*MACRO, "links", 0), ["init.contxt", "jitter.context"],
@@ -241,7 +241,7 @@ def test_a_cycle_through_a_macro(document):
     inside(document)["outputs"]["other"] = "pixels.image"
     document["nodes"]["between"] = {"module": "combine_pixels"}
     document["links"] += [["camera.other", "between.image"], ["between.image", "camera.light"]]
-    assert "camera: the links form a cycle: camera → between → camera; take one of them away" in (
+    assert "camera: the links form a cycle: camera → between → camera; remove one of them" in (
         faults(document)
     )
 

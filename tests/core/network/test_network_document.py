@@ -77,7 +77,7 @@ def test_seeds_that_are_not_allowed(network, seed):
 
 
 def test_ids_and_extra_fields_are_checked():
-    with pytest.raises(NetworkError, match="is not allowed as the id"):
+    with pytest.raises(NetworkError, match="is not allowed as a node's id"):
         Node("a.b", "x")
     with pytest.raises(NetworkError, match="stands under the id b"):
         Network(nodes={"b": Node("a", "x")})
@@ -145,7 +145,7 @@ def test_long_chains_and_loops_need_no_recursion():
     links = [Link(f"n{k}", "image", f"n{k + 1}", "image") for k in range(size - 1)]
     assert len(Network(nodes=nodes, links=tuple(links)).order()) == size
     links.append(Link(f"n{size - 1}", "image", "n0", "image"))
-    with pytest.raises(NetworkError, match=r"n0 → n1 → .* → … → n19999 → n0; take one"):
+    with pytest.raises(NetworkError, match=r"n0 → n1 → .* → … → n19999 → n0; remove one"):
         Network(nodes=nodes, links=tuple(links)).order()
 
 

@@ -42,15 +42,15 @@ HEAD = '{"format": "imagechain-network", "version": 1, "nodes": {}, '
             '{"format": ["x"]}',
             "not an Imagechain network: its format must be 'imagechain-network', not ['x']",
         ),
-        (HEAD + '"seed": NaN}', "NaN is no number that JSON allows"),
-        (HEAD + '"seed": -Infinity}', "-Infinity is no number that JSON allows"),
+        (HEAD + '"seed": NaN}', "NaN is not a number in JSON"),
+        (HEAD + '"seed": -Infinity}', "-Infinity is not a number in JSON"),
         (HEAD + '"x": 1e999}', "the number 1e999 is too large"),
         (HEAD + f'"x": {"9" * 309}}}', "a number of 309 digits is too large"),
         (HEAD + f'"x": {"9" * 10**6}}}', "a number of 1000000 digits is too large"),
-        (HEAD + '"seed": 1, "seed": 1}', "the key seed comes twice in one object"),
-        (HEAD + '"x": {"a\\n": 1, "a\\n": 2}}', "the key 'a\\n' comes twice in one object"),
-        (HEAD + '"x": ["\\ud800"]}', "'\\ud800' is no valid Unicode text"),
-        (HEAD + '"\\udfff": 1}', "'\\udfff' is no valid Unicode text"),
+        (HEAD + '"seed": 1, "seed": 1}', "the key seed occurs twice in one object"),
+        (HEAD + '"x": {"a\\n": 1, "a\\n": 2}}', "the key 'a\\n' occurs twice in one object"),
+        (HEAD + '"x": ["\\ud800"]}', "'\\ud800' is not valid Unicode text"),
+        (HEAD + '"\\udfff": 1}', "'\\udfff' is not valid Unicode text"),
         (HEAD + '"x": ' + "[" * 65 + "]" * 65 + "}", "nested more than 64 deep"),
         ("[" * 10**6, "nested more than 64 deep"),
         ('{"a":' * 10**6, "nested more than 64 deep"),
@@ -75,7 +75,7 @@ def test_depth_does_not_depend_on_the_caller(document, small_library):
     [
         (["version"], "1", "version must be a whole number, not a text"),
         (["version"], True, "version must be a whole number, not true or false"),
-        (["version"], 0, "version = 0 is not allowed: a whole number from 1"),
+        (["version"], 0, "version = 0 is not allowed: a whole number, 1 or more"),
         (["version"], 99, "version 99 is of a newer Imagechain: this one reads up to 2"),
         (["name"], 3, "name must be a text, not a whole number"),
         (["description"], None, "description must be a text, not null"),
@@ -96,8 +96,8 @@ def test_depth_does_not_depend_on_the_caller(document, small_library):
         (["links", 2], "a.b", "link 3 must be a list, not a text"),
         (["links", 0], ["a.b"] * 3, 'link 1 must be two texts, ["NODE.PORT", "NODE.PORT"]'),
         (["links", 0], ["a.b", 1], 'link 1 must be two texts, ["NODE.PORT", "NODE.PORT"]'),
-        (["links", 0], ["a.b", "c"], "link 1: 'c' names no port: write NODE.PORT"),
-        (["links", 0], ["a.", "c.d"], "link 1: 'a.' names no port: write NODE.PORT"),
+        (["links", 0], ["a.b", "c"], "link 1: 'c' is not a port: write NODE.PORT"),
+        (["links", 0], ["a.", "c.d"], "link 1: 'a.' is not a port: write NODE.PORT"),
         (["layout"], [], "layout must be an object, not a list"),
         (["layout", "init"], [1], "layout.init must be two numbers, [x, y]"),
         (["layout", "init"], [1, True], "layout.init must be two numbers, [x, y]"),
@@ -125,7 +125,7 @@ def test_what_must_be_there(path, document, small_library):
 def test_node_ids_that_are_not_allowed(name, document, small_library):
     document["nodes"][name] = {"module": "back"}
     line = _fault(json.dumps(document), small_library)
-    assert line.startswith(f"{name!r} is not allowed as the id of a node: ")
+    assert line.startswith(f"{name!r} is not allowed as a node's id: ")
     assert line.isprintable()
 
 

@@ -103,10 +103,10 @@ FAULTS = [
     ),
     (
         _more(("scene.image", "look.picture")),
-        "look: the input picture has 2 links (add noise.image, scene.image); it takes one",
+        "look: the input picture has 2 links (add noise.image, scene.image); only one is allowed",
     ),
     (_more(("scene.image", "init.image")), "init: the input image has 2 links (scene.image, scene"),
-    (CYCLE, "more: the links form a cycle: more → again → more; take one of them away"),
+    (CYCLE, "more: the links form a cycle: more → again → more; remove one of them"),
     (
         _more(("more.image", "more.image"), more="noise"),
         "more: the links form a cycle: more → more",

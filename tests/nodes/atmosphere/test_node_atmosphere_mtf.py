@@ -135,7 +135,7 @@ def test_air_that_scatters_more_than_it_dims_is_a_warning():
     path = {"model": "extinction_per_km", "extinction_per_km": 0.5}
     assert cautions({**SCATTERING, "scattering_per_km": 0.3, "absorption_per_km": 0.2}, path) == []
     (warned,) = cautions({**SCATTERING, "scattering_per_km": 0.3, "absorption_per_km": 0.3}, path)
-    assert "0.6 1/km, and the extinction of Atmospheric Path is 0.5 1/km" in warned
+    assert "0.6 1/km, but the extinction of Atmospheric Path is 0.5 1/km" in warned
 
 
 def test_a_cutoff_beside_particles_is_a_warning():

@@ -265,11 +265,11 @@ def test_two_constituents(chain, tmp_path):
         ({"path": "wrong.csv"}, {}, ("line 2", "transmission from 0 to 1")),
         ({"path": "none.csv"}, {}, ("none.csv: no such file",)),
         ({"transmission": 0.5}, {"unit": "K"}, ("'K'", "is a temperature", "To Radiance")),
-        ({"transmission": 0.5}, {"unit": "DN"}, ("'DN'", "no radiance of a band")),
-        ({"transmission": 0.5}, {"unit": " "}, ("without a unit", "no radiance of a band")),
-        ({"transmission": 0.5}, {"unit": "W/m²/sr/µm"}, ("no radiance of a band",)),
+        ({"transmission": 0.5}, {"unit": "DN"}, ("'DN'", "not the radiance of a band")),
+        ({"transmission": 0.5}, {"unit": " "}, ("without a unit", "not the radiance of a band")),
+        ({"transmission": 0.5}, {"unit": "W/m²/sr/µm"}, ("not the radiance of a band",)),
         ({"transmission": 0.5, "air_K": 280}, {"cut_on_um": None, "cut_off_um": None},
-         ("does not say its band", "cut_on_um")),
+         ("the image has no band", "cut_on_um")),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_clear_line(params, read, words, chain, tmp_path):

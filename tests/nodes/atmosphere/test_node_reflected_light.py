@@ -101,7 +101,7 @@ def test_a_cube_of_reflectances(tmp_path):
     seen = bench.engine.value(bench.plan, "light.image", bench.engine.work(Policy("double")))
     np.testing.assert_allclose(seen, expected, rtol=1e-11)
     assert bench.port("light.image").bands.density
-    assert "bands is not used: the picture comes in 6 bands" in warned(bench)[0]
+    assert "bands is not used: the picture already has 6 bands" in warned(bench)[0]
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_a_cube_of_reflectances(tmp_path):
         ({}, {"unit": "W/m²/sr"}, ("'W/m²/sr'", "radiance already", "reflectance")),
         ({}, {"unit": "K"}, ("'K'", "a temperature")),
         ({}, {"unit": "DN"}, ("'DN'", "no reflectance")),
-        ({}, {"cut_on_um": None, "cut_off_um": None}, ("cut_on_um", "does not say its band")),
+        ({}, {"cut_on_um": None, "cut_off_um": None}, ("cut_on_um", "the image has no band")),
         ({"cut_on_um": 1.2}, {}, ("cut_off_um = 0.9", "above cut_on_um = 1.2")),
         ({"sun_elevation_deg": 95}, {}, ("sun_elevation_deg = 95", "from 0 to 90")),
         ({"path": "sun.csv"}, {}, ("0.6 to 1 µm", "covers the band, 0.5 to 0.9 µm")),
@@ -129,7 +129,7 @@ def test_bad_input_is_one_clear_line(lit, tmp_path, params, read, words):
 
 def test_reflectances_that_are_none(lit):
     bench = lit({}, samples=SHARES - 0.1)
-    with pytest.raises(ImagechainError, match=r"reflectance: the least of the samples is -0.1"):
+    with pytest.raises(ImagechainError, match=r"reflectance: the smallest sample is -0.1"):
         bench.value("light.image")
     (text,) = warned(lit({}, samples=100 * SHARES))
     assert "reflectances go up to 100" in text

@@ -231,14 +231,17 @@ class TestAccount:
             assert list(found) == ["back"]
             assert found["back"].share == pytest.approx(share)
             assert found["back"].text == (
-                "4 × 10 of 40 × 20 samples were wanted: 1 of 1 steps made no more than they take"
+                "4 × 10 of 40 × 20 samples were needed: 1 of 1 steps computed only the samples "
+                "needed"
             )
 
     def test_of_a_picture_that_only_comes_whole(self, tmp_path):
         document, _ = self.chain(tmp_path)
         found = account(document, tmp_path, "file.image", Region(3, 5, 10, 4))
         assert found["file"].share == 1
-        assert found["file"].text.endswith("40 × 20 samples were wanted: the whole was made")
+        assert found["file"].text.endswith(
+            "40 × 20 samples were needed: the whole picture was computed"
+        )
 
     def test_of_steps_between(self, tmp_path):
         tail = [("periodic_noise", {"amplitude": 2}), ("poisson_noise", {"percent": 30})]

@@ -159,4 +159,4 @@ def test_bands_that_are_no_radiance_are_refused(tmp_path, cube):
     write_cube(tmp_path, *cube, unit="reflectance")
     error = bench(tmp_path).error("plane")
     assert isinstance(error, DataError)
-    assert "no radiance" in str(error)
+    assert "not radiance" in str(error)

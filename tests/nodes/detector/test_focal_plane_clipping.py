@@ -13,8 +13,8 @@ from nodes.analysis.lineage import NoiseOf
     [
         ({"integration_time_s": 0.1}, "% of the full well and is clipped"),
         ({"integration_time_s": 0.1, "bits": 0, "units": "radiance"}, "% of the full well"),
-        ({"gain_e_per_dn": 10.0}, "beyond the converter's last, 16383, and is clipped"),
-        ({"offset_dn": -2000.0}, "below the converter's first, 0, and is clipped"),
+        ({"gain_e_per_dn": 10.0}, "above the converter's maximum of 16383, and is clipped"),
+        ({"offset_dn": -2000.0}, "below the converter's minimum of 0, and is clipped"),
         ({"integration_time_s": 0.2, "nonlinearity_percent": 25.0}, "is 100 % of the full well"),
     ],
     ids=["well", "well without bits", "converter", "below the converter", "bent flat"],
@@ -69,7 +69,7 @@ def test_dark_electrons_that_fill_the_well_leave_no_dynamic_range(tmp_path):
     bench = focal_plane_bench(tmp_path, dark, size=(8, 8))
     assert bench.readouts("it")["dynamic_range_dB"] is None
     why = bench.engine.why_none(bench.plan, "it", bench.work, "dynamic_range_dB")
-    assert why == "7e+06 dark electrons reach the saturation, 7e+06 e-"
+    assert why == "7e+06 dark electrons reach saturation at 7e+06 e-"
 
 
 def test_the_noise_of_what_is_not_clipped_stays_in_the_budget(tmp_path):
@@ -106,7 +106,7 @@ def test_the_dynamic_range_ends_where_the_picture_is_clipped(tmp_path, params, s
     [
         ({"integration_time_s": 0.1}, ("% of the full well", "tdi_stages", "full_well_e")),
         ({"gain_e_per_dn": 10.0}, ("16383", "gain_e_per_dn", "offset_dn")),
-        ({"offset_dn": -2000.0}, ("number -", "first, 0", "offset_dn larger")),
+        ({"offset_dn": -2000.0}, ("number -", "minimum of 0", "raise offset_dn")),
         ({}, ()),
     ],
     ids=["well", "converter", "below the converter", "neither"],
@@ -135,4 +135,4 @@ def test_a_brightest_that_is_clipped_is_warned_of(tmp_path, warmer, clipped):
     found = cautions(bench, "overflow")
     assert len(found) == clipped
     if clipped:
-        assert "the picture's brightest gives" in found[0].text
+        assert "the brightest pixels saturate" in found[0].text

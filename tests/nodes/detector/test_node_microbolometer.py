@@ -153,7 +153,7 @@ def test_warnings(tmp_path):
         return [caution.message for caution in bench.plan.checks() if caution.node == "bolo"]
 
     assert not found({})
-    assert "left" in found({"time_constant_s": 1.0})[0]
+    assert "remains after" in found({"time_constant_s": 1.0})[0]
     assert "f_number" in found({"f_number": 1.0})[0]
     assert "band" in found({"cut_on_um": 3.0, "cut_off_um": 5.0})[0]
 

@@ -69,5 +69,7 @@ def test_warnings(tmp_path):
         return [caution.message for caution in bench.plan.checks() if caution.node == "tdi"]
 
     assert not found({"stages": 100, "velocity_mismatch_percent": 2.0})
-    assert "pixels from its charge" in found({"stages": 100, "velocity_mismatch_percent": 2.1})[0]
+    assert (
+        "pixels away from its charge" in found({"stages": 100, "velocity_mismatch_percent": 2.1})[0]
+    )
     assert "detector_um" in found({"detector_um": 8.0})[0]

@@ -130,7 +130,7 @@ def test_missing_byte_order_is_not_guessed(tmp_path):
         ("file_type", "ENVI Spectral Library", "Spectral Library; allowed"),
         ("major_frame_offsets", "{0, 4}", "major frame offsets"),
         ("wavelength", "{1, 2}", "wavelength has 2 values; allowed: one for each of the 3 bands"),
-        ("wavelength", "{1, 2, x}", "wavelength holds what is no number"),
+        ("wavelength", "{1, 2, x}", "wavelength contains a value that is not a number"),
         ("fwhm", "{1, 2, -1}", "fwhm of band 2 = -1; allowed: positive"),
         ("fov", "wide", "fov = 'wide' is not a positive number"),
         ("fov", "190", "field of view 190 deg; allowed: above 0, below 180"),
@@ -279,7 +279,7 @@ def test_wavelengths_without_their_unit(tmp_path, units):
     assert info.wavelengths_um == (8, 9, 14.5)
     assert info.wavelengths_assumed
     nanometres = write(tmp_path, wavelength="{99, 450, 550}", **units)
-    with pytest.raises(FileError, match=r"reaches 550 and .* no wavelength units.*Nanometers"):
+    with pytest.raises(FileError, match=r"reaches 550, and .* no wavelength units.*Nanometers"):
         envi.read_info(nanometres)
     named = envi.read_info(write(tmp_path, wavelength="{8, 9, 14.5}", wavelength_units="um"))
     assert not named.wavelengths_assumed
@@ -326,10 +326,10 @@ def test_missing_value_that_single_precision_rounds(tmp_path):
 @pytest.mark.parametrize(
     ("extra", "message"),
     [
-        ("samples = 8", "samples stands twice, as 7 and as 8; allowed: once"),
-        ("Samples=8", "samples stands twice"),
-        ("data  type = 4", "data type stands twice, as 5 and as 4"),
-        ("file type = TIFF", "file type stands twice"),
+        ("samples = 8", "samples is given twice, as 7 and as 8; allowed: once"),
+        ("Samples=8", "samples is given twice"),
+        ("data  type = 4", "data type is given twice, as 5 and as 4"),
+        ("file type = TIFF", "file type is given twice"),
     ],
 )
 def test_keys_that_stand_twice(tmp_path, extra, message):
@@ -380,7 +380,7 @@ def test_bands_that_cannot_be_there_take_no_memory(tmp_path):
 
 @pytest.mark.parametrize("text", ["{1, 2}", "{1, 2, x}", "{1, 2, nan}", "{1, 2, 1e999}"])
 def test_gains_that_are_no_numbers_are_refused(tmp_path, text):
-    with pytest.raises(FileError, match=r"x.img.hdr: data gain values h(as 2|olds)"):
+    with pytest.raises(FileError, match=r"x.img.hdr: data gain values (has 2|contains)"):
         read_info(write(tmp_path, extra=f"data gain values = {text}"))
 
 

@@ -47,11 +47,11 @@ def test_fits_blank_is_a_missing_sample(tmp_path):
         ([("BZERO", "1e999")], "BZERO = 1e999"),
         ([("BSCALE", "0.0")], "BSCALE = 0.0; allowed: a finite number other than 0"),
         ([("BLANK", "1.5")], "BLANK = 1.5; allowed: a whole number"),
-        ([("BZERO", "1"), ("BZERO", "2")], "BZERO stands twice, as 1 and as 2"),
-        (["BZERO   =32768"], "BZERO has no value, as =32768 does not begin with an equal sign and"),
-        (["BSCALE  2.0"], "BSCALE has no value, as 2.0 does not begin with"),
-        (["BZERO   = '32768'"], "BZERO = '32768' is a text; allowed: a number without quotes"),
-        (["BLANK   = '5' / none"], "BLANK = '5' / none is a text"),
+        ([("BZERO", "1"), ("BZERO", "2")], "BZERO is given twice, as 1 and as 2"),
+        (["BZERO   =32768"], "BZERO has no value: =32768 does not begin with an equals sign and"),
+        (["BSCALE  2.0"], "BSCALE has no value: 2.0 does not begin with"),
+        (["BZERO   = '32768'"], "BZERO = '32768' is text; allowed: a number without quotes"),
+        (["BLANK   = '5' / none"], "BLANK = '5' / none is text"),
     ],
 )
 def test_fits_cards_that_cannot_be_used(tmp_path, cards, words):
@@ -97,8 +97,7 @@ EXTENSION = fits([("XTENSION", "'IMAGE   '"), *CARDS[1:]], STORED.tobytes())
         ),
         (
             fits([("SIMPLE", "F"), *CARDS[1:]], STORED.tobytes()),
-            "SIMPLE = F, so this file does not follow the FITS standard and its samples may mean "
-            "anything; allowed: T",
+            "SIMPLE = F, so the file does not follow the FITS standard",
         ),
         (
             fits([*CARDS[:2], ("NAXIS", 2), ("NAXIS1", "3.9"), CARDS[4]], STORED.tobytes()),
@@ -115,15 +114,15 @@ EXTENSION = fits([("XTENSION", "'IMAGE   '"), *CARDS[1:]], STORED.tobytes())
         ),
         (
             fits([*CARDS[:2], ("NAXIS", 4), *CARDS[3:], ("NAXIS3", 2), ("NAXIS4", 3)], bytes(72)),
-            "NAXIS1 = 3, NAXIS2 = 2, NAXIS3 = 2, NAXIS4 = 3: this FITS file holds a cube of cubes; "
-            "allowed: NAXIS3 or NAXIS4 = 1",
+            "NAXIS1 = 3, NAXIS2 = 2, NAXIS3 = 2, NAXIS4 = 3: this FITS file contains a cube of "
+            "cubes; allowed: NAXIS3 or NAXIS4 = 1",
         ),
         (
             fits(
                 [*CARDS[:2], ("NAXIS", 4), *CARDS[3:], ("NAXIS3", 1), ("NAXIS4", 2), ("NAXIS4", 1)],
                 bytes(24),
             ),
-            "NAXIS4 stands twice, as 2 and as 1; allowed: once",
+            "NAXIS4 is given twice, as 2 and as 1; allowed: once",
         ),
     ],
 )

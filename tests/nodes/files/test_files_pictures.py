@@ -260,7 +260,10 @@ def test_questions_of_the_library_are_not_shown(tmp_path):
     """It asks "Possible corrupt input?" of the one, and whether the other's format is known."""
     (tmp_path / "empty.tga").write_bytes(bytes((0, 0, 2)) + bytes(13) + bytes((24, 0)) + b"x" * 30)
     (tmp_path / "notes.xyz").write_text("no picture")
-    for name, words in (("empty.tga", "0x0x1, 3 chans"), ("notes.xyz", "no picture of a format")):
+    for name, words in (
+        ("empty.tga", "0x0x1, 3 chans"),
+        ("notes.xyz", "not a picture in a known format"),
+    ):
         with pytest.raises(FileError) as caught:
             read_info(tmp_path / name)
         assert words in str(caught.value)

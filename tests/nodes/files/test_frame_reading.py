@@ -86,22 +86,22 @@ def test_what_is_refused(tmp_path):
     )
     colour = np.zeros((4, 5, 3), np.uint8)
     assert refusal(pages(tmp_path / "c.tif", [colour, colour])) == (
-        "page 1 has 3 channels in compression 1; allowed: one of plain numbers, not compressed or "
-        "by deflate"
+        "page 1 has 3 channels in compression 1; allowed: one channel of plain numbers, "
+        "uncompressed or deflate"
     )
     assert "page 1 has 1 channels in compression 5" in refusal(
         pages(tmp_path / "d.tif", FRAMES, compression="tiff_lzw")
     )
     assert refusal(npy(tmp_path / "e.npy", np.zeros(5))) == (
-        "holds an array of shape (5,); allowed: (frames, rows, columns), none of them 0"
+        "contains an array of shape (5,); allowed: (frames, rows, columns), none of them 0"
     )
-    assert "holds samples of type complex128" in refusal(
+    assert "contains samples of type complex128" in refusal(
         npy(tmp_path / "f.npy", np.zeros((2, 3, 4), complex))
     )
     Pillow.fromarray(colour).save(tmp_path / "g.png")
     assert refusal(tmp_path / "g.png") == (
-        "frames cannot be read from it; allowed: .npy (frames, rows, columns), TIFF of a page "
-        "each, ENVI of a band each"
+        "frames cannot be read from it; allowed: .npy (frames, rows, columns), TIFF with one "
+        "page per frame, ENVI with one band per frame"
     )
     cut = pages(tmp_path / "h.tif", FRAMES)
     cut.write_bytes(cut.read_bytes()[:-300])
@@ -116,7 +116,7 @@ def test_directories_in_a_circle(tmp_path):
     after = first + 2 + 12 * count
     content[after : after + 4] = first.to_bytes(4, "little")
     path.write_bytes(content)
-    assert refusal(path).endswith("the directories go round in a circle")
+    assert refusal(path).endswith("the directories form a loop")
 
 
 def test_a_frame_that_is_not_finite(tmp_path):

@@ -40,7 +40,7 @@ def test_a_wavelength_in_pythons_own_writing_is_no_number(tmp_path, slip):
         f"byte order = 0\nwavelength = {{3, {slip}}}\n",
         encoding="utf-8",
     )
-    with pytest.raises(FileError, match="wavelength holds what is no number"):
+    with pytest.raises(FileError, match="wavelength contains a value that is not a number"):
         read_info(tmp_path / "x.img")
 
 

@@ -111,7 +111,7 @@ def test_damage_is_one_line(tmp_path):
     (path / "zarr.json").unlink()
     with pytest.raises(FileError, match=r"a.zarr: is a folder, not a file"):
         read_info(path)
-    with pytest.raises(FileError, match=r"holds an array of shape \(4,\); allowed: "):
+    with pytest.raises(FileError, match=r"contains an array of shape \(4,\); allowed: "):
         read_info(stored(tmp_path / "b.zarr", np.zeros(4), chunks=(2,)))
 
 
@@ -223,14 +223,16 @@ def test_pipes_devices_and_linked_folders_in_a_store_are_refused(tmp_path, name)
         place.parent.mkdir(exist_ok=True)
         place.unlink(missing_ok=True)
         put()
-        with pytest.raises(FileError, match=rf"{name}: is no regular file"):
+        with pytest.raises(FileError, match=rf"{name}: is not a regular file"):
             read_pixels(path)
 
 
 def test_without_the_package(tmp_path, monkeypatch):
     path = stored(tmp_path / "a.zarr", np.zeros((2, 2)), chunks=(2, 2))
     monkeypatch.setattr(zarr_array.importlib.util, "find_spec", lambda _: None)
-    with pytest.raises(FileError, match=r"Zarr needs the package zarr: pip install '\.\[zarr\]'"):
+    with pytest.raises(
+        FileError, match=r"Zarr needs the package zarr: run pip install '\.\[zarr\]'"
+    ):
         read_info(path)
 
 

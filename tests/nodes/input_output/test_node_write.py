@@ -212,5 +212,5 @@ def test_numbers_too_large_for_the_type_are_refused(tmp_path):
         "out": ("write_image", {"path": "o.png", "dtype": "uint8"}),
     }
     bench = NodeBench(LIBRARY, tmp_path, nodes, [("in.image", "out.image")])
-    with pytest.raises(DataError, match="sample 300 at row 0, column 1 is no uint8"):
+    with pytest.raises(DataError, match="sample 300 at row 0, column 1 does not fit uint8"):
         bench.write("out")

@@ -132,8 +132,13 @@ def test_photons_are_kept_when_asked_for_and_never_watts(tmp_path):
         ("W/m2/sr/furlong", {}, FileError, "'W/m2/sr/furlong' is not understood; understood: W"),
         ("W/m2", {}, FileError, "'W/m2' is not understood"),
         ("", {"unit": "W/m2/sr/furlong"}, ParameterError, "unit = 'W/m2/sr/furlong'"),
-        ("W/m2/sr/um", {"unit": "photons/s/m2/sr/um"}, ParameterError, "same kind as W/m2/sr/um"),
-        ("W/m2/sr/um", {"unit": "K"}, ParameterError, "same kind as W/m2/sr/um"),
+        (
+            "W/m2/sr/um",
+            {"unit": "photons/s/m2/sr/um"},
+            ParameterError,
+            "same kind as the file's, W/m2/sr/um",
+        ),
+        ("W/m2/sr/um", {"unit": "K"}, ParameterError, "same kind as the file's, W/m2/sr/um"),
         (
             "",
             {"unit": "W/m2/sr/cm-1", "cut_on_um": 8, "cut_off_um": 10},

@@ -240,7 +240,7 @@ def test_a_complex_pupil_holds_at_its_own_wavelength(tmp_path):
     band = {"cut_on_um": 8.0, "cut_off_um": 12.0}
     for own, optics in (({}, {**band, "wavelengths": 2}), ({"map_wavelength_um": 9.0}, band)):
         message = refusal(tmp_path, {**pupil, **own}, "optics", **optics)
-        assert "modulo a wave" in message
+        assert "modulo one wave" in message
     assert otf(tmp_path, {**pupil, "map_wavelength_um": 10.0}, **band).shape == (32, 32)
 
 
@@ -248,18 +248,18 @@ def test_a_complex_pupil_holds_at_its_own_wavelength(tmp_path):
     ("name", "content", "words"),
     [
         ("a.txt", b"", "the file is empty"),
-        ("a.txt", b"Listing of Wavefront Map Data\n", "holds no matrix"),
+        ("a.txt", b"Listing of Wavefront Map Data\n", "contains no matrix"),
         ("a.txt", b"1 2 3\n4 5\n", "line 2 has 2 numbers; allowed: 3"),
         ("a.txt", b"1 2 3\n4 five 6\n", "line 2: must be 3 numbers"),
         ("a.txt", b"1 2 3\n4 inf 6\n", "infinite at row 1, column 1"),
         ("a.txt", b"0 0\n0 0\n", "known nowhere"),
         ("a.txt", b"nan nan\nnan nan\n", "known nowhere"),
-        ("a.txt", b"Pupil grid size: 3 by 2\n1 2 3\n", "3 by 2 samples, and 3 by 1 are"),
+        ("a.txt", b"Pupil grid size: 3 by 2\n1 2 3\n", "3 by 2 samples, but the file has 3 by 1"),
         ("a.txt", bytes(range(256)), "is no text"),
         ("a.txt", struct.pack("<99d", *range(99)), "a.txt"),
         ("a.npy", b"\x93NUMPY\x01\0 and no more", "damaged or truncated"),
         ("a.fits", b"SIMPLE  =                    T", "a.fits"),
-        ("a.txt", b"1 " * 9000 + b"\n", "9000 × 1 samples; allowed: 8192 on a side"),
+        ("a.txt", b"1 " * 9000 + b"\n", "9000 × 1 samples; at most 8192 on a side"),
     ],
 )  # fmt: skip
 def test_bad_maps_are_one_clear_line(tmp_path, name, content, words):
@@ -285,13 +285,13 @@ def test_what_does_not_fit(tmp_path):
         return {"shape": "file", "path": path, "wavefront_path": wavefront}
 
     for pupil, words in (
-        (of(None, None), "needs the image of a pupil, or wavefront_path"),
+        (of(None, None), "needs the picture of a pupil in path, or wavefront_path"),
         (of("small.npy", "wide.npy"), "small.npy is 4 × 4 samples and wide.npy 5 × 4"),
-        (of("complex.npy", "small.npy"), "has its wavefront with it"),
-        (of(None, "complex.npy"), "has its wavefront with it"),
-        (of("left.npy", "right.npy"), "known nowhere that the pupil transmits"),
+        (of("complex.npy", "small.npy"), "already contains its wavefront"),
+        (of(None, "complex.npy"), "already contains its wavefront"),
+        (of("left.npy", "right.npy"), "no value anywhere the pupil transmits"),
         (of("cube.npy", None), "complex array of shape (2, 2, 2)"),
-        (of(None, "bands.npy"), "bands.npy has 3 bands; allowed: a wavefront map of one"),
+        (of(None, "bands.npy"), "bands.npy has 3 bands; a wavefront map must have one"),
         (of(None, "other.npy"), "no such file"),
     ):
         assert words in refusal(tmp_path, pupil)

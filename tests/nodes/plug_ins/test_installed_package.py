@@ -165,7 +165,7 @@ def test_without_it_the_network_opens_and_is_saved_as_it_is(network, tmp_path):
 BROKEN = {
     "broken_lens": ("raise ValueError('no lens data')", "ValueError: no lens data"),
     "no_import": ("import no_such_thing", "No module named 'no_such_thing'"),
-    "no_module": ("MODULES = [int]", "is no subclass of Module"),
+    "no_module": ("MODULES = [int]", "is not a subclass of Module"),
     "that_ends": ("raise SystemExit(3)", "SystemExit"),
     "takes_ours": (
         "from nodes.library import our_module\nMODULES = [our_module('read_image')]",
@@ -338,7 +338,7 @@ def test_a_fault_in_a_plug_in_names_it(tmp_path):
     assert told.count(told[4]) == 2  # with --debug, too
     assert "    return np.ones_like(rho) * undefined" in told
     assert "its check looks failed (a fault of the module faulty_optics.filter" in done.stdout
-    assert "a fault of its package, not of the network" in done.stdout
+    assert "an error in its package" in done.stdout
     printed = done.stdout.splitlines()
     assert [line for line in printed if line in ("1", "2", "0")] == ["1", "1", "1", "1", "1", "0"]
     assert "1 0" in printed

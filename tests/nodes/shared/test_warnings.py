@@ -134,7 +134,7 @@ CASES = {
     ("figures_of_merit", "unit"): ({"scene": {"unit": "DN"}}, ("'DN'", "MRTD"), {}),
     ("image_quality", "band"): (
         {},
-        ("8 to 12 µm", "visible", "figures_of_merit"),
+        ("8 to 12 µm", "visible", "Figures of Merit"),
         {"scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}},
     ),
     ("poisson_noise", "unit"): (
@@ -144,7 +144,7 @@ CASES = {
     ),
     ("poisson_noise", "scale"): (
         {"percent": 2.0},
-        ("'W/m²/sr'", "before the optics", "focal_plane"),
+        ("'W/m²/sr'", "as in 1996", "Focal Plane"),
         {"percent": 0.0},
     ),
     ("examine_image", "no_temperature"): (
@@ -202,7 +202,7 @@ CASES = {
     ),
     ("camera", "field_of_view"): (
         {"pixels_x": 32, "pitch_um": 100.0, "focal_length_mm": 100.0},
-        ("pixels_x = 32 of 1 mrad", "1.833°", "is 1°"),
+        ("pixels_x = 32 of 1 mrad", "1.833°", "1°"),
         {"pixels_x": 8, "pixels_y": 8, "pitch_um": 218.166, "focal_length_mm": 100.0},
     ),
     ("camera", "pixel_shape"): (

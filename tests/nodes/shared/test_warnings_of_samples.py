@@ -59,8 +59,8 @@ class TestRadianceOfFiles:
         assert (caution.node, caution.check) == ("read", "radiance")
         # (π 290 / 5.670374e-8)^¼ = 356.0
         assert caution.message == (
-            "the samples, 290 ± 8, look like temperatures in kelvin and are read as W/m²/sr, "
-            "which not even all wavelengths give below 356 K"
+            "the unit may be wrong: the samples, 290 ± 8, look like temperatures in kelvin but "
+            "are read as W/m²/sr, more than a scene below 356 K emits over all wavelengths"
         )
         assert "such as K" in caution.remedy
 
@@ -176,7 +176,7 @@ class TestFiles:
     def test_one_channel_of_a_colour_picture(self):
         outputs = ImageOutput(image(Header(channels=("R", "G", "B"))))
         caution = ReadImage.build({}).one_channel(outputs, frozenset())
-        assert caution.message == "colour picture: channel R of R, G, B is read"
+        assert caution.message == "only channel R of R, G, B of this colour picture is read"
         assert "0 to 2" in caution.remedy
         one = ImageOutput(image(Header(channels=("Y",))))
         assert ReadImage.build({}).one_channel(one, frozenset()) is None
@@ -202,7 +202,7 @@ class TestFiles:
         found = {each.check: each for each in checks(tmp_path, path="a.img", unit="DN", **params)}
         assert ("one_band" in found) is warned
         if warned:
-            assert found["one_band"].message == "the file holds 3 bands: band 0 is read"
+            assert found["one_band"].message == "only band 0 is read: the file contains 3 bands"
             assert found["one_band"].remedy == "band chooses another one, 0 to 2"
 
     def test_gains_of_the_header_that_are_not_applied(self):

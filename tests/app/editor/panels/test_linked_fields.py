@@ -82,7 +82,7 @@ def test_arithmetic_and_units_are_taken(text, value, sigma, session):
     ("text", "part"),
     [
         ("3 K", "K is a unit of temperature, but this is in mrad"),
-        ("3 parsec", "parsec is no unit that is known"),
+        ("3 parsec", "parsec is not a known unit"),
         ("1/0", "1 / 0 divides by zero"),
         ("2*", "the expression ends where"),
         ("abc", "a number of at least 0"),

@@ -281,7 +281,7 @@ def test_electrons_and_noises_of_the_reference():
     assert preview.words == (
         "453 ke⁻: 6.47 % of the well; shot noise 673 e⁻, 39 mK; read noise 400 e⁻, 23.2 mK; "
         "rounding noise 123 e⁻, 7.15 mK; fixed pattern noise 0 e⁻, 0 K; "
-        "all that is temporal noise 793 e⁻, 45.9 mK; NETD 45.9 mK"
+        "total temporal noise 793 e⁻, 45.9 mK; NETD 45.9 mK"
     )
 
 
@@ -294,7 +294,7 @@ def test_a_well_that_overflows():
 
 def test_without_a_well_or_a_warm_scene_it_says_what_there_is():
     words = camera(full_well_e=None, gain_e_per_dn=2.0).words
-    assert words.startswith("453 ke⁻, no full well given; ")
+    assert words.startswith("453 ke⁻, no full well entered; ")
     visible = {"cut_on_um": 0.5, "cut_off_um": 0.7, "temperature_K": 3000.0}
     words = camera(visible, photon_weighting="source", integration_time_s=1e-6).words
     assert " K" not in words

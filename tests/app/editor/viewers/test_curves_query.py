@@ -165,5 +165,8 @@ def test_of_very_many_stages_the_strongest_are_drawn():
     names = [f"n{n}" for n in range(4976, 5000)] + ["total"]
     assert [entry.name for entry in few.entries] == names
     assert [line.name for line in few.panels[0].lines] == names
-    assert few.note.splitlines() == ["Strongest 24 of 5,000 stages", "Save the plot as CSV to get them all"]
+    assert few.note.splitlines() == [
+        "Strongest 24 of 5,000 stages",
+        "Save the plot as CSV to get them all",
+    ]
     assert csv_text(many_stages(5000)).partition("\n")[0].count(".mtf") == 5001

@@ -242,6 +242,6 @@ def test_a_figure_of_a_clipped_picture_is_a_dash_with_its_reason(qtbot, opened):
     assert (strip.text("netd_K"), strip.text("snr")) == ("—", "—")
     assert strip.text("well_fill_percent") != "—"
     tip = strip.label("netd_K").toolTip()
-    assert "None: the mean of the picture is " in tip
+    assert "None: the picture's mean is " in tip
     assert "% of the full well and is clipped" in tip
     made.close()

@@ -217,6 +217,6 @@ def test_background_that_emits_next_to_nothing_is_refused(background_K):
     engine, plan, work = sensor(
         merit={"background_K": background_K, "cut_on_um": 3.0, "cut_off_um": 5.0}
     )
-    with pytest.raises(DataError, match="next to nothing") as caught:
+    with pytest.raises(DataError, match="almost nothing") as caught:
         engine.value(plan, "merit.table", work)
     assert "\n" not in str(caught.value)

@@ -310,8 +310,8 @@ def test_reflected_light_is_refused():
     _, plan, _ = sensor(scene=VISIBLE, noisy=False)
     assert [str(error) for error in plan.errors()] == [
         "merit: the band begins at 0.4 µm, where a scene reflects light and shows no temperature: "
-        "NETD, MRTD, MDTD and the ranges made of them do not apply; take image_quality, or give "
-        "background_K of a scene that glows"
+        "NETD, MRTD, MDTD and the ranges from them do not apply; use Image Quality, or give "
+        "background_K for a scene hot enough to emit there"
     ]
 
 

@@ -115,5 +115,5 @@ def test_without_a_range_it_says_so(tmp_path):
 def test_an_edge_that_is_no_edge_any_more_is_refused(tmp_path):
     smear = {"dwell_time_s": 1.39, "scan_velocity_mrad_per_s": 7.64e4 * SAMPLE_MRAD}
     bench = bench_of(tmp_path, blur=("crosstrack_mtf", smear))
-    with pytest.raises(ImagechainError, match=r"edge response is -\d.* need both above zero"):
+    with pytest.raises(ImagechainError, match=r"edge response is -\d.* both must be above zero"):
         bench.value("merit.table")

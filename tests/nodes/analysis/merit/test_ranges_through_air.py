@@ -116,5 +116,5 @@ def test_no_range_is_one_clear_line():
     _, plan, _ = sensor(air=[{"transmission": 0.5}], init={"range_m": None})
     (error,) = plan.errors()
     assert error.node == "merit"
-    assert "holds for a range that is not known" in str(error)
+    assert "has a transmission but no range" in str(error)
     assert "\n" not in str(error)

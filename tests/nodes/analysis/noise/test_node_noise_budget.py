@@ -210,7 +210,7 @@ def test_a_picture_without_sampling_interval_is_refused(tmp_path):
     plan = Engine(LIBRARY).plan(linked_network(nodes, [("read.image", "budget.image")]))
     (error,) = plan.errors()
     assert error.node == "budget"
-    assert "does not say its sampling interval: give fov_x_deg and fov_y_deg" in str(error)
+    assert "the image has no sampling interval: give fov_x_deg and fov_y_deg" in str(error)
 
 
 def crossed():
@@ -244,7 +244,7 @@ def crossed():
 
 
 def test_noise_through_what_is_not_known_is_refused():
-    with pytest.raises(DataError, match="noise cannot be followed through crossed: measure or"):
+    with pytest.raises(DataError, match="the noise behind crossed cannot be computed"):
         ported(crossed())("budget.noise")
 
 

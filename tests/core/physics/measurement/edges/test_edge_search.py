@@ -73,8 +73,8 @@ def test_clipped_edge():
 @pytest.mark.parametrize(
     ("noise", "limits", "words"),
     [
-        (0.0, (49.0, 55.0), "in a sharp corner"),
-        (0.01, (48.8, 56.0), "in a sharp corner"),
+        (0.0, (49.0, 55.0), "at a sharp corner"),
+        (0.01, (48.8, 56.0), "at a sharp corner"),
         (0.08, (48.8, 60.0), "with no noise, on the step"),
         (0.24, (48.8, 55.2), "with no noise, on the step"),
     ],
@@ -140,8 +140,8 @@ def test_interlaced_picture():
     picture[1::2] = (picture[1::2] + np.roll(picture[1::2], 1, axis=1)) / 2.0
     picture = picture[:, 2:] + np.random.default_rng(1).normal(0.0, 0.05, picture[:, 2:].shape)
     reason = refused(picture)
-    assert reason.startswith("interlaced: its odd rows lie ")
-    assert float(reason.split()[5]) == pytest.approx(0.5, abs=0.1)
+    assert reason.startswith("interlaced: its odd rows are shifted by ")
+    assert float(reason.split()[7]) == pytest.approx(0.5, abs=0.1)
 
 
 def test_compressed_picture(tmp_path):
@@ -176,8 +176,8 @@ def test_edges_of_which_none_can_be_used_are_not_enough():
     picture = 50.0 + 40.0 * (((x // 15) + (y // 15)) % 2)
     edges = find_edges(picture=picture + np.random.default_rng(3).normal(0.0, 0.5, picture.shape))
     assert not any(edge.used for edge in edges)
-    assert [edge for edge in edges if "of which none can be used" in edge.why_not]
-    assert not [edge for edge in edges if "not looked at" in edge.why_not]
+    assert [edge for edge in edges if "none of which can be used" in edge.why_not]
+    assert not [edge for edge in edges if "not examined" in edge.why_not]
 
 
 def test_no_edge_in_noise_or_in_nothing():
@@ -200,8 +200,8 @@ def test_enough_edges_of_a_chart_with_many():
     used = [edge for edge in edges if edge.used]
     assert len(used) == 48
     assert len(looked_at) < 80  # what is not examined takes no time
-    assert {edge.why_not for edge in edges[48:] if "not looked at" in edge.why_not} == {
-        "not looked at: 48 edges that are clearer or farther apart can be used"
+    assert {edge.why_not for edge in edges[48:] if "not examined" in edge.why_not} == {
+        "not examined: 48 edges that are stronger or farther apart can be used"
     }
     for axis in (0.0, 90.0):
         near = [e for e in used if abs((e.angle_deg - axis + 90.0) % 180.0 - 90.0) < 10.0]

@@ -199,7 +199,7 @@ def test_which_levels_count():
 def test_what_is_refused():
     with pytest.raises(DataError, match="2 frames or more, not 1"):
         field(Camera(), 100, count=1)
-    with pytest.raises(DataError, match="2 or more of different brightness, or one"):
+    with pytest.raises(DataError, match="2 or more levels of different brightness, or one level"):
         curve(Camera(), (5000,), dark=False)
     quiet = field(Camera(offset=10_000.0), 20_000)
     loud = field(Camera(read_e=5000.0, offset=10_000.0), 0)
@@ -212,7 +212,7 @@ def test_what_is_refused():
     with pytest.raises(DataError, match="dark frames' mean, 1450"):
         photon_transfer(levels=levels, dark=levels[1])
     huge = replace(levels[0], temporal_dn2=float("nan"))  # as of numbers about 1e308
-    with pytest.raises(DataError, match="too large for their variance"):
+    with pytest.raises(DataError, match="too large to compute their variance"):
         photon_transfer(levels=[levels[1], huge])
     still = [measured(np.full((4, 8, 8), number)) for number in (5.0, 9.0)]
     with pytest.raises(DataError, match="no level has noise"):

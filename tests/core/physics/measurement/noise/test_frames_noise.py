@@ -90,7 +90,10 @@ def test_what_passes_through_the_scene_counts_for_nothing_beside_it():
 
 
 def test_what_frames_do_not_show():
-    assert "the scene change between the frames: it moves" in measured(moved=True).sigma_reason
+    assert (
+        "pixels change between the frames: the scene or the camera moved"
+        in measured(moved=True).sigma_reason
+    )
     assert measured(scale=0.002).sigma_reason == "rounding hides the noise"
     one = SceneFrames(ROWS, COLUMNS)
     one.add(scene())

@@ -124,7 +124,7 @@ def test_noise_hidden_by_rounding():
     picture = np.rint(100 + 0.2 * np.random.default_rng(5).standard_normal((200, 240)))
     noise = noise_of_picture(picture=picture)
     assert noise.sigma is None
-    assert "finer than the converter's step of 1" in noise.sigma_reason
+    assert "smaller than the converter's step of 1" in noise.sigma_reason
 
 
 def test_no_noise_and_no_flat_area():
@@ -148,7 +148,7 @@ def test_clipped_and_avoided_samples_do_not_count(scene):
     assert max(part.level for part in noise.levels) < 4700
     picture[3, 4] = 0.0
     nothing = noise_of_picture(picture=picture, avoid=np.ones(picture.shape, bool))
-    assert nothing.sigma_reason == "no sample is left to measure in"
+    assert nothing.sigma_reason == "no samples are left to measure"
 
 
 def box(picture, axis):
@@ -174,7 +174,7 @@ def test_noise_sharpened_after_it_arose(scene):
     around = sum(np.roll(picture, step, axis) for step in (-1, 1) for axis in (0, 1))
     noise = noise_of_picture(picture=1.8 * picture - 0.2 * around)
     assert noise.sigma is None
-    assert "rises towards fine waves" in noise.sigma_reason
+    assert "rises towards high frequencies" in noise.sigma_reason
 
 
 @pytest.mark.parametrize("cut", [(0, 0), (3, 5), (0, 6)])
