@@ -209,7 +209,7 @@ def _remarks(measured: Measured) -> list[str]:
         )
     bad = max(field.field.bad for _, field in files)
     if bad:
-        lines.append(f"{bad} bad pixels are left out")
+        lines.append("1 bad pixel is left out" if bad == 1 else f"{bad} bad pixels are left out")
     for path, field in files:
         random = field.noise.variances.tvh
         step = field.field.step_dn

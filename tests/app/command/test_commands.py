@@ -178,7 +178,7 @@ def test_help_says_what_there_is(capsys):
     text = capsys.readouterr().out
     assert all(path.stem in text for path in (ROOT / "networks").glob("*.json"))
     assert "exit codes" in text
-    assert "--vary be given twice" in text
+    assert "--vary may be given twice" in text
     main(["run", "--help"])
     text = " ".join(capsys.readouterr().out.split())
     assert text.count("may be repeated") == 4

@@ -107,7 +107,7 @@ def test_colours_are_measured_by_luminance_or_by_one_of_them(imagechain, tmp_pat
     done = imagechain("measure", "colour.png", "--json", "all.json")
     assert done.returncode == 0, done.stderr
     assert "measured of colour.png: luminance, 0.2126 R + 0.7152 G + 0.0722 B" in done.stdout
-    assert "usually follow the eye" in done.stdout
+    assert "usually have a gamma" in done.stdout
     done = imagechain("measure", "colour.png", "--band", "0", "--json", "red.json")
     assert "measured of colour.png: band 0 (R) of 3" in done.stdout
     both = [json.loads((tmp_path / f"{name}.json").read_text()) for name in ("all", "red")]
@@ -131,7 +131,10 @@ def test_frames_of_one_scene_give_gain_and_components_and_others_do_not(imagecha
     error = facts["noise"]["gain_error"]
     assert facts["noise"]["gain_e_per_dn"] == pytest.approx(4.0, abs=4.0 * error)
     assert imagechain("measure", "moved.npy", "--json", "m.json").returncode == 0
-    assert "moves" in json.loads((tmp_path / "m.json").read_text())["frames"]["reason"]
+    assert (
+        "the scene or the camera moved"
+        in json.loads((tmp_path / "m.json").read_text())["frames"]["reason"]
+    )
 
 
 def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
@@ -158,27 +161,27 @@ def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
          "b.npy has 20 × 30 samples, and a.npy 200 × 160: give pictures of one camera"),
         (("whole.npy", "bytes.npy"),
          "bytes.npy has whole numbers from 0 to 255, and whole.npy from 0 to 65535: give pictures "
-         "of one camera, stored in one way"),
+         "of one camera, all stored the same way"),
         (("small.npy",),
          "small.npy: 20 × 9 samples are too few to be measured; at least 16 × 16 are needed"),
         (("colours.npy",),
          "colours.npy: 3 × 30 samples are too few to be measured; at least 16 × 16 are needed"
-         "; of an array (rows, columns, colours) give one colour, (rows, columns)"),
+         "; from an array (rows, columns, colours) give one colour, (rows, columns)"),
         (("nan.npy",), "nan.npy: 1 sample is not finite (NaN or infinite), the first (nan)"
-         " at row 3, column 4; put one number in their place, such as 0: areas of one number are "
+         " at row 3, column 4; replace them by one number, such as 0: areas of one number are "
          "left out"),
         (("far.npy",), "far.npy: samples from 0 to 1e+300 cannot be measured; allowed: up to "
-         "1e+60, that differ by 1e-60 or more: scale them"),
+         "1e+60, with differences of 1e-60 or more: scale them"),
         (("a.npy", "--json", "m.txt"), "--json 'm.txt': the file's name must end in .json"),
         (("a.npy", "--band", "1"), "a.npy has no band 1; allowed: 0 alone"),
         (("a.npy", "--json", "a.npy.json", "--csv", "none/m.csv"),
          "cannot write none/m.csv: there is no folder none"),
         (("a.npy", "--flats", "a.npy"),
          "a.npy: holds a single frame; a flat field needs 2 or more"),
-        (("a.npy", "--dark", "light.npy"), "a.npy: its mean level, 130, is not above the level "
-         "without light, 500: give frames without light as --dark, or the number as --offset-dn"),
-        (("a.npy", "--offset-dn", "1e300"), "a.npy: its mean level, 130, is not above the level "
-         "without light, 1e+300: give frames without light as --dark, or the number as "
+        (("a.npy", "--dark", "light.npy"), "a.npy: its mean level, 130, is not above the dark "
+         "level, 500: give frames without light as --dark, or the number as --offset-dn"),
+        (("a.npy", "--offset-dn", "1e300"), "a.npy: its mean level, 130, is not above the dark "
+         "level, 1e+300: give frames without light as --dark, or the number as "
          "--offset-dn"),
         (("a.npy", "--dark", "small.npy"),
          "small.npy has 20 × 9 samples, and a.npy 200 × 160: give frames of one camera"),

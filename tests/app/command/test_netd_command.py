@@ -62,7 +62,7 @@ def test_sitf_netd_and_components(imagechain, fields):
 def test_two_temperatures_are_enough(imagechain, fields):
     done = imagechain("netd", "cold.npy=293.15K", "hot.npy=303.15K", "--output", "n.json")
     assert done.returncode == 0, done.stderr
-    assert "give three or more for its change with temperature" in done.stdout
+    assert "give three or more to get its change with temperature" in done.stdout
     figures = json.loads((fields / "n.json").read_text())["figures"]
     assert figures["sitf"] == pytest.approx(SITF, rel=0.001)
     assert "wavelength_um" not in figures
@@ -73,7 +73,7 @@ def test_a_wrong_temperature_is_warned_of(imagechain, fields):
     words = ("cold.npy=20C", "middle.npy=25C", "hot.npy=30C", "more.npy=36C")
     done = imagechain("netd", *words)
     assert done.returncode == 0, done.stderr
-    assert "from Planck's law at any one wavelength" in done.stdout
+    assert "a mean departs from Planck's law" in done.stdout
 
 
 def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_path):
@@ -107,22 +107,22 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_p
         (("huge.npy=3K", "hot.npy=9K"),
          "huge.npy: the numbers are too large to compute their variance"),
         (("one.npy=3K", "hot.npy=9K"),
-         "one.npy: holds a single frame; noise in time needs 2 or more"),
+         "one.npy: contains a single frame; noise in time needs 2 or more"),
         (("hot.npy=300K", "small.npy=310K"),
-         "small.npy: holds frames of 20 × 20 samples, and hot.npy of 48 × 64: give those of one "
+         "small.npy: contains frames of 20 × 20 samples, but hot.npy of 48 × 64: give files of one "
          "camera"),
         (("hot.npy=300", "cold.npy=20C"),
          "netd 'hot.npy=300': give a file and its black body's temperature, FILE=293.15K or "
          "FILE=20C"),
         (("hot.npy",), "netd 'hot.npy': give a file and its black body's temperature, FILE=293.15K "
          "or FILE=20C"),
-        (("hot.npy=-300C",), "netd 'hot.npy=-300C': -26.85 K is no temperature of a black body; "
+        (("hot.npy=-300C",), "netd 'hot.npy=-300C': -26.85 K is not a possible temperature; "
          "allowed: above 0 to 10000 K"),
         (("hot.npy=300K", "cold.npy=300K"),
-         "SiTF is the change with temperature: give frames of two temperatures or more"),
+         "SiTF is the change with temperature: give frames of two or more temperatures"),
         (("hot.npy=300K", "same.npy=290K"),
-         "same.npy: the frames do not differ: the field is saturated, rounding hides the noise, or "
-         "one frame stands there many times"),
+         "same.npy: all frames are the same: the field is saturated, rounding hides the noise, or "
+         "the file repeats one frame"),
         (("cold.npy=300K", "cold.npy=301K", "--output", "n.png"),
          "--output 'n.png': the file's name must end in .csv or .json"),
     ],

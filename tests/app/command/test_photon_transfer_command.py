@@ -109,11 +109,11 @@ def test_frames_of_a_simulated_camera(imagechain, small, write, tmp_path):
     ("words", "line"),
     [
         (("none.npy",), "none.npy: no such file"),
-        (("one.npy", "dark.npy"), "one.npy: holds a single frame; a flat field needs 2 or more"),
+        (("one.npy", "dark.npy"), "one.npy: contains a single frame; a flat field needs 2 or more"),
         (
             ("flat0.npy", "other.npy"),
-            "other.npy: holds frames of 5 × 6 samples, and flat0.npy of 60 × 80: give those of one "
-            "camera",
+            "other.npy: contains frames of 5 × 6 samples, but flat0.npy of 60 × 80: give files "
+            "of one camera",
         ),
         (("flat0.npy", "--offset-dn", "much"), "--offset-dn 'much': give a number"),
         (
@@ -122,8 +122,9 @@ def test_frames_of_a_simulated_camera(imagechain, small, write, tmp_path):
         ),
         (
             ("flat0.npy",),
-            "1 of 1 levels lie below 0.7 of saturation; a photon transfer curve needs 2 or more of "
-            "different brightness, or one and dark frames that do not end at zero",
+            "1 of 1 levels are below 0.7 of saturation; a photon transfer curve needs 2 or more "
+            "levels of different brightness, or one level and dark frames that are not clipped at "
+            "zero",
         ),
         (("flat0.npy", "--output", "dark.json", "--dark", "dark.npy", "--output", "dark.json"),
          "cannot write: two outputs are to go to dark.json"),
@@ -169,4 +170,4 @@ def test_a_field_that_is_not_uniform_is_warned_of(imagechain, tmp_path, kind, wa
     assert done.returncode == 0, done.stderr
     lines = [line for line in done.stdout.splitlines() if line.startswith("warning: ")]
     assert len(lines) == (3 if warned else 0), lines
-    assert all("% of what differs among its pixels is structure" in line for line in lines)
+    assert all("% of the differences between pixels is structure" in line for line in lines)

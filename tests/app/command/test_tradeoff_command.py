@@ -76,7 +76,7 @@ def test_files_in_full_precision(imagechain, tmp_path):
     assert min(struct.unpack(">II", png[16:24])) > 300
     page = (tmp_path / "a.html").read_text()
     assert "data:image/png;base64," in page
-    assert "Noise equivalent radiance" in page
+    assert "oise-equivalent radiance" in page
     assert "<h2>Gaps</h2>" not in page
 
 

@@ -51,7 +51,7 @@ def test_the_variance_at_levels_that_the_scene_has_not(camera):
 
 def test_a_level_below_no_light_is_refused(camera):
     noise, plan = camera
-    with pytest.raises(DataError, match="no level of -500"):
+    with pytest.raises(DataError, match="a level of -500"):
         noise.at(plan, [-500.0, -400.0])
 
 

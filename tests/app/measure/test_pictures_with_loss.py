@@ -75,8 +75,8 @@ def test_numbers_that_may_follow_the_eye_are_named(imagechain, tmp_path, picture
             picture.save(tmp_path / name)
         assert imagechain("measure", name, "--json", "m.json").returncode == 0
         said[name] = json.loads((tmp_path / "m.json").read_text("utf-8")).get("warnings", [])
-    assert ["usually follow the eye" in line for line in said["a.png"]] == [True]
-    assert ["may follow the eye" in line for line in said["a.tif"]] == [True]
+    assert ["usually have a gamma" in line for line in said["a.png"]] == [True]
+    assert ["may have a gamma" in line for line in said["a.tif"]] == [True]
     assert said["a.npy"] == []
 
 

@@ -65,7 +65,7 @@ def test_what_helps_is_told_where_no_edge_is_used():
         file = MeasuredFile("p.npy", 1, "")
         return refused_lines(measure_pictures(Source((file,), [picture], *picture.shape)))
 
-    assert "1 not used: not slanted enough; what helps: the edge turned" in lines(edge(0.0))[0]
+    assert "1 not used: not slanted enough; what helps: an edge turned" in lines(edge(0.0))[0]
     both = np.concatenate([edge(0.0), edge()], axis=1)
     assert lines(both)
     assert not [line for line in lines(both) if "what helps" in line]
@@ -79,10 +79,12 @@ def test_the_handbook_names_every_kind():
 def test_reasons_are_counted_by_kind_the_first_kind_first():
     clipped = "clipped: 48% of its samples are at a limit"
     soft = "soft in the scene: its spread is 2 samples wide, that of others 1"
-    other = "its spread, 3 samples wide, does not end within the 5 samples that belong to it"
+    other = (
+        "the edge spread, 3 samples wide, is wider than the clear area of 5 samples around the edge"
+    )
     assert in_words([clipped, soft, clipped, other]) == (
-        "clipped at black or white (2), softer than other edges of the picture (1), its blur does "
-        "not end in the room that it has (1)"
+        "clipped at black or white (2), softer than other edges of the picture (1), the edge "
+        "spread is wider than the clear area around the edge (1)"
     )
     assert in_words([clipped, soft, other, "new: 3", "new: 4"]).endswith("other reasons (2)")
     assert refusal_of("off by 3.5 samples: far").words == "off by … samples"

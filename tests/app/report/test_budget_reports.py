@@ -97,7 +97,7 @@ def test_what_cannot_be_followed_says_why(imagechain, write, tmp_path):
     assert (
         "Noise cannot be shared among its sources: the noise behind back cannot be computed" in page
     )
-    assert "Blur cannot be shared among its sources: what back does is not known" in page
+    assert "Blur cannot be shared among its sources: the effect of back is not" in page
 
 
 def test_a_picture_of_nothing_but_noise_is_shared_out(imagechain, write, tmp_path):

@@ -297,7 +297,9 @@ def test_a_total_over_its_only_stage_lets_it_through():
 
 
 def test_a_caption_says_where_all_stages_are():
-    assert of_many(MOST_ROWS).endswith("that do most; the table has all of them.")
+    assert of_many(MOST_ROWS).endswith(
+        "strongest of 500 stages are drawn; the table has all of them."
+    )
     assert of_many(5000).endswith(
-        "24 of 5,000 stages that do most; readouts.json and mtf.csv have all of them."
+        "24 strongest of 5,000 stages are drawn; readouts.json and mtf.csv have all of them."
     )

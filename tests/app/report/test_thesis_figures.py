@@ -175,7 +175,7 @@ def test_only_the_published_network_is_compared_with_the_thesis(words, compared,
     assert done.returncode == 0, done.stderr
     facts = json.loads((tmp_path / "r.json").read_text())
     assert bool(facts["published"]) == bool(facts["conflicts"]) == compared
-    assert ("Beside the published" in (tmp_path / "r.html").read_text()) == compared
+    assert ("Comparison with published" in (tmp_path / "r.html").read_text()) == compared
 
 
 def test_another_wire_makes_another_network(tmp_path):

@@ -102,7 +102,7 @@ def test_colours_are_their_luminance(scene_of, write, small, picture):
         (luminance - luminance.min()) / np.ptp(luminance),
         atol=1e-5,
     )
-    assert "the luminance of its colours" in said
+    assert "from the luminance of the colours" in said
 
 
 def planck(kelvin, low_um, high_um):
@@ -184,7 +184,7 @@ def test_samples_of_a_size_on_the_ground(imagechain, picture, tmp_path):
     words = ("check", "camera_and_sensor", "--scene", picture(large), "--scene-unit", "W/m²/sr")
     done = imagechain(*words)
     assert done.returncode == 0
-    assert "samples of 10.67 m on the ground, over as much of it" in done.stdout  # 2048 m / 192
+    assert "samples of 10.67 m on the ground, over as much ground" in done.stdout  # 2048 m / 192
     done = imagechain(*words, "--scene-sample-m", 12)
     assert "samples of 12 m on the ground (camera.ground_interval_m)" in done.stdout
 
@@ -240,10 +240,10 @@ def test_several_scenes_are_asked_about(fails, picture):
             ("--scene", "cube.img"),
             "the file does not give the unit of its bands: give --scene-unit",
         ),
-        (("--scene", "cube.img", "--scene-unit", "relative"), "not of a cube"),
+        (("--scene", "cube.img", "--scene-unit", "relative"), "not allowed for a cube"),
         (
             ("--scene", "cube.img", "--scene-unit", "W/m²/sr/µm", "--scene-band-um", 3, 5),
-            "its bands, 8 to 12 µm, do not meet 3 to 5 µm",
+            "its bands, 8 to 12 µm, do not overlap 3 to 5 µm",
         ),
     ],
 )

@@ -56,7 +56,7 @@ def test_a_set_is_kept_and_taken_again(tmp_path):
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"sigma": 1}, "the set sharp has a parameter sigma that Gaussian MTF has not"),
+        ({"sigma": 1}, "the set sharp has a parameter sigma, which Gaussian MTF does not have"),
         ({"sigma_x_mrad": -1}, "sigma_x_mrad = -1 mrad is not allowed"),
     ],
 )
@@ -79,7 +79,7 @@ def test_what_is_no_file_of_sets_is_named(text, tmp_path):
 
 def test_names_that_are_none_are_refused(tmp_path):
     for name in ("", "  ", "a\nb"):
-        with pytest.raises(ImagechainError, match="is no name of a set"):
+        with pytest.raises(ImagechainError, match="is not a name for a set"):
             save_set(name, node(SHARP), tmp_path)
     with pytest.raises(ImagechainError, match="is not a module whose parameters can be kept"):
         sets_of("../elsewhere", tmp_path)

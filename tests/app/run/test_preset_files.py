@@ -143,7 +143,7 @@ def test_what_is_no_preset_is_listed_with_its_problem(lens, tmp_path):
 
 @pytest.mark.parametrize(
     ("node", "message"),
-    [("scene", "scene is no macro: group nodes"), ("a/b", "a/b can be no name of a file")],
+    [("scene", "scene is not a macro: group nodes"), ("a/b", "a/b cannot be a file name")],
 )
 def test_what_can_be_no_preset_is_refused(node, message, lens, tmp_path):
     network = Rename("lens", "a/b").apply(lens)

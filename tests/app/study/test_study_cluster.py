@@ -116,7 +116,7 @@ def test_a_scheduler_that_is_gone_ends_it_with_one_line(study, rows_of, cluster,
     closing.join()
     assert ended.returncode == 2
     assert ended.stderr.startswith("imagechain: the scheduler tcp://127.0.0.1:")
-    assert " is gone; " in ended.stderr
+    assert " no longer answers; " in ended.stderr
     assert ended.stderr.count("\n") == 1
     kept = journal.read_bytes().count(b"\n") - 1
     assert f"; {kept} of 40 points are done and kept in b.csv.journal" in ended.stderr

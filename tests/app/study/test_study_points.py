@@ -92,7 +92,7 @@ LISTS = {
     "unknown column": ("blurr.sigma_x_mrad\n1\n", "did you mean blur?"),
     "other unit": (f"{SIGMA} (µrad)\n1\n", "the parameter's own unit is mrad"),
     "out of range": (f"{SIGMA}\n1\n-1\n", "line 3: sigma_x_mrad = -1 mrad is not allowed"),
-    "no rows": (f"{SIGMA}\n", "a line of names"),
+    "no rows": (f"{SIGMA}\n", "a first line of names"),
     "short row": (f"{SIGMA},{D_STAR}\n1,1e10\n1\n", "line 3 has 1 cells"),
     "twice": (f"{SIGMA},{SIGMA}\n1,1\n", "two columns have the same name"),
     "no name": ("sigma\n1\n", "write NODE.PARAM"),
@@ -121,7 +121,7 @@ def test_files_of_a_pattern_come_as_people_count(network, tmp_path, monkeypatch)
     ]  # fmt: skip
     for text, why in (
         ("scene.path=u*.img", "no file matches"),
-        ("scene.fov_x_deg=*.img", "no file name"),
+        ("scene.fov_x_deg=*.img", "not a file name"),
     ):
         with pytest.raises(ImagechainError, match=why):
             files_axis(text, reading, library=LIBRARY)
@@ -151,7 +151,7 @@ def test_files_are_named_by_fields(network, tmp_path, monkeypatch):
         ("{point:0999999999}.tif", "at most 999 characters or digits"),
         ("{blur.sigma_x_mrad:.0e}{poin}.tif", "no field poin; did you mean point"),
         ("{point.tif", "back.image="),
-        ("{point!r}.tif", "only a format"),
+        ("{point!r}.tif", "only a number format"),
         ("{blur.sigma_x_mrad:q}.tif", "{blur.sigma_x_mrad:q}"),
     ):
         with pytest.raises(ImagechainError) as error:

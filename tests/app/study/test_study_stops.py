@@ -37,7 +37,7 @@ def test_killed_it_goes_on_with_the_same_rows(sensor, imagechain, rows_of, tmp_p
     assert 20 < kept.count(b"\n") < 400
     other = imagechain("study", sensor, *WORDS, "--precision=double", "--output=a.csv")
     assert other.returncode == 2
-    assert "--fresh throws it away" in other.stderr
+    assert "--fresh discards it" in other.stderr
     assert journal.read_bytes() == kept
     done = imagechain("study", sensor, *WORDS, "--output=a.csv")
     assert (done.returncode, done.stderr) == (0, "")
@@ -92,6 +92,6 @@ def test_stopped_it_says_what_is_kept(sensor, tmp_path, imagechain):
     assert (child.returncode, out) == (1, "")
     kept = journal.read_bytes().count(b"\n") - 1
     assert line == (
-        f"imagechain: stopped; {kept} of 400 points are done and kept in a.csv.journal: the same "
-        "command goes on from there\n"
+        f"imagechain: stopped; {kept} of 400 points are done and kept in a.csv.journal: give "
+        "the same command again to resume\n"
     )

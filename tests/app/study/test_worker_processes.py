@@ -142,8 +142,8 @@ def test_stopped_it_says_what_is_kept_and_goes_on(number, sensor, begun, imagech
     assert (child.returncode, out) == (1, "")
     kept = len(_lines(tmp_path / "b.csv.journal")) - 1
     assert line == (
-        f"imagechain: stopped; {kept} of 40 points are done and kept in b.csv.journal: the same "
-        "command goes on from there\n"
+        f"imagechain: stopped; {kept} of 40 points are done and kept in b.csv.journal: give "
+        "the same command again to resume\n"
     )
     assert len(workers) == 2
     assert not any(map(_is_there, workers))

@@ -175,7 +175,9 @@ def test_another_range_and_number_of_points(opened_window, dock, idle, graph):
     assert graph(MTF).x == pytest.approx([0.1, 1.0, 10.0])
 
 
-@pytest.mark.parametrize(("text", "told"), [("x", "'x' is no number"), ("7", "below the second")])
+@pytest.mark.parametrize(
+    ("text", "told"), [("x", "'x' is not a number"), ("7", "below the second")]
+)
 def test_a_range_that_is_none_is_refused(opened_window, dock, text, told):
     give_focus(dock.bar.low)
     dock.bar.low.selectAll()

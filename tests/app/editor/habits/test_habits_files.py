@@ -227,7 +227,7 @@ def test_left_work_is_said_where_a_network_is_opened_at_the_start(left_behind, m
     again = make_window()
     again.resize(500, 400)
     again.open_first("first_steps")
-    assert "unsaved work was left behind" in again.status.error
+    assert "unsaved work in" in again.status.error
     assert "never saved" in again.status.error
     again.resize(1600, 900)
     qtbot.waitUntil(lambda: again.status._error.text() == again.status.error)

@@ -111,7 +111,7 @@ def test_a_wipe_of_two_wires_reads_kelvin_on_both_sides(bench):
 def test_what_is_compared_is_named(bench):
     picture = bench.answer(PictureQuery(PORT, kept=kept_of(bench)))
     assert facts_text(picture, Choices(PORT), "Snapshot 1", "wipe").startswith(
-        "left A Snapshot 1, right B now · 48 × 41"
+        "A Snapshot 1 on the left, B now on the right · 48 × 41"
     )
     assert facts_text(picture, Choices(PORT), "Snapshot 1", "flip").startswith("A Snapshot 1 ·")
 

@@ -240,7 +240,7 @@ def test_two_runs_do_not_write_in_one_folder(desk, qtbot):
     assert dialog.folder.text() == f"{folder}-2"
     dialog.folder.setText(str(folder))
     press(desk, KEY.Key_Return)
-    assert "a run in the queue writes there" in dialog.errors["folder"].text()
+    assert "a queued run writes to this folder" in dialog.errors["folder"].text()
 
 
 def test_one_is_cancelled_by_its_key_and_the_next_goes_on(desk, qtbot, tmp_path):

@@ -53,7 +53,7 @@ def test_the_second_to_save_is_asked_and_cancel_leaves_both_as_they_are(two, fil
     for _ in range(2):
         other.files.save()
         box = question(other)
-        assert "mine.json has been changed by another program" in box.text()
+        assert "Another program has changed mine.json" in box.text()
         texts = {button.text().replace("&", "") for button in box.findChildren(QPushButton)}
         assert texts == {"Reload", "Overwrite", "Save As…", "Cancel"}
         QTest.keyClick(box, KEY.Key_Escape)
@@ -124,7 +124,7 @@ def test_of_a_removed_file_there_is_nothing_to_reload(two, file, qtbot):
     add(one, "init_trans")
     one.files.save()
     box = question(one)
-    assert "has been removed" in box.text()
+    assert "has removed mine.json" in box.text()
     assert box.findChild(QPushButton, "reload") is None
     click(qtbot, one, "overwrite")
     assert "init_trans" in modules(file)

@@ -58,7 +58,7 @@ def test_what_has_no_picture_is_refused_in_words(window, hand):
     hand.select("init")
     hand.key(KEY.Key_O)
     assert marked(window.session) == []
-    assert told == [("error", "init cannot be the output: it makes no picture")]
+    assert told == [("error", "init cannot be the output: it has no picture")]
 
 
 def test_it_is_in_the_nodes_menu_and_in_the_list_of_shortcuts(window):

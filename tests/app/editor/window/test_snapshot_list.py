@@ -92,14 +92,14 @@ def test_going_back_is_a_step_that_undo_takes_back(person):
     person.open_list()
     person.key(KEY.Key_Return)
     assert session.document.text() == kept
-    assert "back at Snapshot 1" in person.status
+    assert "restored Snapshot 1" in person.status
     assert session.document.history.undo_text == "Go back to Snapshot 1"
     session.undo()
     assert session.document.text() == changed
     session.redo()
     person.idle()
     person.window.actions_by_name["go_back"].trigger()
-    assert "as in Snapshot 1 already" in person.status
+    assert "already as in Snapshot 1" in person.status
 
 
 def test_a_macro_is_grouped_compared_and_gone_back_from(person):
@@ -200,7 +200,7 @@ def test_pictures_beyond_the_bound_are_dropped_said_and_computed_again(person):
     snapshots.capacity_bytes = held
     person.blur(12.0)
     person.keep()
-    assert "some of Snapshot 1 are dropped" in person.status
+    assert "those of Snapshot 1 were dropped" in person.status
     assert not snapshots.states[0].pictures
     assert snapshots.states[0].figures is not None
     snapshots.choose(snapshots.states[0])
@@ -216,7 +216,7 @@ def test_snapshots_go_with_their_network_and_that_is_said(person):
     person.idle()
     assert person.snapshots.states == []
     assert person.snapshots.way is None
-    assert "the snapshot of the last network went with it" in person.status
+    assert "the snapshot was removed with the previous network" in person.status
     assert person.viewer.kept_side is None
     person.keep()
     assert person.snapshots.states[0].name == "Snapshot 1"

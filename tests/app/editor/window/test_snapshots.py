@@ -133,7 +133,7 @@ def test_the_keys_work_on_the_canvas_and_say_what_to_do_first(person):
     give_focus(person.window.canvas.view)
     for key in (KEY.Key_K, KEY.Key_W):
         person.key(key)
-        assert "nothing is kept yet: Ctrl+K" in person.status
+        assert "there are no snapshots yet: Ctrl+K" in person.status
     person.key(KEY.Key_K, CTRL)
     person.key(KEY.Key_W)
     assert person.viewer.canvas.wipe.isVisible()

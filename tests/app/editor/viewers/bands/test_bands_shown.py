@@ -218,7 +218,7 @@ def test_the_picture_in_colours_is_drawn_and_saved(viewer, bench, tmp_path):
         for row, column in ((0, 0), (SIZE[0] - 1, SIZE[1] - 1), (5, 17)):
             colour = drawn.pixelColor(column, row)
             assert (colour.red(), colour.green(), colour.blue()) == tuple(truth[row, column])
-    with pytest.raises(UsageError, match="three bands are written as"):
+    with pytest.raises(UsageError, match="three bands shown as colours can only be saved as"):
         viewer.save_as(tmp_path / "colours.npy")
 
 
