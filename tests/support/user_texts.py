@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 CODE = ("core", "nodes", "app", "imagechain")
 # What only a program reads: style sheets, formats, patterns and the like.
 _CODE_LIKE = re.compile(
-    r"^[\s\W\d]*$|[{};]\s*$|^[\w.]+\(|^https?:|\\[dws]|<\w+[^>]*/?>\s*$|^QW|^\w+:$"
+    r"^<\w+ |^[\s\W\d]*$|[{};]\s*$|^[\w.]+\(|^https?:|\\[dws]|<\w+[^>]*/?>\s*$|^QW|^\w+:$"
 )
 _SENTENCE_END = re.compile(r"(?<=[.!?:])\s+(?=[A-Z`*\[(0-9])")
 _RAISES = re.compile(r"Error$|^error$|Problem|Refus|warn|^note$|Notice|Fault|Warning")
