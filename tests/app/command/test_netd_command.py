@@ -55,7 +55,7 @@ def test_sitf_netd_and_components(imagechain, fields):
         assert level["bad_pixels"] == 1
         assert abs(level["sigma_vh_K"]) < 0.01
     assert f"netd_K,{figures['netd_K']!r},K," in (fields / "n.csv").read_text()
-    assert "1 bad pixels are left out" in done.stdout
+    assert "1 bad pixel is left out" in done.stdout
     assert "netd_K" in done.stdout
 
 
