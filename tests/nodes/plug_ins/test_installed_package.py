@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 import shutil
 import site
 import subprocess
@@ -21,6 +22,7 @@ from core.network.file import load_network
 from nodes.library import standard_library
 
 EXAMPLE = ROOT / "tests" / "example_plug_in"
+PAGE = ROOT / "app" / "handbook" / "pages" / "plug_ins.md"
 SHARE, SIGMA = 0.2, 3.0
 NETWORK = {
     "format": "imagechain-network",
@@ -72,9 +74,13 @@ def fresh(tmp_path_factory):
     ours = [path for path in site.getsitepackages() if Path(path).is_dir()]
     (own / "ours.pth").write_text("".join(f"import site; site.addsitedir({p!r})\n" for p in ours))
     source = shutil.copytree(EXAMPLE, tmp_path_factory.mktemp("source") / "glare")  # is built there
+    installed(python, source)
+    return python
+
+
+def installed(python, source):
     install = ["-m", "pip", "--python", python, "install", "-q", "--no-deps", source]
     subprocess.run([sys.executable, *map(str, install)], check=True, timeout=600)
-    return python
 
 
 @pytest.fixture
@@ -344,3 +350,20 @@ def test_a_fault_in_a_plug_in_names_it(tmp_path):
     assert "1 0" in printed
     assert printed[-3:-1] == ["KeyError('step') glass", 'return image + {}["step"]']
     assert printed[-1].startswith("a fault of the module faulty_optics.filter in the plug-in")
+
+
+def test_the_package_of_the_handbook_is_complete(fresh, tmp_path):
+    blocks = re.findall(r"```(\w+)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    project, module = blocks[:2]
+    assert (project[0], module[0]) == ("toml", "python")
+    source = tmp_path / "acme_optics"
+    source.mkdir()
+    (source / "pyproject.toml").write_text(project[1], encoding="utf-8")
+    (source / "acme_optics.py").write_text(module[1], encoding="utf-8")
+    installed(fresh, source)
+    commands = next(block for kind, block in blocks if kind == "bash").splitlines()
+    words = commands[1].removeprefix(".venv/bin/imagechain ").split()
+    assert "scattered_share" in ran(fresh, "-m", "app.command.cli", *words, folder=tmp_path).stdout
+    ran(fresh, "-c", next(block for kind, block in blocks if kind == "text"), folder=tmp_path)
+    saved = json.loads((tmp_path / "with_glare.json").read_text(encoding="utf-8"))
+    assert saved["nodes"]["glare"]["module"] == "acme_optics.glare_mtf"
