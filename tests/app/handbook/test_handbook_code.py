@@ -134,6 +134,8 @@ def test_a_page(name, tmp_path, monkeypatch, background):
     monkeypatch.setitem(sys.modules, page.__name__, page)
     printed = ""
     for block in blocks_of(TEXTS[name]):
+        if name == "plug_ins" and block.kind in ("bash", "text"):
+            continue  # needs the installed package: tests/nodes/plug_ins/test_installed_package.py
         assert block.kind in KINDS, block
         if block.kind == "sh":
             lines = block.text.replace("\\\n", "").splitlines()
