@@ -334,9 +334,9 @@ def combine_pixels(
     """Combine each block of samples into one pixel.
 
     Rows and columns left over at the bottom and right are dropped: 512 by 3 gives 170. Directly
-    after Back Transform, if the factors divide the size, the spectrum is folded instead. The mean
-    of a block averages over its area. Behind Detector MTF, which already averages over the pixel,
-    use Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
+    after Back Transform, if the factors divide the size, the spectrum is folded instead. Taking the
+    mean of a block acts as the pixel's averaging over its area. After Detector MTF, which already
+    averages over the pixel, use Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
 
     Parameters
     ----------
@@ -2248,12 +2248,12 @@ def measured_mtf(
 ) -> Part:
     """Measure the MTF from an edge or a line in a picture.
 
-    `slanted_edge`: the angle of the edge is found, the samples are sorted by their distance from it
-    into quarters of a sample, the derivative of their means is windowed and transformed, and the
-    responses of quarters and derivative are divided out; frequencies are along the edge's normal.
-    `row_average`: the mean of the rows is clipped at its ends, its derivative is transformed, and
-    the modulus is divided by its largest value; the response of the differences, 0.64 at Nyquist,
-    is not divided out. Standard errors come from leaving out rows.
+    `slanted_edge` finds the angle of the edge and sorts the samples by their distance from it into
+    bins of a quarter sample. The derivative of the bin means is windowed and Fourier transformed,
+    and corrected for the responses of the bins and of the derivative. Frequencies are along the
+    edge's normal. `row_average` averages the rows, drops the ends and Fourier transforms the
+    derivative. The MTF is its modulus divided by the largest value; the response of the
+    derivative, 0.64 at Nyquist, is not corrected. Standard errors come from leaving out rows.
 
     `expected` is the MTF of the picture's chain in the same direction up to Nyquist: all stages
     from the source on, and the samples of a test scene, which are means over their area. The blur
@@ -2341,9 +2341,9 @@ def figures_of_merit(
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only, and has no sampling
     limit; `flir92` also uses fixed patterns, which do not average over time, and ends at Nyquist
-    where the sensor samples. Temporal noise is averaged with its spectrum in the picture. 2-D: the
-    geometric mean of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the
-    mean of its blurred image.
+    where the sensor samples. Temporal noise is averaged with its spectrum in the picture. The 2-D
+    MRTD uses the geometric mean of both frequencies at the same MRTD. MDTD (square target):
+    SNR_th·σ divided by the mean of the target's blurred image.
 
     `scanning` sets the directions in which the sensor samples: `staring` in both; `serial_scan`
     between the lines that one detector scans along x; `parallel_scan` between its detectors, which
@@ -2358,7 +2358,9 @@ def figures_of_merit(
     appears there. The ΔT that remains at a range follows from Atmospheric Path, if the picture has
     passed one: τ(R) of each wavelength, weighted by dL/dT; otherwise ΔT·exp(−extinction·range).
 
-    Johnson: cycles across the target up to the frequency where it reaches the 2-D MRTD, over N50.
+    Johnson: the cycles resolved across the target, up to the frequency where the target's apparent
+    ΔT equals the 2-D MRTD, divided by N50.
+
     TTP: the sum of √(contrast/threshold) over frequencies. The threshold is the root sum of squares
     of the eye's threshold through the MTF and the MRTD's contrast (`mrtd`), or the published
     CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), for which V50 values are published: α
@@ -2612,12 +2614,12 @@ def line_by_line(
     flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan have one scale, factors along the flight have one per column, and pupils and other planar
-    factors have both. All are in angles at the sensor, as in their modules; edges and PTFs are as
-    in Back Transform. Separable factors are exact. Planar factors are blended from a few intervals
-    (`nodes`), with an estimate of the error, or summed for each (`direct`). For a pushbroom or an
-    array, which sample evenly, both outputs agree. The ground is flat, and motion blur over it has
-    the same angle as at nadir.
+    scan have one scale, factors along the flight have one per column, and pupils and other
+    non-separable factors have both. All are in angles at the sensor, as in their modules; edges and
+    PTFs are as in Back Transform. Separable factors are exact. Non-separable factors are
+    interpolated between a few sampling intervals (`nodes`), with an estimate of the error, or
+    summed exactly for each interval (`direct`). For a pushbroom or an array, which sample evenly,
+    both outputs agree. The ground is flat, and motion blur over it has the same angle as at nadir.
 
     When is one interval for the whole image good enough? The Inframetrics' blur of three samples on
     the built-in scene (network `line_by_line`) is wrong by at most 0.03 % of the picture's range in
@@ -2644,8 +2646,8 @@ def line_by_line(
     altitude_m : float | Expression | None
         altitude; empty: from Init & Trans [m]: a number of at least 0 or empty; default empty
     method : Literal['nodes', 'direct']
-        planar factors: interpolated between a few intervals, or summed exactly for each: one of
-        nodes, direct; default 'nodes'
+        non-separable factors: interpolated between a few sampling intervals, or summed exactly for
+        each: one of nodes, direct; default 'nodes'
     nodes : int | Expression | None
         intervals to interpolate between; empty: as many as the tolerance needs: a whole number from
         0 to 32 or empty; default empty
@@ -2740,9 +2742,9 @@ def camera_geometry(
         heading, clockwise from straight down the picture [deg]: a number from -180 to 180; default
         0.0
     offset_x_m : float | Expression
-        position of the camera, right of the scene's middle [m]: a number; default 0.0
+        distance of the camera to the right of the scene's centre [m]: a number; default 0.0
     offset_y_m : float | Expression
-        position of the camera, below the scene's middle [m]: a number; default 0.0
+        distance of the camera below the scene's centre [m]: a number; default 0.0
     interpolation : Literal['area', 'bilinear', 'cubic']
         how the scene is taken between its samples: constant areas, straight lines, or parabolas:
         one of area, bilinear, cubic; default 'area'
@@ -2773,12 +2775,12 @@ def image_quality(
 ) -> Part:
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
-    The ground sample distance is the picture's interval times the range, stretched along by the
-    angle off nadir. The relative edge response (how far an edge rises within one sample around it)
-    and the overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer
-    functions, and the SNR from its mean signal and temporal noise; no noise is drawn or measured.
-    All are geometric means across and along. Connect the picture as the sensor samples it, before a
-    frame grabber interpolates it.
+    The ground sample distance is the picture's interval times the range; along the track it is also
+    divided by the cosine of the angle off nadir. The relative edge response (how far an edge rises
+    within one sample around it) and the overshoot H (its height 1 to 3 samples beside it) follow
+    from the chain's transfer functions, and the SNR from its mean signal and temporal noise; no
+    noise is drawn or measured. All are geometric means across and along. Connect the picture as the
+    sensor samples it, before a frame grabber interpolates it.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:

@@ -15,13 +15,13 @@ PARTS = {
     "precision": "Time against error",
     "peers": "Comparison with other programs",
     "studies": "Studies",
-    "measure": "Measuring pictures and fitting to them",
+    "measure": "Measuring and fitting pictures",
 }
 TITLE = "Imagechain: run time against error"
 LEAD = (
-    "Times are in units of T0, the bare round trip irfft2(rfft2(image)) on the same image, "
-    "type and threads, which any Fourier method has to pay. The two are timed in turn; the "
-    "figures are medians of the ratios."
+    "Times are in multiples of T0, the time of irfft2(rfft2(image)) for the same image, type "
+    "and threads, which any Fourier method needs. The two are timed in turn; the figures are "
+    "medians of the ratios."
 )
 Measures = Sequence[Callable[[Settings], list[Table]]]
 Measured = Mapping[str, Sequence[Table]]

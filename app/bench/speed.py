@@ -65,8 +65,8 @@ def one_thread(settings: Settings) -> list[Table]:
     title = f"The same on one thread, {settings.size}² → {settings.size // 2}²"
     text = (
         "T0 is measured on one thread. The work between the large loops (planning, noise, "
-        "sums) runs on one thread in both tables, and counts more where the loops run on "
-        "several."
+        "sums) runs on one thread in both tables, so it takes a larger share of the time when "
+        "the loops use several threads."
     )
     return [Table("one_thread", title, HEADS, rows, text)]
 

@@ -368,12 +368,14 @@ REFUSALS = (
         "distance",
     ),
     Refusal("another edge", "another edge too close", _ROOM),
-    Refusal("sides or its contrast vary", "its sides are not even along it", _EVEN),
+    Refusal(
+        "sides or its contrast vary", "its brightness or contrast varies along its length", _EVEN
+    ),
     Refusal("a side is not level", "one side is not level", _EVEN),
     Refusal("samples beside it", "too little clear area beside it", _ROOM),
     Refusal("samples lie about", "too short", "a longer edge"),
-    Refusal("weaker than", "weaker than others, none of which can be used", ""),
-    Refusal("not examined", "not examined, as stronger ones came first", ""),
+    Refusal("weaker than", "weaker than other edges, none of which can be used", ""),
+    Refusal("not examined", "not examined, because stronger edges came first", ""),
 )  # fmt: skip
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]?\d+)?")
 _MOST = 3

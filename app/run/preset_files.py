@@ -179,8 +179,8 @@ def given(
         if key in values:
             if parameter is None:
                 raise NetworkError(
-                    f"the set {shown(name)} has a parameter {shown(key)}, which "
-                    f"{declared.title} does not have",
+                    f"the saved parameters {shown(name)} include {shown(key)}, but "
+                    f"{declared.title} has no such parameter",
                     node=where,
                 )
             parameter.coerce(values[key])

@@ -172,8 +172,8 @@ class Staging:
         now = real_target(target)
         if self._led_to.get(target, now) != now:
             raise FileError(
-                f"cannot write {target}: it, or a folder in its path, has become a link to "
-                f"another place, {now}, since the run began"
+                f"cannot write {target}: since the run began, it or a folder in its path has "
+                f"become a link to {now}"
             )
 
     def _place(self, real: Path, target: Path) -> Path:

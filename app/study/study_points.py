@@ -46,7 +46,7 @@ def sampled(
     library: Library,
 ) -> tuple[tuple[Axis, ...], Sequence[Point]]:
     if points is not None and sample != LATIN:
-        raise UsageError(f"--points {points}: only --sample latin draws points")
+        raise UsageError(f"--points {points}: works only with --sample latin")
     if sample in (GRID, LATIN):
         of_text = grid_axis if sample == GRID else span_axis
         axes = tuple(
@@ -64,7 +64,10 @@ def sampled(
             )
         return latin_points(axes, points, network.seed)
     if vary:
-        raise UsageError(f"--vary {next(iter(vary)):.80}: the points are those of {sample:.120}")
+        raise UsageError(
+            f"--vary {next(iter(vary)):.80}: works only with --sample grid or latin; the points "
+            f"come from {sample:.120}"
+        )
     if not CSV.matches(Path(sample)):
         raise UsageError(f"--sample {sample:.120}: write grid, latin, or the name of a .csv file")
     return listed_points(Path(sample), network, library=library)

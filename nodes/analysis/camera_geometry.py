@@ -255,11 +255,15 @@ class CameraSettings(Module):
     ] = 0.0
     offset_x_m: Annotated[
         float,
-        Param("position of the camera, right of the scene's middle", unit="m", slider=(-500, 500)),
+        Param(
+            "distance of the camera to the right of the scene's centre",
+            unit="m",
+            slider=(-500, 500),
+        ),
     ] = 0.0
     offset_y_m: Annotated[
         float,
-        Param("position of the camera, below the scene's middle", unit="m", slider=(-500, 500)),
+        Param("distance of the camera below the scene's centre", unit="m", slider=(-500, 500)),
     ] = 0.0
 
     def camera(self, image: Image) -> Camera:

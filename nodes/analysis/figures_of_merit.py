@@ -64,9 +64,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only, and has no sampling
     limit; `flir92` also uses fixed patterns, which do not average over time, and ends at Nyquist
-    where the sensor samples. Temporal noise is averaged with its spectrum in the picture. 2-D: the
-    geometric mean of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the
-    mean of its blurred image.
+    where the sensor samples. Temporal noise is averaged with its spectrum in the picture. The 2-D
+    MRTD uses the geometric mean of both frequencies at the same MRTD. MDTD (square target):
+    SNR_th·σ divided by the mean of the target's blurred image.
 
     `scanning` sets the directions in which the sensor samples: `staring` in both; `serial_scan`
     between the lines that one detector scans along x; `parallel_scan` between its detectors, which
@@ -81,7 +81,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     appears there. The ΔT that remains at a range follows from Atmospheric Path, if the picture has
     passed one: τ(R) of each wavelength, weighted by dL/dT; otherwise ΔT·exp(−extinction·range).
 
-    Johnson: cycles across the target up to the frequency where it reaches the 2-D MRTD, over N50.
+    Johnson: the cycles resolved across the target, up to the frequency where the target's apparent
+    ΔT equals the 2-D MRTD, divided by N50.
+
     TTP: the sum of √(contrast/threshold) over frequencies. The threshold is the root sum of squares
     of the eye's threshold through the MTF and the MRTD's contrast (`mrtd`), or the published
     CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), for which V50 values are published: α

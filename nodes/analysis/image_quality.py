@@ -50,12 +50,12 @@ def typed_snr(work: Work, *, snr: float) -> float:
 class ImageQuality(Module, key="image_quality", title="Image Quality", group="Analysis"):
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
-    The ground sample distance is the picture's interval times the range, stretched along by the
-    angle off nadir. The relative edge response (how far an edge rises within one sample around it)
-    and the overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer
-    functions, and the SNR from its mean signal and temporal noise; no noise is drawn or measured.
-    All are geometric means across and along. Connect the picture as the sensor samples it, before a
-    frame grabber interpolates it.
+    The ground sample distance is the picture's interval times the range; along the track it is also
+    divided by the cosine of the angle off nadir. The relative edge response (how far an edge rises
+    within one sample around it) and the overshoot H (its height 1 to 3 samples beside it) follow
+    from the chain's transfer functions, and the SNR from its mean signal and temporal noise; no
+    noise is drawn or measured. All are geometric means across and along. Connect the picture as the
+    sensor samples it, before a frame grabber interpolates it.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:

@@ -130,7 +130,12 @@ def difference_table(
             "mrad",
             "along the flight, farthest from nadir",
         ),
-        ("scale_nodes", filtered.nodes, "", "intervals at which planar factors were computed"),
+        (
+            "scale_nodes",
+            filtered.nodes,
+            "",
+            "sampling intervals at which non-separable factors were computed",
+        ),
         (
             "response_error",
             filtered.response_error,
@@ -184,12 +189,12 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan have one scale, factors along the flight have one per column, and pupils and other planar
-    factors have both. All are in angles at the sensor, as in their modules; edges and PTFs are as
-    in Back Transform. Separable factors are exact. Planar factors are blended from a few intervals
-    (`nodes`), with an estimate of the error, or summed for each (`direct`). For a pushbroom or an
-    array, which sample evenly, both outputs agree. The ground is flat, and motion blur over it has
-    the same angle as at nadir.
+    scan have one scale, factors along the flight have one per column, and pupils and other
+    non-separable factors have both. All are in angles at the sensor, as in their modules; edges and
+    PTFs are as in Back Transform. Separable factors are exact. Non-separable factors are
+    interpolated between a few sampling intervals (`nodes`), with an estimate of the error, or
+    summed exactly for each interval (`direct`). For a pushbroom or an array, which sample evenly,
+    both outputs agree. The ground is flat, and motion blur over it has the same angle as at nadir.
 
     When is one interval for the whole image good enough? The Inframetrics' blur of three samples on
     the built-in scene (network `line_by_line`) is wrong by at most 0.03 % of the picture's range in
@@ -253,7 +258,10 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     ] = None
     method: Annotated[
         Method,
-        Param("planar factors: interpolated between a few intervals, or summed exactly for each"),
+        Param(
+            "non-separable factors: interpolated between a few sampling intervals, or summed "
+            "exactly for each"
+        ),
     ] = "nodes"
     nodes: Annotated[
         int | None,
@@ -272,7 +280,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         Section("Scan lines on the ground", ("spacing",)),
         Section("", ("line_spacing_m",), shown_when=("spacing", ("typed",))),
         Section("", ("altitude_m",), shown_when=("spacing", ("typed", "flight"))),
-        Section("Apertures and other planar factors", ("method",)),
+        Section("Apertures and other non-separable factors", ("method",)),
         Section("", ("nodes", "tolerance"), shown_when=("method", ("nodes",))),
     )
 
@@ -369,18 +377,20 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         if self.spacing == "typed":
             if self.line_spacing_m is None:
                 raise ParameterError(
-                    "line_spacing_m", None, "give it, or choose another spacing", unit="m"
+                    "line_spacing_m",
+                    None,
+                    "give the line spacing, or set spacing to frame or flight",
                 )
             return self.line_spacing_m
         velocity = abs(context.velocity_m_per_s)
         turns_per_s = context.scan_velocity_mrad_per_s / (2000.0 * math.pi)
-        for name, value, unit in (
-            ("velocity_m_per_s", velocity, "m/s"),
-            ("scan_velocity_mrad_per_s", turns_per_s, "mrad/s"),
+        for name, value in (
+            ("velocity_m_per_s", velocity),
+            ("scan_velocity_mrad_per_s", turns_per_s),
         ):
             if value == 0.0:
                 raise ParameterError(
-                    name, None, "give it on Init & Trans, or choose another spacing", unit=unit
+                    name, None, "give it on Init & Trans, or set spacing to frame or typed"
                 )
         return velocity / turns_per_s
 
@@ -408,7 +418,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     scale_nodes = table_figure(
         "scale_nodes",
         "",
-        "Intervals at which planar factors were computed; 0 if all factors separate.",
+        "Intervals at which non-separable factors were computed; 0 if all are separable.",
     )
     error_percent = table_figure(
         "error_percent",

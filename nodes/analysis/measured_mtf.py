@@ -177,12 +177,12 @@ def _expected_figure(name: str, unit: str, meaning: str) -> Callable[..., Recipe
 class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analysis"):
     """Measure the MTF from an edge or a line in a picture.
 
-    `slanted_edge`: the angle of the edge is found, the samples are sorted by their distance from it
-    into quarters of a sample, the derivative of their means is windowed and transformed, and the
-    responses of quarters and derivative are divided out; frequencies are along the edge's normal.
-    `row_average`: the mean of the rows is clipped at its ends, its derivative is transformed, and
-    the modulus is divided by its largest value; the response of the differences, 0.64 at Nyquist,
-    is not divided out. Standard errors come from leaving out rows.
+    `slanted_edge` finds the angle of the edge and sorts the samples by their distance from it into
+    bins of a quarter sample. The derivative of the bin means is windowed and Fourier transformed,
+    and corrected for the responses of the bins and of the derivative. Frequencies are along the
+    edge's normal. `row_average` averages the rows, drops the ends and Fourier transforms the
+    derivative. The MTF is its modulus divided by the largest value; the response of the
+    derivative, 0.64 at Nyquist, is not corrected. Standard errors come from leaving out rows.
 
     `expected` is the MTF of the picture's chain in the same direction up to Nyquist: all stages
     from the source on, and the samples of a test scene, which are means over their area. The blur

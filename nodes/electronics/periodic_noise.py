@@ -45,8 +45,8 @@ class PeriodicNoise(
         Formula(
             r"n=A\left[1+m\,\sin\left(2\pi(\xi_mx+\eta_my)+\phi_m\right)\right]\sin\left(2\pi("
             r"\xi x+\eta y)+\phi\right)",
-            where="A: amplitude; m: modulation; x, y: mrad from the first sample; added to the "
-            "picture",
+            where="n: noise added to the picture; A: amplitude; m: modulation; x, y: mrad from the "
+            "first sample",
         ),
     )
 

@@ -76,7 +76,7 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
             "for watts"
         )
     if chosen and (own is None or own.name != file_unit.name):
-        allowed = f"a unit of the same kind as the file's, {info.unit}; or give scale"
+        allowed = f"it must be of the same kind as the file's unit, {info.unit}; or give scale"
         raise ParameterError("unit", typed, allowed)
     return SampleUnit(file_unit.name, file_unit.factor)
 
@@ -95,7 +95,7 @@ def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUni
         except DataError as error:
             raise FileError(f"{info.path}: {error.message}; or give unit and scale") from error
         if chosen and (own and own.name) != (stored and stored.name):
-            allowed = f"a unit of the same kind as the file's, {info.unit}; or give scale"
+            allowed = f"it must be of the same kind as the file's unit, {info.unit}; or give scale"
             raise ParameterError("unit", typed, allowed)
         return stored
     _refuse_unnamed(info, named=chosen or scale != 1.0)

@@ -21,9 +21,9 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
     """Combine each block of samples into one pixel.
 
     Rows and columns left over at the bottom and right are dropped: 512 by 3 gives 170. Directly
-    after Back Transform, if the factors divide the size, the spectrum is folded instead. The mean
-    of a block averages over its area. Behind Detector MTF, which already averages over the pixel,
-    use Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
+    after Back Transform, if the factors divide the size, the spectrum is folded instead. Taking the
+    mean of a block acts as the pixel's averaging over its area. After Detector MTF, which already
+    averages over the pixel, use Sample Pixels instead. Source: Tantalo 1996, section 4.1, fig. 4.6.
     """
 
     formulas = (

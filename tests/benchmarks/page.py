@@ -15,8 +15,8 @@ def section(facts: Mapping[str, Any], tables: Sequence[Table]) -> str:
     """The tables, and how they were made."""
     made = (
         f"Made by `tests/benchmarks/run.py --page` on {facts['date'][:10]}: "
-        f"{', '.join(machine_words(facts['machine']))}. T0 is the bare round trip "
-        "`scipy.fft.irfft2(scipy.fft.rfft2(image))` of the same image and type in the same run."
+        f"{', '.join(machine_words(facts['machine']))}. T0 is the time of "
+        "`scipy.fft.irfft2(scipy.fft.rfft2(image))` for the same image and type in the same run."
     )
     return "\n\n".join([START, made, *map(markdown, tables), END])
 

@@ -15,7 +15,10 @@ from core.network.macro import SEPARATOR
 from core.network.network import Network
 
 DISABLED = "disabled: passes its input on, if it has one"
-STALE = "not updated: shows its result from before the last changes, until you compute everything"
+STALE = (
+    "not updated: shows the result from before your last changes; choose Generate Image to "
+    "update it"
+)
 IDENTITY = "skipped: with these settings it changes nothing"
 _SHOWN_SKIPS = ("mirrored_edges", "pupil_centre", "folded", "region")
 

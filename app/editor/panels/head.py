@@ -134,7 +134,7 @@ class PanelHead(QWidget):
         self.auto.setToolTip(
             tip(
                 "Compute after each change; if unticked, the node keeps its result until you "
-                "compute everything"
+                "choose Generate Image"
             )
         )
         self.generate = tool_button("generate", "Generate Image", "Generate Image", below)

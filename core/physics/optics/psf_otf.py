@@ -62,7 +62,10 @@ class PointSpread:
         """
         values = np.asarray(samples, np.float64) - background
         if values.ndim != 2 or values.size == 0:
-            raise DataError(f"a point spread function of shape {values.shape}: (rows, columns)")
+            raise DataError(
+                f"a point spread function has shape {values.shape}; it must be two-dimensional "
+                "(rows, columns) and not empty"
+            )
         total = float(values.sum())
         # Of noise about 0 the sum is rounding and chance, by which nothing can be divided.
         if not total > 1e-6 * float(np.abs(values).sum()):

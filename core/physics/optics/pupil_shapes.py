@@ -230,7 +230,7 @@ def support_circle(samples: ArrayLike) -> Circle:
     lit = transmission > FAINT * transmission.max(initial=0.0)
     rows = np.flatnonzero(lit.any(axis=1))
     if len(rows) == 0:
-        raise ParameterError("samples", 0, "a pupil that is transparent somewhere")
+        raise ParameterError("samples", 0, "the pupil must transmit light in at least one sample")
     # Only the first and the last of a row can lie on the circle.
     first = np.argmax(lit[rows], axis=1)
     last = lit.shape[1] - 1 - np.argmax(lit[rows, ::-1], axis=1)

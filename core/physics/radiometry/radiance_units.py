@@ -153,7 +153,7 @@ def _tokens(body: str) -> list[str | int]:
     while place < len(body.rstrip()):
         match = _TOKEN.match(body, place)
         if match is None:
-            raise ValueError(f"{body[place:]!r} is no unit")
+            raise ValueError(f"{body[place:]!r} is not a unit")
         place = match.end()
         if match["power"] is None:
             sign = (match["name"] or match["sign"]).replace("[", "(").replace("]", ")")
@@ -163,7 +163,7 @@ def _tokens(body: str) -> list[str | int]:
         elif match["power"].strip() == "1" and tokens[-1:] == ["("]:  # as in (1/cm)
             tokens.append("1")
         else:
-            raise ValueError(f"{match['power']} belongs to no unit")
+            raise ValueError(f"the exponent {match['power']} does not follow a unit")
     return tokens
 
 

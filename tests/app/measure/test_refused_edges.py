@@ -47,7 +47,7 @@ def uneven():
         (edge(0.5, middle=(92.5, 48.0)), "too close to the edge of the frame", "inside"),
         (two_edges(), "another edge too close", "larger areas"),
         (interlaced(), "interlaced", "rows alone"),
-        (uneven(), "its sides are not even along it", "even light"),
+        (uneven(), "its brightness or contrast varies along its length", "even light"),
         (edge(sigma=(5.0, 5.0)), "the edge spread is wider", "larger areas"),
     ],
 )

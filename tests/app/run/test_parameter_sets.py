@@ -56,7 +56,7 @@ def test_a_set_is_kept_and_taken_again(tmp_path):
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"sigma": 1}, "the set sharp has a parameter sigma, which Gaussian MTF does not have"),
+        ({"sigma": 1}, "the saved parameters sharp include sigma, but Gaussian MTF has no"),
         ({"sigma_x_mrad": -1}, "sigma_x_mrad = -1 mrad is not allowed"),
     ],
 )

@@ -145,7 +145,7 @@ def test_a_target_that_leads_elsewhere_since_it_was_claimed(tmp_path):
             if not before:
                 writing()
             here.symlink_to(there, target_is_directory=True)
-            with pytest.raises(FileError, match=f"link to another place, {there}/a.txt, since"):
+            with pytest.raises(FileError, match=f"since the run began, .* a link to {there}/a.txt"):
                 (writing if before else staging.commit)()
         assert not list(there.iterdir())
 

@@ -386,7 +386,7 @@ def test_an_output_folder_swapped_for_a_link_during_the_run_is_not_followed(
     code, _, line = run("run", net)
     assert code == 2
     assert "cannot write net-output/" in line
-    assert f"become a link to another place, {tmp_path}/elsewhere/" in line
+    assert f"become a link to {tmp_path}/elsewhere/" in line
     assert not list((tmp_path / "elsewhere").iterdir())
     assert not (tmp_path / "nets/a.tif").exists()
 
@@ -520,9 +520,7 @@ def test_what_changes_while_it_computes_is_seen(tmp_path):
                 staging.commit()
         return str(caught.value)
 
-    assert "become a link to another place" in disturbed(
-        lambda: target.symlink_to(tmp_path / "elsewhere/a.txt")
-    )
+    assert "become a link to" in disturbed(lambda: target.symlink_to(tmp_path / "elsewhere/a.txt"))
     target.unlink()
     assert CHANGED in disturbed(lambda: target.write_text("my own work"))
     assert target.read_text() == "my own work"

@@ -194,5 +194,5 @@ def test_of_a_single_sample_and_of_none():
     lonely = np.zeros((5, 7))
     lonely[4, 6] = 2.0
     assert support_circle(lonely) == (6.0, 4.0, 0.5)
-    with pytest.raises(ParameterError, match="transparent"):
+    with pytest.raises(ParameterError, match="transmit light"):
         support_circle(np.zeros((3, 3)))
