@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -37,6 +37,7 @@ LOWEST_SHARE = 1e-3  # of the highest frequency, on a logarithmic axis
 _FLOORS = (0.999, 0.99, 0.9, 0.5)  # an MTF that stays above one of these is shown from there on
 _HEADROOM = 0.22  # above the curves, for what is written there
 _NOTHING = 1e-12
+_SHARPENINGS = 2  # each to 1/256 of the step before
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,10 +85,16 @@ def transfer_lines(passing: Passing, node: str, part: Part) -> tuple[TransferLin
     turn, grid = _turn(planned), transfer.grid
 
     def line(axis: Direction, nyquist: float, cutoff: float | None) -> TransferLine:
+        def values_at(frequencies: Vector) -> Vector:
+            sampled = response(work, transfer.factors, frequencies, axis)
+            return sampled.mtf if part == "mtf" else sampled.ptf
+
         frequency = _frequencies(max(nyquist, cutoff or 0.0), turn)
-        sampled = response(work, transfer.factors, np.append(frequency, nyquist), axis)
-        values = sampled.mtf if part == "mtf" else sampled.ptf
-        return _line(frequency, values[:-1], nyquist, values[-1], cutoff, part)
+        values = values_at(np.append(frequency, nyquist))
+        plotted = _line(frequency, values[:-1], nyquist, values[-1], cutoff, part)
+        if plotted.half is None:
+            return plotted
+        return replace(plotted, half=_sharpened(plotted.half, frequency, values_at))
 
     return line("x", grid.nyquist_x, cutoffs[0]), line("y", grid.nyquist_y, cutoffs[1])
 
@@ -106,6 +113,18 @@ def _line(
         raise DataError("the transfer function has values that are not finite")
     half = half_contrast(frequency, values) if part == "mtf" else None
     return TransferLine(frequency, values, nyquist, float(at), half, cutoff)
+
+
+def _sharpened(half: float, frequency: Vector, values_at: Callable[[Vector], Vector]) -> float:
+    """The frequency of half contrast, within the step of a plot that it was read from.
+
+    A curve that falls within the plot's first steps is not straight between two of them.
+    """
+    for _ in range(_SHARPENINGS):
+        after = int(np.searchsorted(frequency, half))
+        frequency = np.linspace(frequency[max(after - 1, 0)], frequency[after], SAMPLES)
+        half = half_contrast(frequency, values_at(frequency)) or half
+    return half
 
 
 def half_contrast(frequency: Vector, values: Vector) -> float | None:

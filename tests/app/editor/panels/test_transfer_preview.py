@@ -23,8 +23,16 @@ def test_jitter_is_a_gaussian_up_to_nyquist():
         assert line.at_nyquist == pytest.approx(
             math.exp(-2 * math.pi**2 * (sigma * NYQUIST) ** 2), 1e-5
         )
-        assert line.half == pytest.approx(math.sqrt(math.log(2) / 2) / (math.pi * sigma), rel=2e-5)
+        assert line.half == pytest.approx(math.sqrt(math.log(2) / 2) / (math.pi * sigma), rel=1e-8)
         assert line.cutoff is None
+
+
+def test_half_contrast_within_the_first_step_of_the_plot():
+    sigma = 100.0
+    x, _ = transfer_lines(passing(sensor("jitter_mtf", {"sigma_mrad": sigma})), "node", "mtf")
+    half = math.sqrt(math.log(2) / 2) / (math.pi * sigma)  # 0.00187
+    assert half < x.frequency[1]
+    assert x.half == pytest.approx(half, rel=1e-8)
 
 
 def test_the_negative_lobe_of_a_detector_stays_negative():
