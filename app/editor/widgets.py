@@ -148,10 +148,20 @@ def _named(button: QToolButton, name: str, text: str, description: str) -> QTool
     return button
 
 
+class Menu(QMenu):
+    """A menu that has all keys while it is open, letters that are shortcuts elsewhere too."""
+
+    def event(self, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.ShortcutOverride:
+            event.accept()
+            return True
+        return super().event(event)
+
+
 def menu_button(name: str, text: str, description: str, parent: QWidget) -> QToolButton:
     button = tool_button(name, text, description, parent)
     button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-    button.setMenu(QMenu(button))
+    button.setMenu(Menu(button))
     return button
 
 

@@ -10,7 +10,6 @@ from PySide6.QtGui import QAction, QContextMenuEvent
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
-    QMenu,
     QSizePolicy,
     QToolButton,
     QVBoxLayout,
@@ -22,7 +21,14 @@ from app.editor.evaluation.queries import Badge
 from app.editor.gestures import without_argument
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.theme import ERROR, FAINT, set_ground, set_ink, theme_of
-from app.editor.widgets import FlowLayout, plain_label, show_or_hide, toggle_button, tool_button
+from app.editor.widgets import (
+    FlowLayout,
+    Menu,
+    plain_label,
+    show_or_hide,
+    toggle_button,
+    tool_button,
+)
 from core.network.network import Node
 
 
@@ -66,7 +72,7 @@ class TitleBar(QWidget):
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         if self.actions():
-            menu = QMenu(self)
+            menu = Menu(self)
             menu.setObjectName("head.menu")
             menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
             menu.addActions(self.actions())

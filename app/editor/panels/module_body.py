@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
     QLabel,
-    QMenu,
     QToolButton,
     QVBoxLayout,
     QWidget,
@@ -24,7 +23,7 @@ from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
 from app.editor.theme import CHANGED, FAINT, theme_of
 from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
-from app.editor.widgets import plain_label, tool_button
+from app.editor.widgets import Menu, plain_label, tool_button
 from core.modules.declaration import Declaration, Port
 from core.names import shown, thaw
 from core.network.network import Link, Network, Node
@@ -148,7 +147,7 @@ class _PortRow(QObject):
         tooltip = "Show it in viewer 1; the arrow (or Down key) lists the others"
         self.button.setToolTip(tip(tooltip))
         self.button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
-        menu = QMenu(self.button)
+        menu = Menu(self.button)
         for number in VIEWER_NUMBERS:
             menu.addAction(f"Viewer &{number}").setData(number)
         menu.triggered.connect(self._view)

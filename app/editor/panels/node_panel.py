@@ -11,7 +11,6 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QFrame,
     QLineEdit,
-    QMenu,
     QToolButton,
     QVBoxLayout,
     QWidget,
@@ -28,6 +27,7 @@ from app.editor.panels.head import PanelHead
 from app.editor.panels.module_body import ModuleBody, UnknownBody
 from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
+from app.editor.widgets import Menu
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
 from core.editing.operations import (
     ABSENT,
@@ -197,7 +197,7 @@ class NodePanel(QFrame):
 # The menu of a panel: named sets of the module's parameters, to be kept and taken again.
 
 
-class SetsMenu(QMenu):
+class SetsMenu(Menu):
     """Filled when it is opened, from the files of the person's folder."""
 
     def __init__(self, of: PanelNode, folder: Path, button: QToolButton) -> None:
@@ -227,7 +227,8 @@ class SetsMenu(QMenu):
             about = f"Give every parameter its value of {name}"
             offer(self, f"set.{name}", name, partial(self._take, name, sets), about=about)
         if sets:
-            removing = self.addMenu("Remove")
+            removing = Menu("Remove", self)
+            self.addMenu(removing)
             removing.setObjectName("sets.remove")
             for name in sets:
                 offer(removing, f"remove.{name}", name, partial(self._remove, name))

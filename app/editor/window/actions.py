@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QMenu, QMenuBar, QWidget
 
 from app.editor.gestures import without_argument
 from app.editor.viewers.network_ports import VIEWER_NUMBERS
+from app.editor.widgets import Menu
 from core.editing.history import History
 
 Scope = Literal["application", "window", "canvas"]
@@ -237,7 +238,8 @@ class Actions(dict[str, QAction]):
         for spec in ACTIONS:
             menu = menus.get(spec.menu)
             if menu is None:
-                menu = menus[spec.menu] = bar.addMenu(spec.menu)
+                menu = menus[spec.menu] = Menu(spec.menu, bar)
+                bar.addMenu(menu)
                 menu.setToolTipsVisible(True)
             if spec.name in BELOW_A_LINE and menu.actions():
                 menu.addSeparator()

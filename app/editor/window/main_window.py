@@ -35,6 +35,7 @@ from app.editor.window.first_views import FirstViews
 from app.editor.window.help import Help
 from app.editor.window.history_list import HistoryList
 from app.editor.window.opening import Opened
+from app.editor.window.part_focus import PartFocus
 from app.editor.window.preset_shelf import PresetShelf
 from app.editor.window.recent_files import RecentMenu, Settings
 from app.editor.window.status_bar import StatusBar
@@ -60,7 +61,7 @@ from core.errors import ImagechainError
 from core.modules.declaration import Library
 
 _LEFT, _RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
-_BOTTOM, _TAB = Qt.DockWidgetArea.BottomDockWidgetArea, Qt.FocusPolicy.TabFocus
+_BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 
 
 class MainWindow(QMainWindow):
@@ -95,6 +96,7 @@ class MainWindow(QMainWindow):
         self.panels.sets_folder = self.shelf.folder / "parameters"
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.full_screen = FullScreen(self.viewers, self.session, self)
+        self.part_focus = PartFocus(self.parts, self)
         self.actions_by_name = Actions(self._targets(), window=self, canvas=self.canvas)
         self._spread_actions()
         self.layout_in_use.place()
@@ -157,20 +159,11 @@ class MainWindow(QMainWindow):
         self.full_screen.leave()
         self.pages.choose_layout(name)
 
-    def go_to_part(self, step: int) -> None:
-        """Give the focus to the next part of the window that is there, for the keyboard."""
+    def parts(self) -> tuple[QWidget, ...]:
+        """The parts of the window that can have the keyboard, in the order of F6."""
         beside = (self.viewers.plot, self.viewers.tradeoff, self.snapshots_view, self.runs.view)
-        sides: tuple[QWidget, ...] = (self.welcome, self.canvas, self.library_view, self.panels)
         docks = (*self.viewers.images.values(), *beside, self.measuring, self.fitting, self.history)
-        seen = [part for part in (*sides, *docks) if part.isVisible()]
-        focus = QApplication.focusWidget()
-        at = next((number for number, part in enumerate(seen) if _holds(part, focus)), -1)
-        part = seen[(at + step) % len(seen)]
-        for widget in (part, *part.findChildren(QWidget)):
-            if widget is part or (widget.isVisible() and widget.focusPolicy() & _TAB):
-                widget.setFocus(Qt.FocusReason.TabFocusReason)
-                if _holds(part, QApplication.focusWidget()):
-                    return
+        return self.welcome, self.canvas, self.library_view, self.panels, *docks
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Close, unless work would be lost: then ask first, and change nothing until answered."""
@@ -216,6 +209,7 @@ class MainWindow(QMainWindow):
             return
         self._ended = True
         self.full_screen.close()
+        self.part_focus.close()
         self.pages.show_docks()
         if self._remembered:
             self.settings.remember_window(self, self.layout_in_use.state())
@@ -334,8 +328,8 @@ class MainWindow(QMainWindow):
             "picture_beside": partial(self.choose_layout, "picture_beside"),
             "canvas_first": partial(self.choose_layout, "canvas_first"),
             "reset_layout": partial(self.choose_layout, DEFAULT),
-            "next_part": partial(self.go_to_part, 1),
-            "previous_part": partial(self.go_to_part, -1),
+            "next_part": partial(self.part_focus.go, 1),
+            "previous_part": partial(self.part_focus.go, -1),
             "light": self.toggle_light,
             "generate": self.generate,
             "runs": partial(toggle_dock, self.runs.dock, self.runs.view),
@@ -513,7 +507,3 @@ class MainWindow(QMainWindow):
             return
         self.files.show(Opened(document, "recovered: save it to keep it"))
         self.autosaver.write_now(work.discard)
-
-
-def _holds(part: QWidget, widget: QWidget | None) -> bool:
-    return widget is not None and (part is widget or part.isAncestorOf(widget))

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QMainWindow, QMenu, QWidget
 
 from app.editor.gestures import without_argument
 from app.editor.theme import THEMES, Look
+from app.editor.widgets import Menu
 from app.user_folders import settings_folder
 
 FOLDER_LETTERS = 44
@@ -20,7 +21,7 @@ _NAME_LETTERS = 60
 _NUMBERED = 10  # the tenth by 0
 
 
-class RecentMenu(QMenu):
+class RecentMenu(Menu):
     """The list as a menu, made anew each time it opens: another window may have added to it."""
 
     def __init__(

@@ -16,6 +16,7 @@ from app.editor.canvas.items.canvas_style import COLOUR, TINTS
 from app.editor.canvas.items.hits import Hit
 from app.editor.canvas.items.marks import Marks
 from app.editor.gestures import without_argument
+from app.editor.widgets import Menu
 from core.editing.backdrops import change, remove
 from core.editing.operations import ABSENT, Rewire, Together, named, set_node_field
 
@@ -126,7 +127,7 @@ class Menus:
 
 
 def _menu(name: str, parent: QWidget) -> QMenu:
-    menu = QMenu(parent)
+    menu = Menu(parent)
     menu.setObjectName(name)
     menu.setToolTipsVisible(True)
     return menu

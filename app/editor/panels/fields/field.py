@@ -23,7 +23,7 @@ from app.editor.panels.fields.field_menu import (
 from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
-from app.editor.widgets import plain_label, show_or_hide
+from app.editor.widgets import Menu, plain_label, show_or_hide
 from core.editing.operations import ABSENT
 from core.errors import ParameterError
 from core.modules.parameters import Parameter, plain
@@ -191,11 +191,11 @@ class Field(QWidget):
         """What can be done with the value, beside editing it."""
         edit = self.focusWidget()
         if isinstance(edit, TypeIn) and edit.hasFocus():
-            menu = edit.createStandardContextMenu()
+            menu: QMenu = edit.createStandardContextMenu()
             menu.setParent(self, menu.windowFlags())
             menu.addSeparator()
         else:
-            menu = QMenu(self)
+            menu = Menu(self)
         menu.setObjectName("field.menu")
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._fill(menu)

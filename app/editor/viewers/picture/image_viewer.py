@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction, QImage
-from PySide6.QtWidgets import QApplication, QMenu, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
@@ -32,7 +32,7 @@ from app.editor.viewers.pixels.picture_facts import Facts, laid_over
 from app.editor.viewers.pixels.picture_query import KeptPicture, Picture, PictureQuery
 from app.editor.viewers.pixels.probing import facts_text
 from app.editor.viewers.viewer import StatusLine, Viewer
-from app.editor.widgets import centred_hint
+from app.editor.widgets import Menu, centred_hint
 from core.errors import UsageError
 from core.network.network import Network
 from nodes.files.formats import PNG
@@ -411,7 +411,7 @@ class ImageViewer(Viewer):
     def _open_menu(self, point: QPoint) -> None:
         """Of a right click: what concerns the whole, the bar's menus, actions of the window."""
         self._fill_menus()
-        menu = QMenu(self)
+        menu = Menu(self)
         menu.setObjectName("picture_menu")
         menu.aboutToHide.connect(menu.deleteLater)
         menu.addAction("&Fit\tF").triggered.connect(self.fit)

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QHBoxLayout, QMenu, QWidget
 from app.editor.session import Session
 from app.editor.viewers.network_ports import PICTURE_TYPES, NodePorts, PortChoice
 from app.editor.viewers.pixels.grey_levels import NAMES
-from app.editor.widgets import menu_button, toggle_button, tool_button
+from app.editor.widgets import Menu, menu_button, toggle_button, tool_button
 
 
 class PictureBar(QWidget):
@@ -93,7 +93,8 @@ class DisplayMenu(QObject):
         menu.addSection("Black to white")
         self.levels = Radio(menu, LEVELS)
         menu.addSeparator()
-        colours = menu.addMenu("&Colours")
+        colours = Menu("&Colours", menu)
+        menu.addMenu(colours)
         self.colours = Radio(colours, NAMES)
         self.shape = self._toggle(menu, "shape", "&True Shape of Pixels")
         self.histogram = self._toggle(menu, "histogram", "&Histogram")
@@ -119,10 +120,12 @@ class CompareMenu(QObject):
         menu.addSection("Show")
         self.mode = Radio(menu, MODES)
         menu.addSeparator()
-        self.others = menu.addMenu("With &Other Wire")
+        self.others = Menu("With &Other Wire", menu)
+        menu.addMenu(self.others)
         self.others.setObjectName("others")
         self.others.triggered.connect(self._choose_other)
-        self.links = menu.addMenu("&Move With")
+        self.links = Menu("&Move With", menu)
+        menu.addMenu(self.links)
         self.links.setObjectName("links")
         self.links.triggered.connect(self._choose_link)
 
@@ -130,7 +133,8 @@ class CompareMenu(QObject):
         """Offer these ports, each node's in a menu of its own."""
         self._empty(self.others)
         for group in groups:
-            menu = self.others.addMenu(group.node.replace("&", "&&"))
+            menu = Menu(group.node.replace("&", "&&"), self.others)
+            self.others.addMenu(menu)
             for port in group.ports:
                 action = menu.addAction(port.rpartition(".")[2].replace("&", "&&"))
                 action.setData(port)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from PySide6.QtCore import QObject, QPoint, Signal
-from PySide6.QtWidgets import QMenu, QToolButton
+from PySide6.QtWidgets import QToolButton
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.picture.region_overlay import Region, Size
 from app.editor.viewers.pixels.picture_query import Picture
+from app.editor.widgets import Menu
 from core.chain.wires import Image
 from core.editing.operations import ABSENT, Operation, Together, set_parameter
 from core.errors import ImagechainError, ParameterError
@@ -226,7 +227,7 @@ class RegionTool(QObject):
         self._session.end_gesture()
 
     def _open_menu(self, at: QPoint) -> None:
-        menu = QMenu(self._canvas)
+        menu = Menu(self._canvas)
         menu.setObjectName("region.menu")
         all_of_it = menu.addAction("&Whole Picture")
         all_of_it.setObjectName("region.whole")

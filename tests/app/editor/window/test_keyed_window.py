@@ -1,0 +1,48 @@
+"""Real keys on a real window: an open menu has them all, and the focus is always in sight."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from child_process import PATIENCE_S, ROOT
+from virtual_screen import managed_screen
+
+SCRIPT = ROOT / "tests" / "support" / "keyed_window.py"
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("keyed")
+    path = os.pathsep.join([str(ROOT), str(SCRIPT.parent)])
+    with managed_screen(1600, 900) as environment:
+        done = subprocess.run(
+            [sys.executable, str(SCRIPT), str(folder)],
+            env={**environment, "PYTHONPATH": path, "XDG_CONFIG_HOME": str(folder)},
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=PATIENCE_S,
+        )
+    assert done.returncode == 0, done.stderr
+    return json.loads((folder / "keyed.json").read_text())
+
+
+def test_letters_of_an_open_menu_do_nothing_on_the_canvas(seen):
+    assert (seen["menu b"], seen["menu r"]) == (1, 1)
+    assert not seen["changed by menus"]
+
+
+def test_f6_visits_every_part_in_sight_and_rings_it(seen):
+    names, in_sight, ringed = zip(*seen["parts"], strict=True)
+    assert all(in_sight)
+    assert all(ringed)
+    assert {"canvas", "library", "panels"} < set(names)
+    assert len(set(names)) == 5
+    assert names[0] == names[5]
+
+
+def test_tab_raises_what_lies_behind_another_tab(seen):
+    assert seen["hidden"] == []

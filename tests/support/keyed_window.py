@@ -1,0 +1,75 @@
+"""The editor's window worked by real keys; what was seen is left in FOLDER/keyed.json.
+
+python keyed_window.py FOLDER
+"""
+
+import json
+import sys
+from pathlib import Path
+
+from PySide6.QtWidgets import QApplication, QDockWidget
+
+from app.editor.window.part_focus import in_sight
+from hands import centre, process_events, wait_until
+from managed_window import Managed
+
+TABS = 80  # more than there are widgets to visit
+
+
+def main(folder):
+    made = Managed(folder)
+    window, hands, seen = made.window, made.hands, {}
+    window.files.open_now("mwir_camera")
+    made.settle()
+
+    def to_canvas():
+        hands.click(made.at(centre(window.canvas)))
+        wait_until(lambda: window.canvas.isAncestorOf(QApplication.focusWidget()), "canvas")
+
+    def open_menu():
+        hands.keys("alt+v")
+        wait_until(QApplication.activePopupWidget, "a menu is open")
+
+    # B and R are keys of the canvas, and mnemonics of View.
+    to_canvas()
+    open_menu()
+    for letter, action in (("b", "picture_below"), ("r", "reset_layout")):
+        if QApplication.activePopupWidget() is None:
+            open_menu()
+        came = []
+        window.actions_by_name[action].triggered.connect(lambda *_, to=came: to.append(1))
+        hands.keys(letter)
+        wait_until(lambda: QApplication.activePopupWidget() is None, f"{letter} closes the menu")
+        seen[f"menu {letter}"] = len(came)
+        to_canvas()
+    seen["changed by menus"] = window.isWindowModified()
+
+    for name in ("trade_off", "measure", "fit"):
+        window.actions_by_name[name].trigger()
+        made.settle()
+    window.viewers.docks[1].raise_()
+    to_canvas()
+    ring, parts = window.part_focus.ring, []
+    for _ in range(6):
+        hands.keys("F6")
+        process_events(0.2)
+        part = next(p for p in window.parts() if p.isAncestorOf(QApplication.focusWidget())
+                    or p is QApplication.focusWidget())  # fmt: skip
+        place = part.mapTo(window, part.rect().topLeft()).toTuple() + part.size().toTuple()
+        parts.append((part.objectName(), in_sight(part), ring.geometry().getRect() == place))
+    seen["parts"] = parts
+
+    hidden = []
+    for _ in range(TABS):
+        hands.keys("Tab")
+        process_events(0.02)
+        focus = QApplication.focusWidget()
+        docks = [dock for dock in window.findChildren(QDockWidget) if dock.isAncestorOf(focus)]
+        hidden += [focus.objectName() for dock in docks if not in_sight(dock)]
+    seen["hidden"] = hidden
+    (folder / "keyed.json").write_text(json.dumps(seen))
+    window.close_for_good()
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
