@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer
-from PySide6.QtGui import QDropEvent, QMouseEvent
-from PySide6.QtWidgets import QApplication
+from PySide6.QtGui import QDropEvent, QKeyEvent, QMouseEvent, QWindow
+from PySide6.QtWidgets import QApplication, QWidget
 
 
 class AfterRelease(QObject):
@@ -42,6 +42,39 @@ class AfterRelease(QObject):
         waiting, self._waiting = self._waiting, {}
         for call in waiting.values():
             call()
+
+
+class EscapeInDrag(QObject):
+    """Calls when Esc is pressed during a drag, in whatever widget the keyboard is.
+
+    Looks at the window's events only during the drag.
+    """
+
+    def __init__(self, owner: QWidget, call: Callable[[], None]) -> None:
+        super().__init__(owner)
+        self._owner, self._call = owner, call
+        self._window: QWindow | None = None
+
+    def begin(self) -> None:
+        self.end()
+        self._window = self._owner.window().windowHandle()
+        if self._window is not None:
+            self._window.installEventFilter(self)
+
+    def end(self) -> None:
+        if self._window is not None:
+            self._window.removeEventFilter(self)
+            self._window = None
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        """Keep Esc from the shortcuts of the window, which stop the computation."""
+        if event.type() != QEvent.Type.ShortcutOverride or not isinstance(event, QKeyEvent):
+            return False
+        if event.key() != Qt.Key.Key_Escape:
+            return False
+        event.accept()
+        self._call()
+        return True
 
 
 class SecondClick(QObject):

@@ -4,16 +4,49 @@ python keyed_window.py FOLDER
 """
 
 import json
+import subprocess
 import sys
 from pathlib import Path
 
-from PySide6.QtWidgets import QApplication, QDockWidget
+from PySide6.QtWidgets import QApplication, QDockWidget, QStyle, QStyleOptionSlider
 
+from app.editor.panels.fields.number import NumberField
 from app.editor.window.part_focus import in_sight
 from hands import centre, process_events, wait_until
 from managed_window import Managed
 
 TABS = 80  # more than there are widgets to visit
+
+
+def dragged(made):
+    """Values of a parameter while it is dragged by its slider and by its name, and after Esc."""
+    window = made.window
+    window.session.select(["jitter"])
+    made.settle()
+    field = next(f for f in window.panels.findChildren(NumberField) if f.isVisible())
+    option = QStyleOptionSlider()
+    field.slider.initStyleOption(option)
+    handle = field.slider.style().subControlRect(
+        QStyle.ComplexControl.CC_Slider, option, QStyle.SubControl.SC_SliderHandle, field.slider
+    )
+    found = []
+    for start in (
+        field.slider.mapToGlobal(handle.center()),
+        field.label.mapToGlobal(field.label.rect().center()),
+    ):
+        x, y = made.at(start)
+        values = [window.session.network.nodes["jitter"].params["sigma_mrad"]]
+        for step in (
+            ("mousemove", x, y, "mousedown", 1, "mousemove", x + 10, y, "mousemove", x + 40, y),
+            ("key", "Escape"),
+            ("mousemove", x + 60, y),
+            ("mouseup", 1),
+        ):
+            subprocess.run(["xdotool", *map(str, step)], check=True)
+            process_events(0.3)
+            values.append(window.session.network.nodes["jitter"].params["sigma_mrad"])
+        found.append(values)
+    return found
 
 
 def main(folder):
@@ -58,6 +91,9 @@ def main(folder):
         place = part.mapTo(window, part.rect().topLeft()).toTuple() + part.size().toTuple()
         parts.append((part.objectName(), in_sight(part), ring.geometry().getRect() == place))
     seen["parts"] = parts
+
+    seen["drags"] = dragged(made)
+    seen["changed by drags"] = window.isWindowModified()
 
     hidden = []
     for _ in range(TABS):

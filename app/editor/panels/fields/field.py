@@ -364,6 +364,10 @@ class DragLabel(QLabel):
         if way:
             self.dragged.emit(way / PIXELS_A_STEP * _rate(event.modifiers()))
 
+    def let_go(self) -> None:
+        """Follow the mouse no further, though its button is down."""
+        self._last = None
+
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         if self._last is None or event.button() != Qt.MouseButton.LeftButton:
             super().mouseReleaseEvent(event)

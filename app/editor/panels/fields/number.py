@@ -13,6 +13,7 @@ from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QWhee
 from PySide6.QtWidgets import QHBoxLayout, QMenu, QSlider, QWidget
 
 from app.editor.declared_text import about, placeholder_of, shown_value, tip
+from app.editor.gestures import EscapeInDrag
 from app.editor.number_text import shown_number
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer
@@ -20,7 +21,7 @@ from app.editor.panels.fields.type_in import WHEEL_REST_MS
 from app.editor.theme import CHANGED
 from app.editor.typed_number import typed_number
 from app.editor.widgets import plain_label, takes_wheel
-from core.editing.operations import set_parameter
+from core.editing.operations import ABSENT, set_parameter
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
 from core.names import thaw
@@ -73,7 +74,9 @@ class NumberField(TypedField):
         self.label.pressed.connect(self._hold)
         self.label.dragged.connect(self._drag)
         self.label.released.connect(self._end)
+        self._escape = EscapeInDrag(self, self._give_up_drag)
         self._gesture: object | None = None
+        self._before: Any = ABSENT
         self._part = 0.0
         self._shows_link: bool | None = None
 
@@ -190,6 +193,7 @@ class NumberField(TypedField):
 
     def _hold(self) -> None:
         self._part = 0.0
+        self._escape.begin()
         self.node.requests.held.emit(self.node.name, True)
 
     def _offer_moved(self, number: float) -> None:
@@ -205,10 +209,20 @@ class NumberField(TypedField):
             return
         if self._gesture is None:
             self._gesture = object()
+            self._before = self.node.given(self.parameter.name)
             self.node.requests.held.emit(self.node.name, True)
         self.offer(number, self._gesture)
 
+    def _give_up_drag(self) -> None:
+        """Esc during a drag: the value is as before, and the mouse moves nothing until it is up."""
+        self.slider.let_go()
+        self.label.let_go()
+        if self._gesture is not None:
+            self.node.put(self.parameter.name, self._before, self._gesture)
+        self._end()
+
     def _end(self) -> None:
+        self._escape.end()
         if self._gesture is not None:
             self._gesture = None
             self.node.session.end_gesture()
@@ -244,6 +258,7 @@ class Slider(QSlider):
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.setMinimumWidth(self.fontMetrics().height() * 4)
         self.valueChanged.connect(self.moved)
+        self._let_go = False
         self._rest = QTimer(self, singleShot=True, interval=WHEEL_REST_MS)
         self._rest.timeout.connect(self.finished)
 
@@ -271,7 +286,17 @@ class Slider(QSlider):
             self.finished.emit()
         return bool(super().event(event))
 
+    def let_go(self) -> None:
+        """Follow the mouse no further, though its button is down."""
+        self._let_go = self.isSliderDown()
+        self.setSliderDown(False)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if not self._let_go:
+            super().mouseMoveEvent(event)
+
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        self._let_go = False
         super().mouseReleaseEvent(event)
         self.finished.emit()
 

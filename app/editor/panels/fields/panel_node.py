@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from PySide6.QtCore import QObject, Signal
 
 from app.editor.session import Session
-from core.editing.operations import Operation, set_parameter
+from core.editing.operations import ABSENT, Operation, set_parameter
+from core.names import thaw
 
 
 class Requests(QObject):
@@ -33,6 +34,11 @@ class PanelNode:
     def is_there(self) -> bool:
         """Whether the network still has it."""
         return self.name in self.session.network.nodes
+
+    def given(self, parameter: str) -> object:
+        """A parameter's value as the network file has it; ABSENT where it has its default."""
+        node = self.session.network.nodes[self.name]
+        return thaw(node.params.get(parameter, ABSENT))
 
     def do(self, operation: Operation, gesture: object = None) -> None:
         if self.is_there:

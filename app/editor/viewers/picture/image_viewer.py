@@ -38,6 +38,7 @@ from core.network.network import Network
 from nodes.files.formats import PNG
 
 Way = Literal["flip", "wipe"]
+HINT = "Choose a wire above, or show a selected node by its number"
 
 
 @dataclass(frozen=True)
@@ -226,17 +227,34 @@ class ImageViewer(Viewer):
             self.region.show_picture(picture, self.choices.port)
         else:
             self.canvas.make_faint()
+            self._hint.setText(str(answer.error))  # in sight where no picture was shown before
             self.status.show_text(str(answer.error), failed=True)
 
     def follow(self, before: Network, after: Network) -> None:
-        """Follow nodes that are renamed; a node that is restored is shown again."""
+        """Follow nodes that are renamed; of one that is deleted show the input, till it is back."""
         moved = (self._lost or self.choices).moved(before, after)
         gone = moved.port is not None and moved.port.rpartition(".")[0] not in after.nodes
-        now = Choices() if gone else moved
+        now = moved
+        if gone:
+            shown = self.choices.port if self._lost else moved.port
+            there = shown is not None and shown.rpartition(".")[0] in after.nodes
+            now = self.choices if there else Choices(port=self._upstream(shown, before, after))
         self._lost = moved if gone else None
         if now != self.choices:
             self.choices = now
             self._follow_choices()
+
+    def _upstream(self, port: str | None, before: Network, after: Network) -> str | None:
+        """The nearest picture that led to a port before, and is there after."""
+        groups = ports_by_node(after, self.session.library, PICTURE_TYPES[:1])
+        pictures = {port for group in groups for port in group.ports}
+        wanted = [port.rpartition(".")[0]] if port else []
+        for name in wanted:
+            sources = [f"{link.source}.{link.output}" for link in before.links_into(name)]
+            if found := next((source for source in sources if source in pictures), None):
+                return found
+            wanted += [n for s in sources if (n := s.rpartition(".")[0]) not in wanted]
+        return None
 
     def follow_opening(self) -> None:
         """Show nothing of another document."""
@@ -284,9 +302,7 @@ class ImageViewer(Viewer):
         layout.setSpacing(1)
         layout.addWidget(self.bar)
         layout.addWidget(self.band_bar)
-        self._hint = centred_hint(
-            "Choose a wire above, or show a selected node by its number", self
-        )
+        self._hint = centred_hint(HINT, self)
         self._pages = QStackedWidget(self)
         for page in (self._hint, self.canvas):
             self._pages.addWidget(page)
@@ -390,6 +406,7 @@ class ImageViewer(Viewer):
         if choices.port is None:
             self.picture = None
             self.canvas.clear_picture()
+            self._hint.setText(HINT)
             self._pages.setCurrentWidget(self._hint)
             self.status.show_text("")
             self._show_bands(None)

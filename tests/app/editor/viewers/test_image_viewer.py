@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.pixels.grey_levels import grey_levels
-from core.editing.operations import Remove, Rename, set_parameter
+from core.editing.operations import Remove, Rename, Rewire, set_parameter
 from core.errors import ImagechainError
 from viewer_bench import ViewerBench, is_freed
 
@@ -189,15 +189,34 @@ def test_follows_a_renamed_node(bench, viewer):
     assert (viewer.picture.samples == bench.value("inverse & last.image")).all()
 
 
-def test_a_removed_node_is_shown_again_once_it_is_back(bench, viewer):
+def test_of_a_removed_node_the_nearest_picture_is_shown_until_it_is_back(bench, viewer):
     bench.do(Remove(("back",)))
+    assert viewer.choices.port == viewer.bar.ports.port == "scene.image"
+    assert (viewer.picture.samples == bench.value("scene.image")).all()
+    bench.do(Remove(("scene",)))
     assert viewer.picture is None
     assert viewer.choices.port is None
     assert viewer.bar.ports.port == ""
     bench.session.undo()
+    bench.session.undo()
     bench.settle()
     assert viewer.choices.port == FINAL
     assert viewer.picture is not None
+
+
+def test_the_reason_for_no_picture_stands_where_the_picture_would(bench, viewer, qtbot):
+    other = ImageViewer(bench.session, bench.evaluator, 2)
+    bench.show(other)
+    assert other._hint.isVisible()
+    assert other._hint.text().startswith("Choose a wire")
+    bench.do(Rewire(remove=(bench.session.network.links_into("init")[0],)))
+    other.look_at(FINAL)
+    bench.settle()
+    assert other._hint.isVisible()
+    assert other._hint.text() == shown(other)
+    assert "init" in shown(other)
+    other.look_at(None)
+    assert other._hint.text().startswith("Choose a wire")
 
 
 def test_another_document_is_not_shown_under_the_old_name(bench, viewer, opened):

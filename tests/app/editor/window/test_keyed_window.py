@@ -46,3 +46,10 @@ def test_f6_visits_every_part_in_sight_and_rings_it(seen):
 
 def test_tab_raises_what_lies_behind_another_tab(seen):
     assert seen["hidden"] == []
+
+
+def test_esc_in_a_drag_puts_the_value_back_until_the_button_is_up(seen):
+    for before, dragged, *after in seen["drags"]:
+        assert dragged != before
+        assert after == [before] * 3
+    assert not seen["changed by drags"]
