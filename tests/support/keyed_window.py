@@ -8,14 +8,20 @@ import subprocess
 import sys
 from pathlib import Path
 
-from PySide6.QtWidgets import QApplication, QDockWidget, QStyle, QStyleOptionSlider
+from PySide6.QtWidgets import (
+    QApplication,
+    QDockWidget,
+    QLineEdit,
+    QStyle,
+    QStyleOptionSlider,
+)
 
 from app.editor.panels.fields.number import NumberField
 from app.editor.window.part_focus import in_sight
 from hands import centre, process_events, wait_until
 from managed_window import Managed
 
-TABS = 80  # more than there are widgets to visit
+TABS = 50  # more than there are widgets to visit
 
 
 def dragged(made):
@@ -49,6 +55,23 @@ def dragged(made):
     return found
 
 
+def named(made):
+    """Whether the canvas has the keyboard again after a name was typed."""
+    window, hands = made.window, made.hands
+    window.session.select(["jitter"])
+    made.settle()
+    hands.keys("F2")
+    wait_until(lambda: isinstance(QApplication.focusWidget(), QLineEdit), "the name is typed")
+    hands.keys("ctrl+a")
+    hands.type("shake")
+    hands.keys("Return")
+    wait_until(lambda: "shake" in window.session.network.nodes, "it has its new name")
+    found = window.canvas.isAncestorOf(QApplication.focusWidget())
+    hands.keys("ctrl+z")
+    wait_until(lambda: "jitter" in window.session.network.nodes, "undone")
+    return found
+
+
 def main(folder):
     made = Managed(folder)
     window, hands, seen = made.window, made.hands, {}
@@ -56,6 +79,7 @@ def main(folder):
     made.settle()
 
     def to_canvas():
+        process_events(0.6)  # a second click would be a double-click, which bends a wire
         hands.click(made.at(centre(window.canvas)))
         wait_until(lambda: window.canvas.isAncestorOf(QApplication.focusWidget()), "canvas")
 
@@ -92,6 +116,8 @@ def main(folder):
         parts.append((part.objectName(), in_sight(part), ring.geometry().getRect() == place))
     seen["parts"] = parts
 
+    to_canvas()
+    seen["after name"] = named(made)
     seen["drags"] = dragged(made)
     seen["changed by drags"] = window.isWindowModified()
 

@@ -104,6 +104,7 @@ class NodePanel(QFrame):
             partial(without_argument, partial(requests.close.emit, self.node))
         )
         head.name.committed.connect(self._rename)
+        head.name.returnPressed.connect(self._leave_name)  # after it is taken, or refused
         head.name.given_up.connect(self._show_name)
         head.auto.clicked.connect(self._set_auto)
         head.disable.clicked.connect(self._set_disabled)
@@ -173,6 +174,10 @@ class NodePanel(QFrame):
             self.head.show_name_error(error.message)
             return
         self._session.do(operation)
+
+    def _leave_name(self) -> None:
+        if not self.head.name.marked:
+            self._of.requests.named.emit()
 
     def _show_name(self) -> None:
         self.head.name.show_text(self._local_name)

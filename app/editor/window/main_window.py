@@ -397,6 +397,7 @@ class MainWindow(QMainWindow):
         requests = self.panels.requests
         requests.view.connect(self._view_requested)
         requests.generate.connect(self.generate)
+        requests.named.connect(self.canvas.setFocus)
         requests.handbook.connect(self.help.handbook_of)
         requests.trade_off.connect(self.viewers.trade_off)
         welcome = self.welcome

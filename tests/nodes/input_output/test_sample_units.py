@@ -136,9 +136,9 @@ def test_photons_are_kept_when_asked_for_and_never_watts(tmp_path):
             "W/m2/sr/um",
             {"unit": "photons/s/m2/sr/um"},
             ParameterError,
-            "same kind as the file's, W/m2/sr/um",
+            "same kind as the file's unit, W/m2/sr/um",
         ),
-        ("W/m2/sr/um", {"unit": "K"}, ParameterError, "same kind as the file's, W/m2/sr/um"),
+        ("W/m2/sr/um", {"unit": "K"}, ParameterError, "same kind as the file's unit, W/m2/sr/um"),
         (
             "",
             {"unit": "W/m2/sr/cm-1", "cut_on_um": 8, "cut_off_um": 10},

@@ -20,6 +20,7 @@ class Requests(QObject):
     trade_off = Signal(str, str)  # node, parameter: show figures of merit as it moves
     generate = Signal()  # compute everything
     handbook = Signal(str)  # node: the page of its module is to be opened
+    named = Signal()  # Enter in the name: the keyboard goes back to the canvas
     close = Signal(str)  # node: put the panel away
     held = Signal(str, bool)  # node, on: the mouse holds one of its controls: nothing may move
 

@@ -53,3 +53,7 @@ def test_esc_in_a_drag_puts_the_value_back_until_the_button_is_up(seen):
         assert dragged != before
         assert after == [before] * 3
     assert not seen["changed by drags"]
+
+
+def test_enter_in_the_name_gives_the_keyboard_back_to_the_canvas(seen):
+    assert seen["after name"]
