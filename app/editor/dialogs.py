@@ -5,13 +5,48 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QDialog, QFileDialog, QMessageBox, QPushButton, QWidget
+from PySide6.QtCore import QFileInfo, Qt
+from PySide6.QtGui import QIcon
+from PySide6.QtWidgets import (
+    QDialog,
+    QFileDialog,
+    QFileIconProvider,
+    QMessageBox,
+    QPushButton,
+    QWidget,
+)
 
 from nodes.files.common.file_format import dialog_filter
 from nodes.files.formats import PICTURES
 
 ROLE = QMessageBox.ButtonRole
+
+
+class PlainIcons(QFileIconProvider):
+    """Icons of files and folders that open none of them.
+
+    Qt's own provider reads a file to know its type, on the window's thread: for good where it is
+    one of those in /proc that wait for what comes.
+    """
+
+    def icon(self, of: QFileInfo | QFileIconProvider.IconType) -> QIcon:
+        if isinstance(of, QFileInfo):
+            kind = QFileIconProvider.IconType
+            of = kind.Folder if of.isDir() else kind.File
+        return super().icon(of)
+
+    def type(self, of: QFileInfo) -> str:
+        return "Folder" if of.isDir() else f"{of.suffix()} File".lstrip()
+
+
+class FileDialog(QFileDialog):
+    """Asks for files to read; Qt's own dialog, which looks alike on all systems."""
+
+    def __init__(self, parent: QWidget, title: str, folder: str = "", kinds: str = "") -> None:
+        super().__init__(parent, title, folder, kinds)
+        self.setOption(QFileDialog.Option.DontUseNativeDialog)
+        self._icons = PlainIcons()
+        self.setIconProvider(self._icons)
 
 
 def show_beside(window: QWidget, dialog: QDialog) -> None:
@@ -35,9 +70,8 @@ def choose_pictures(
     """Ask the person for files with pictures or frames; `name` is that of the dialog."""
     formats = [one for one in PICTURES if one.suffixes]
     kinds = ";;".join((dialog_filter("Pictures and frames", *formats), "All files (*)"))
-    dialog = QFileDialog(window, title, str(Path.cwd()), kinds)
+    dialog = FileDialog(window, title, str(Path.cwd()), kinds)
     dialog.setObjectName(name)
-    dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
     dialog.setFileMode(QFileDialog.FileMode.ExistingFiles)
     dialog.filesSelected.connect(lambda texts: chosen(tuple(map(Path, texts))))
     show_beside(window, dialog)
@@ -69,7 +103,7 @@ class Question(QMessageBox):
         return button.objectName() if button is not None else "cancel"
 
 
-class SaveDialog(QFileDialog):
+class SaveDialog(FileDialog):
     """Asks for the name of a file to be written, and whether one that is there is to be replaced.
 
     Qt's own question would stop the window until it is answered, and swallow the close that the
@@ -78,7 +112,6 @@ class SaveDialog(QFileDialog):
 
     def __init__(self, parent: QWidget, title: str, folder: str, kinds: str) -> None:
         super().__init__(parent, title, folder, kinds)
-        self.setOption(QFileDialog.Option.DontUseNativeDialog)
         self.setOption(QFileDialog.Option.DontConfirmOverwrite)
         self.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
         self._agreed: str | None = None

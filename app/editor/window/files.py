@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
-from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QMessageBox, QWidget
 
-from app.editor.dialogs import ROLE, Question, SaveDialog, drop_dialogs, show_beside
+from app.editor.dialogs import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
 from app.editor.session import Session
 from app.editor.window.opening import NETWORK_SUFFIX, Opened, open_named
 from app.editor.window.recent_files import Settings
@@ -44,10 +44,9 @@ class Files(QObject):
         self.after_asking(lambda: self._new(following))
 
     def open_dialog(self) -> None:
-        dialog = QFileDialog(*self._words("Open a network"))
+        dialog = FileDialog(*self._words("Open a network"))
         dialog.setObjectName(_DIALOG)
-        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
-        dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
+        dialog.setFileMode(FileDialog.FileMode.ExistingFile)
         dialog.fileSelected.connect(self.open)
         show_beside(self._window, dialog)
 

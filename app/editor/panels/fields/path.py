@@ -10,6 +10,7 @@ from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QFileDialog, QStyle, QStyleOptionFrame, QToolButton, QWidget
 
 from app.editor.declared_text import about, tip
+from app.editor.dialogs import FileDialog
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.type_in import TypeIn
@@ -111,10 +112,9 @@ class PathField(TypedField):
         """Open a dialog to choose a file; returns at once."""
         for other in self.findChildren(QFileDialog, "field.dialog"):
             other.reject()
-        dialog = QFileDialog(self, self._dialog_title())
+        dialog = FileDialog(self, self._dialog_title())
         dialog.setObjectName("field.dialog")
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
         dialog.setOption(QFileDialog.Option.DontConfirmOverwrite)  # nothing is written by choosing
         if self._writes:
             dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)

@@ -57,3 +57,7 @@ def test_esc_in_a_drag_puts_the_value_back_until_the_button_is_up(seen):
 
 def test_enter_in_the_name_gives_the_keyboard_back_to_the_canvas(seen):
     assert seen["after name"]
+
+
+def test_a_dialog_lists_files_without_opening_them(seen):
+    assert seen["in /proc"] in os.listdir("/proc")
