@@ -139,7 +139,8 @@ class ScratchDisk:
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
             return (
                 f"the scratch folder {self.folder} has no room for another {amount_text(size)} "
-                f"beside the {amount_text(self._bytes)} that lie there: --scratch gives another"
+                f"in addition to {amount_text(self._bytes)} already written: choose another "
+                "folder with --scratch"
             )
         return f"cannot write to the scratch folder {self.folder}: {error.strerror or error}"
 

@@ -167,8 +167,8 @@ def write_image(
     if the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
 
     An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
-    in W/m²/sr/µm, written one after the other: the cube is never in memory. Every other format
-    stores their sum. A Zarr store (`.zarr`) is written chunk by chunk.
+    in W/m²/sr/µm, written one after the other, so that the cube is never in memory as a whole.
+    Every other format stores their sum. A Zarr store (`.zarr`) is written chunk by chunk.
 
     Parameters
     ----------
@@ -266,8 +266,8 @@ def init_trans(
     """Transform the image to magnitude and phase, and pass the geometry to the other modules.
 
     Empty parameters are taken from a Camera before it, else from the image's header. A fill factor
-    of 1 counts as empty. Values entered here take priority; a warning says so if they differ.
-    Source: Tantalo 1996, section 4.1.
+    of 1 counts as empty. Values entered here take priority; if they differ from those, a warning
+    says so. Source: Tantalo 1996, section 4.1.
 
     Parameters
     ----------
@@ -381,7 +381,7 @@ def sample_pixels(
         samples per pixel along; empty: the pitch of Init & Trans or Camera [samples]: a number from
         0.001 to 65536 or empty; default empty
     offset : float | Expression
-        how far samples lie from the pixels' middles, right and down [pixels]: a number from -1 to
+        offset of the samples from the pixels' centres, right and down [pixels]: a number from -1 to
         1; default 0.0
     offset_y : float | Expression | None
         the same along, if it differs; empty: as across [pixels]: a number from -1 to 1 or empty;
@@ -435,7 +435,7 @@ def interpolate(
     Back Transform continues as Init & Trans defines: a mirrored frame is mirrored, a periodic frame
     wraps round. Any other picture, or one cropped since, continues with its outermost samples.
     Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order 0 takes the nearest
-    sample (the later one of two equally near), 1 is bilinear, 3 is cubic convolution. An equal size
+    sample (the later one of two equally near), 1 is bilinear, 3 is cubic convolution. The same size
     changes nothing. Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a =
     −1/2).
 
@@ -606,9 +606,9 @@ def atmospheric_path(
     wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
     sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
     of Read Image) has each band multiplied by its own transmission. Absorption and scattering
-    attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit apply
-    behind this path, and their ranges use its transmission at each range, by Beer's law at every
-    wavelength. Two of these modules in a row are two constituents of the same air.
+    attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit after
+    this module use its transmission at each range, by Beer's law at every wavelength. Two of these
+    modules in a row represent two constituents of the same air.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
 
@@ -620,8 +620,8 @@ def atmospheric_path(
     transmission : float | Expression
         transmission of the path: a number from 0 to 1; default 1.0
     path : str | PathLike[str] | None
-        CSV of µm and transmission, used instead of the number; for modtran a tape7 or a CSV: a file
-        name or empty; default empty
+        CSV of µm and transmission, used instead of the number; for modtran: a tape7 or a CSV: a
+        file name or empty; default empty
     extinction_per_km : float | Expression
         extinction: the sum of absorption and scattering [1/km]: a number from 0 to 1e+06; default
         0.2
@@ -636,8 +636,8 @@ def atmospheric_path(
         temperature of the air; empty: the air adds no radiance [K]: a number from 0 to 10000 or
         empty; default empty
     source_K : float | Expression | None
-        black body whose spectrum weights a single band; empty: the scene's, or sunlight [K]: a
-        number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum weights a single band; empty: that of the scene, or of sunlight
+        [K]: a number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -718,7 +718,7 @@ def atmosphere_mtf(
         above [µm]: a number from 0 to 1e+06 or empty; default empty
     view : Literal['horizontal', 'vertical', 'up']
         line of sight, for coefficients and Cn²; vertical: looking down from a height; up: looking
-        up to one: one of horizontal, vertical, up; default 'horizontal'
+        up to a height: one of horizontal, vertical, up; default 'horizontal'
     absorption_per_km : float | Expression
         has no effect here: absorption dims the scene and does not blur it; use Atmospheric Path
         [1/km]: a number of at least 0; default 0.0
@@ -756,9 +756,9 @@ def camera(
     for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
     pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
     focal length, F-number and aperture give the third. An image without a sampling interval gets
-    one from the camera's field of view, pixels times pitch over focal length. A warning names
-    values that disagree; nothing is corrected. Source: Holst 2008, Electro-Optical Imaging System
-    Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
+    one from the camera's field of view (pixels times pitch, divided by focal length). A warning
+    names values that disagree; nothing is corrected. Source: Holst 2008, Electro-Optical Imaging
+    System Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
 
     Parameters
     ----------
@@ -778,12 +778,14 @@ def camera(
         focal length; empty: F-number times aperture [mm]: a number of at least 0 or empty; default
         empty
     f_number : float | Expression | None
-        F-number; empty: focal length over aperture: a number of at least 0 or empty; default empty
-    aperture_mm : float | Expression | None
-        aperture diameter; empty: focal length over F-number [mm]: a number of at least 0 or empty;
+        F-number; empty: focal length divided by the aperture: a number of at least 0 or empty;
         default empty
+    aperture_mm : float | Expression | None
+        aperture diameter; empty: focal length divided by the F-number [mm]: a number of at least 0
+        or empty; default empty
     obscuration_ratio : float | Expression
-        obscuration: inner over outer diameter of the aperture: a number from 0 below 1; default 0.0
+        obscuration: inner diameter of the aperture divided by the outer: a number from 0 below 1;
+        default 0.0
     range_m : float | Expression | None
         distance of the scene [m]: a number of at least 0 or empty; default empty
 
@@ -832,11 +834,11 @@ def diffraction_mtf(
     Parameters
     ----------
     aperture_mm : float | Expression | None
-        aperture diameter; empty: from Camera, or focal length over F-number [mm]: a number of at
-        least 0 or empty; default empty
+        aperture diameter; empty: from Camera, or focal length divided by the F-number [mm]: a
+        number of at least 0 or empty; default empty
     obscuration_ratio : float | Expression | None
-        obscuration: inner over outer diameter; empty: from Camera, or none: a number from 0 below 1
-        or empty; default empty
+        obscuration: inner diameter divided by the outer; empty: from Camera, or none: a number from
+        0 below 1 or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
@@ -844,11 +846,11 @@ def diffraction_mtf(
         longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
     weighting : Literal['photons', 'energy', 'uniform']
-        weight of the wavelengths: by photons, as in a photon detector, by energy, or equal: one of
+        weight of the wavelengths: by photons (as in a photon detector), by energy, or equal: one of
         photons, energy, uniform; default 'photons'
     source_K : float | Expression | None
-        black body whose spectrum fills the band; empty: the picture's mean, or sunlight [K]: a
-        number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum fills the band; empty: at the temperature of the picture's mean,
+        or sunlight [K]: a number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
         CSV of µm and detector response, an additional weight of the light, or empty: a file name or
         empty; default empty
@@ -905,10 +907,10 @@ def exit_pupil(
     centred on the array. The read-out `aperture_radius` gives the radius used. A wavefront map
     (picture, FITS, `.npy`, text, Zemax's listing) is added to these. Outside the aperture it must
     be NaN, or zero out to the border of the array. The pupil is opaque where the map is unknown. A
-    map in waves uses its own wavelength; a path in µm is the same at all wavelengths. A complex
-    `.npy` as `path` holds amplitude and phase at its own wavelength only. Row 0 is at the top. W
-    enters as exp(2πiW), so a W that increases to the right moves the picture to the left. Sources:
-    Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    map in waves applies at its own wavelength; a path in µm is the same at all wavelengths. A
+    complex `.npy` as `path` holds amplitude and phase at its own wavelength only. Row 0 is at the
+    top. W enters as exp(2πiW), so a W that increases to the right moves the picture to the left.
+    Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
 
     Parameters
     ----------
@@ -1005,8 +1007,8 @@ def exit_pupil_mtf(
         weight of the wavelengths: equal, as in 1996, by photons, or by energy: one of uniform,
         photons, energy; default 'uniform'
     source_K : float | Expression | None
-        black body whose spectrum fills the band; empty: the picture's mean, or sunlight [K]: a
-        number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum fills the band; empty: at the temperature of the picture's mean,
+        or sunlight [K]: a number from 0 to 1e+06 or empty; default empty
     response : str | PathLike[str] | None
         CSV of µm and detector response, an additional weight of the light, or empty: a file name or
         empty; default empty
@@ -1162,8 +1164,8 @@ def psf_file(
         focal length, for µm; empty: from Init & Trans [mm]: a number of at least 0 or empty;
         default empty
     centroid : Literal['kept', 'removed']
-        whether a centroid away from the file's middle shifts the picture: one of kept, removed;
-        default 'kept'
+        whether the picture shifts if the centroid is away from the file's middle: one of kept,
+        removed; default 'kept'
     background : float | Expression
         background to subtract from every sample, in the file's unit: a number; default 0.0
     apply : Literal['multiply', 'filter_only']
@@ -1378,7 +1380,7 @@ def line_of_sight(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or the value below: one of
+        take the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
         seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
@@ -1470,7 +1472,7 @@ def charge_eff_mtf(
     detectors_per_line : int | Expression
         number of transfers: a whole number from 0 to 1e+09; default 640
     efficiency : float | Expression
-        fraction of the charge that each transfer moves on: a number from 0 to 1; default 0.99999
+        fraction of the charge that each transfer passes on: a number from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
         the exact product over all transfers (eqs. 4.57-4.58), or its leading term: one of exact,
         published, leading; default 'exact'
@@ -1508,7 +1510,7 @@ def charge_eff_phase(
     detectors_per_line : int | Expression
         number of transfers: a whole number from 0 to 1e+09; default 640
     efficiency : float | Expression
-        fraction of the charge that each transfer moves on: a number from 0 to 1; default 0.99999
+        fraction of the charge that each transfer passes on: a number from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
         the exact product over all transfers (eqs. 4.57-4.58), or its leading term: one of exact,
         published, leading; default 'exact'
@@ -1582,14 +1584,14 @@ def spectral_response(
 ) -> Part:
     """Weight every wavelength by the response of a detector material, a filter or a window.
 
-    Each band of a spectral picture is multiplied by its mean response. Focal Plane behind it counts
-    the remaining photons; its NETD refers to the scene before the response. The response weights
-    only light from the scene, not from optics and housing. A picture with one band is multiplied by
-    the mean over the band, weighted by the radiance of a black body: at the picture's mean
-    brightness temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`.
-    `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points. `gaussian`:
-    `width_um` is the full width at half maximum. To get radiance, enter a response per watt
-    unchanged; for photons, use the response in Focal Plane.
+    Each band of a spectral picture is multiplied by its mean response. A Focal Plane after it
+    counts the remaining photons; its NETD refers to the scene before the response. The response
+    weights only light from the scene, not radiation from optics and housing. A picture with one
+    band is multiplied by the mean over the band, weighted by the radiance of a black body: at the
+    picture's mean brightness temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or
+    at `source_K`. `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points.
+    `gaussian`: `width_um` is the full width at half maximum. To get radiance, enter a response per
+    watt unchanged; for photons, use the response in Focal Plane.
 
     Parameters
     ----------
@@ -1606,8 +1608,8 @@ def spectral_response(
     peak : float | Expression
         largest response: a number from 0 to 1; default 1.0
     source_K : float | Expression | None
-        black body whose spectrum weights a single band; empty: the scene's, or sunlight [K]: a
-        number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum weights a single band; empty: that of the scene, or of sunlight
+        [K]: a number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -1678,7 +1680,7 @@ def focal_plane(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or the value below: one of
+        take the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
         seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
@@ -1727,7 +1729,7 @@ def focal_plane(
         cutoff of the detector material, for Rule 07 [µm]: a number from 0 to 100 or empty; default
         empty
     full_well_e : float | Expression | None
-        electrons that a pixel holds; empty: unlimited [e-]: a number of at least 0 or empty;
+        electrons that a pixel can hold; empty: unlimited [e-]: a number of at least 0 or empty;
         default empty
     nonlinearity_percent : float | Expression
         signal lost at the full well; the loss grows with the square of the electrons [%]: a number
@@ -1743,8 +1745,8 @@ def focal_plane(
     bits : int | Expression
         bits of the converter; 0: no converter [bit]: a whole number from 0 to 24; default 0
     gain_e_per_dn : float | Expression | None
-        electrons per digital number; empty: the full well is the last number [e-/DN]: a number of
-        at least 0 or empty; default empty
+        electrons per digital number; empty: the full well gives the highest number [e-/DN]: a
+        number of at least 0 or empty; default empty
     offset_dn : float | Expression
         digital number of zero electrons [DN]: a number from -1.67772e+07 to 1.67772e+07; default
         0.0
@@ -1798,7 +1800,7 @@ def microbolometer(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or the value below: one of
+        take the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
         seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
@@ -1834,8 +1836,8 @@ def microbolometer(
         corner frequency, where 1/f noise equals white noise; 0: no 1/f noise [Hz]: a number from 0
         to 1e+09; default 0.0
     longest_period_s : float | Expression
-        slowest 1/f noise: time since the last correction [s]: a number from 1e-09 to 1e+09; default
-        60.0
+        longest period of the 1/f noise: time since the last correction [s]: a number from 1e-09 to
+        1e+09; default 60.0
     response_percent : float | Expression
         PRNU: spread of the response between pixels [%]: a number from 0 to 100; default 0.0
     offset_mK : float | Expression
@@ -1876,7 +1878,7 @@ def nuc(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or the value below: one of
+        take the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
         seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
@@ -1922,7 +1924,7 @@ def poisson_noise(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or the value below: one of
+        take the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
         seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
@@ -1987,7 +1989,7 @@ def electronics_noise(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or the value below: one of
+        take the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
         seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
@@ -2162,7 +2164,7 @@ def noise_3d_source(
     Parameters
     ----------
     seed_mode : Literal['automatic', 'typed']
-        take the seed from the network's seed and this node's name, or the value below: one of
+        take the seed from the network's seed and this node's name, or enter it below: one of
         automatic, typed; default 'automatic'
     seed : int | Expression
         seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
@@ -2186,8 +2188,8 @@ def noise_3d_source(
     frame_rate_Hz : float | Expression
         frame rate, for 1/f noise [Hz]: a number from 1e-06 to 1e+09; default 30.0
     longest_period_s : float | Expression
-        slowest 1/f noise: time since the last correction [s]: a number from 1e-09 to 1e+09; default
-        60.0
+        longest period of the 1/f noise: time since the last correction [s]: a number from 1e-09 to
+        1e+09; default 60.0
 
     Notes
     -----
@@ -2255,11 +2257,12 @@ def measured_mtf(
     derivative. The MTF is its modulus divided by the largest value; the response of the
     derivative, 0.64 at Nyquist, is not corrected. Standard errors come from leaving out rows.
 
-    `expected` is the MTF of the picture's chain in the same direction up to Nyquist: all stages
-    from the source on, and the samples of a test scene, which are means over their area. The blur
-    of a scene in a file is unknown and not included; a picture straight from a file has no expected
-    MTF. Aliasing in `row_average` is not included. `imagechain measure` finds the edges in pictures
-    of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
+    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. It includes
+    all stages from the source on, and the samples of a test scene, which are means over their area.
+    The blur of a scene from a file is unknown and not included; a picture straight from a file has
+    no expected MTF. Aliasing in `row_average` is not included. `imagechain measure` finds the edges
+    in pictures of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and
+    appendix B.
 
     Parameters
     ----------
@@ -2341,8 +2344,8 @@ def figures_of_merit(
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only, and has no sampling
     limit; `flir92` also uses fixed patterns, which do not average over time, and ends at Nyquist
-    where the sensor samples. Temporal noise is averaged with its spectrum in the picture. The 2-D
-    MRTD uses the geometric mean of both frequencies at the same MRTD. MDTD (square target):
+    where the sensor samples. The averaging of temporal noise uses its spectrum in the picture. The
+    2-D MRTD uses the geometric mean of both frequencies at the same MRTD. MDTD (square target):
     SNR_th·σ divided by the mean of the target's blurred image.
 
     `scanning` sets the directions in which the sensor samples: `staring` in both; `serial_scan`
@@ -2355,8 +2358,9 @@ def figures_of_merit(
     A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature: it
     is refused unless `background_K` gives the temperature of the scene's own emission; use Image
     Quality instead. All figures in K apply at the camera, behind the air, for the background as it
-    appears there. The ΔT that remains at a range follows from Atmospheric Path, if the picture has
-    passed one: τ(R) of each wavelength, weighted by dL/dT; otherwise ΔT·exp(−extinction·range).
+    appears there. If the picture has passed an Atmospheric Path, the ΔT that remains at a range
+    follows from its τ(R) at each wavelength, weighted by dL/dT; otherwise it is
+    ΔT·exp(−extinction·range).
 
     Johnson: the cycles resolved across the target, up to the frequency where the target's apparent
     ΔT equals the 2-D MRTD, divided by N50.
@@ -2367,7 +2371,7 @@ def figures_of_merit(
     = 169.6 √Hz, σ the noise in K·√s that passes the eyeball and the eye's channel at the frequency,
     S the scene contrast; fixed patterns count with `flir92`. Display and eye are not part of the
     MRTD. The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is
-    quoted for identifying tracked vehicles, which could not be checked.
+    quoted for identifying tracked vehicles; it could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
@@ -2437,8 +2441,8 @@ def figures_of_merit(
     display_deg : float | Expression
         TTP: angle that the display fills at the eye [deg]: a number above 0 to 180; default 15.0
     magnification : float | Expression | None
-        TTP: angle on the display over angle in the scene; empty: the picture fills the display: a
-        number of at least 0 or empty; default empty
+        TTP: angle on the display divided by the angle in the scene; empty: the picture fills the
+        display: a number of at least 0 or empty; default empty
     range_max_km : float | Expression | None
         longest range of the curve; empty: where detection becomes unlikely [km]: a number from 0 to
         1e+06 or empty; default empty
@@ -2460,13 +2464,13 @@ def noise_budget(
 ) -> Part:
     """Show how much each source contributes to the noise, and each stage to the blur.
 
-    Everything is computed from the picture's chain; no noise is drawn. Each noise source is
-    followed to the picture through the filters, combined pixels and interpolation that follow it.
+    Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
+    propagated to the picture through all later filters, combined pixels and interpolation.
     Variances of independent noises add, so each source has a share of the sum. `fixed` are patterns
     that stay from frame to frame, averaged over all sensors of this kind. Rounding counts as noise.
     Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian blur is
     proportional to its variance. A stage that amplifies has a negative share: it recovers this part
-    of the loss. A stage that blocks everything has the whole share. Phases do not blur.
+    of the loss. A stage with an MTF of zero has all of it. Phases do not blur.
 
     Parameters
     ----------
@@ -2495,27 +2499,28 @@ def noise_3d(
 ) -> Part:
     """Split noise into its 3-D components: time (t), rows (v), columns (h), and combinations.
 
-    Predicted: every noise source of the chain is followed to this picture, through the transfer
-    functions, combined pixels and interpolation that follow it. Measured: frames of the picture are
+    Predicted: the noise of every source in the chain is propagated to this picture through all
+    later transfer functions, combined pixels and interpolation. Measured: frames of the picture are
     simulated, each with its own temporal noise and the same fixed patterns. The noise-free picture
     is subtracted, and unbiased estimates split the variance into the seven components. Only one
-    pattern is measured, so a fixed component with few rows or columns scatters about the prediction
-    for all sensors of this kind. Noise correlated between neighbours also appears in σ tv and σ th.
-    Rounding counts as noise. A file of frames (`path`), from a camera for example, is measured
-    instead of simulated frames, one frame at a time: everything that stays from frame to frame,
-    including the scene, then counts as fixed pattern, so use frames of a uniform scene. If you also
-    link a picture, its prediction is shown alongside. Sources: D'Agostino and Webb 1991; Scott and
-    D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased
-    estimates).
+    pattern is measured, so with few rows or columns the measured fixed components scatter about the
+    prediction, which is an average over all sensors of this kind. Noise correlated between
+    neighbours also appears in σ tv and σ th. Rounding counts as noise. A file of frames (`path`),
+    from a camera for example, is measured instead of simulated frames, one frame at a time:
+    everything that stays from frame to frame, including the scene, then counts as fixed pattern, so
+    use frames of a uniform scene. If a picture is linked too, its prediction is shown beside the
+    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
+    Casella and McCulloch 1992, Variance Components (unbiased estimates).
 
     Parameters
     ----------
     frames : int | Expression
-        frames to simulate, 0: prediction alone; of a file all are measured: a whole number from 0
-        to 100000; default 16
+        frames to simulate; 0: prediction only; all frames of a file are measured: a whole number
+        from 0 to 100000; default 16
     path : str | PathLike[str] | None
-        file of frames to measure in place of simulated ones, or empty: .npy (frames, rows,
-        columns), TIFF of a page each, ENVI of a band each: a file name or empty; default empty
+        file of frames to measure instead of simulated ones: .npy (frames, rows, columns), TIFF with
+        a page per frame, or ENVI with a band per frame; empty: simulate: a file name or empty;
+        default empty
 
     Notes
     -----
@@ -2536,8 +2541,8 @@ def compare_images(
     It gives the root mean square, largest and mean difference, and the peak signal-to-noise ratio,
     whose peak is the reference's maximum minus its minimum. The MTF ratio divides the modulus of
     the picture's spectrum by the reference's, on both frequency axes; or it is the root of the
-    power ratio in rings. Frequencies at which the reference has only rounding errors are left out.
-    For a frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF
+    power ratio in rings. Frequencies where the reference has only rounding errors are left out. For
+    a frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF
     itself.
 
     Parameters
@@ -2566,16 +2571,17 @@ def spatial_blur(
     """Blur by convolution with the impulse response; use it instead of Back Transform.
 
     It takes the inputs of Back Transform: the impulse response is the inverse transform of all
-    collected MTFs and PTFs. Separable ones need a pass along x and one along y; others need a
-    two-dimensional kernel. Whole kernels give the result of Back Transform, to rounding. A
-    truncated kernel has an error of at most `error_bound`: the sum of the moduli of what was cut
-    off, as a share of the scene's largest deviation from its mean. The mean is kept. If a transfer
-    function has not fallen to zero at Nyquist, its kernel rings and cannot be both short and
-    precise.
+    collected MTFs and PTFs. If it is separable, it is applied in one pass along x and one along y;
+    otherwise as a two-dimensional kernel. Complete kernels give the same result as Back Transform,
+    except for rounding. A truncated kernel has an error of at most `error_bound`: the sum of the
+    moduli of what was cut off, as a share of the scene's largest deviation from its mean. The mean
+    is kept. If a transfer function has not fallen to zero at Nyquist, its kernel rings and cannot
+    be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
-    128², ±4 at 512²; two-dimensional kernels never are (`imagechain bench --only precision`, table
-    spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section 2.1.4.
+    128², ±4 at 512²; two-dimensional kernels are always slower (`imagechain bench --only
+    precision`, table spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section
+    2.1.4.
 
     Parameters
     ----------
@@ -2610,16 +2616,17 @@ def line_by_line(
 ) -> Part:
     """Filter a line scanner's frame with its true sampling; use it instead of Back Transform.
 
-    A line scanner samples in equal angles along the scan and in equal steps on the ground along the
-    flight. Away from nadir the ground is farther away, and the lines are closer in angle:
+    A line scanner samples at equal angles along the scan and at equal distances on the ground along
+    the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
     scan have one scale, factors along the flight have one per column, and pupils and other
-    non-separable factors have both. All are in angles at the sensor, as in their modules; edges and
-    PTFs are as in Back Transform. Separable factors are exact. Non-separable factors are
-    interpolated between a few sampling intervals (`nodes`), with an estimate of the error, or
-    summed exactly for each interval (`direct`). For a pushbroom or an array, which sample evenly,
-    both outputs agree. The ground is flat, and motion blur over it has the same angle as at nadir.
+    non-separable factors have both. As in their own modules, all factors are in angles at the
+    sensor; edges and PTFs are treated as in Back Transform. Separable factors are exact.
+    Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
+    estimate of the error, or summed exactly for each interval (`direct`). For a pushbroom or an
+    array, which sample evenly, both outputs agree. The ground is taken as flat, and motion blur as
+    the same angle as at nadir.
 
     When is one interval for the whole image good enough? The Inframetrics' blur of three samples on
     the built-in scene (network `line_by_line`) is wrong by at most 0.03 % of the picture's range in
@@ -2634,15 +2641,17 @@ def line_by_line(
     scan : Literal['x', 'y']
         axis of the frame along which a line is scanned: one of x, y; default 'x'
     look_angle_deg : float | Expression
-        view angle from nadir of the frame's middle [deg]: a number above -90 below 90; default 0.0
+        view angle from nadir at the middle of the frame [deg]: a number above -90 below 90; default
+        0.0
     nadir_column : float | Expression | None
-        sample of a scan line that looks at nadir, counted from 0; empty: from the look angle [px]:
-        a number from -65536 to 131072 or empty; default empty
+        sample of a scan line at nadir, counted from 0; empty: from the look angle [px]: a number
+        from -65536 to 131072 or empty; default empty
     spacing : Literal['frame', 'flight', 'typed']
         spacing of lines at nadir: the frame's interval, one line per turn at Init & Trans's
         velocity and scan rate, or the value below: one of frame, flight, typed; default 'frame'
     line_spacing_m : float | Expression | None
-        distance of scan lines on the ground [m]: a number of at least 0 or empty; default empty
+        distance between scan lines on the ground [m]: a number of at least 0 or empty; default
+        empty
     altitude_m : float | Expression | None
         altitude; empty: from Init & Trans [m]: a number of at least 0 or empty; default empty
     method : Literal['nodes', 'direct']
@@ -2652,7 +2661,8 @@ def line_by_line(
         intervals to interpolate between; empty: as many as the tolerance needs: a whole number from
         0 to 32 or empty; default empty
     tolerance : float | Expression
-        largest error of the transfer function by interpolation: a number from 0 to 1; default 1e-05
+        largest error of the transfer function from interpolation: a number from 0 to 1; default
+        1e-05
 
     Notes
     -----
@@ -2704,7 +2714,7 @@ def camera_geometry(
     Parameters
     ----------
     kind : Literal['line', 'pushbroom', 'framing']
-        line scanner, pushbroom, or framing camera, which exposes all lines at once: one of line,
+        line scanner, pushbroom, or framing camera (exposes all lines at once): one of line,
         pushbroom, framing; default 'line'
     altitude_m : float | Expression
         height above the ground [m]: a number above 0; default 1000.0
@@ -2746,8 +2756,8 @@ def camera_geometry(
     offset_y_m : float | Expression
         distance of the camera below the scene's centre [m]: a number; default 0.0
     interpolation : Literal['area', 'bilinear', 'cubic']
-        how the scene is taken between its samples: constant areas, straight lines, or parabolas:
-        one of area, bilinear, cubic; default 'area'
+        interpolation between scene samples: constant areas, straight lines, or parabolas: one of
+        area, bilinear, cubic; default 'area'
     strips : int | Expression
         strips that an oblique footprint is cut into: a whole number from 1 to 64; default 4
     outside : Literal['refuse', 'fill']
@@ -2799,10 +2809,10 @@ def image_quality(
         range to the ground; empty: from Init & Trans [m]: a number of at least 0 or empty; default
         empty
     off_nadir_deg : float | Expression
-        look angle off nadir along the track, which stretches the ground sample [deg]: a number from
+        look angle off nadir along the track, which enlarges the ground sample [deg]: a number from
         0 to 89; default 0.0
     snr : float | Expression | None
-        SNR, if you know it; empty: mean signal over temporal noise: a number of at least 0 or
+        SNR, if you know it; empty: mean signal divided by temporal noise: a number of at least 0 or
         empty; default empty
     overshoot : float | Expression | None
         overshoot H, if you know it; empty: from the chain: a number of at least 0 or empty; default

@@ -186,7 +186,7 @@ def _of_values(trial: _Trial) -> Iterator[str]:
                     "engine keeps it"
                 )
         if pickle.loads(pickle.dumps(wire)).key != wire.key:
-            yield f"output {name} has another key after it was sent to another process"
+            yield f"output {name} has a different key after it was sent to another process"
 
 
 def _of_precision(trial: _Trial) -> Iterator[str]:
@@ -237,7 +237,7 @@ def _of_keys(trial: _Trial) -> Iterator[str]:
     outputs = one.nodes[IT].outputs
     for name, wire in outputs.items():
         if two.nodes[IT].outputs[name].key != wire.key:
-            yield f"output {name} has another key each time it is planned"
+            yield f"output {name} has a different key each time it is planned"
     before = trial.values(policy)
     for parameter in declaration(trial.module).parameters:
         for value in _other_values(parameter, trial.params):

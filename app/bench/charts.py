@@ -68,7 +68,9 @@ def _draw_errors(axis: Any, chart: Chart, rows: Sequence[Row]) -> None:
             if text is not None
         ]
     _scale(axis, points)
-    axis.set_xlabel("time in T0, the bare Fourier round trip of the picture")
+    axis.set_xlabel(
+        "time in multiples of T0, one forward and one inverse Fourier transform of the picture"
+    )
     axis.set_ylabel(chart.error)
     if named:
         axis.figure.legend(loc="outside lower center", ncols=min(len(groups), 4), frameon=False)
@@ -185,7 +187,7 @@ def _draw_bars(axis: Any, rows: Sequence[Row]) -> None:
     axis.spines["left"].set_visible(False)
     axis.axvline(1.0, color=FAINT, lw=1.0, ls=(0, (4, 3)), zorder=1)
     axis.set_xlabel(
-        "time in T0, the bare Fourier round trip of the scene (dashed)\n"
-        "solid mark: target, dotted: aim; blue meets its target, orange misses it",
+        "time in multiples of T0, one forward and one inverse Fourier transform of the scene "
+        "(dashed)\\nsolid mark: target, dotted: aim; blue meets its target, orange misses it",
         fontsize=10,
     )

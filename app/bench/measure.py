@@ -48,9 +48,8 @@ def measuring(settings: Settings) -> list[Table]:
         rows.append({**row, **took, **judged(took["seconds"], REACH_S[size])})
     heads = {"subject": "picture", "edges": "edges", "used": "used", **TIMES}
     text = (
-        "A picture in memory: squares turned by 7°, blurred by 0.8 samples, with noise. "
-        "Timed: finding the edges, the MTF across each, pooling, and the noise of the flat "
-        "areas."
+        "A picture in memory: tilted squares (7°), blurred by 0.8 samples, with noise. Timed: "
+        "finding the edges, the MTF across each, pooling, and the noise of the flat areas."
     )
     title = "Measuring a picture, double precision"
     return [Table("measure", title, heads, rows, text)]

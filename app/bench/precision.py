@@ -200,9 +200,9 @@ def pupil_sampling(settings: Settings) -> list[Table]:
             rows.append({**row, **timing, "error": otf.error(shape)})
     heads = {"shape": "pupil", "choice": "OTF", **T0_HEADS, "error": "largest error"}
     text = (
-        "Exact is the default: no sampled pupil comes near the closed form's error, however "
-        "long it takes. Pupils from files and with a wavefront error have no closed form and "
-        "are sampled, by default on 512²."
+        "Exact is the default: a sampled pupil never reaches the small error of the closed "
+        "form, however long it takes. Pupils from files and with a wavefront error have no "
+        "closed form and are sampled, by default on 512²."
     )
     title = f"Pupil: closed form and autocorrelated samples, {settings.small}² frequencies"
     chart = Chart("largest error", "choice", "curve")
@@ -223,9 +223,9 @@ def interpolation(settings: Settings) -> list[Table]:
     heads = {"choice": "interpolation", "size": "samples", **T0_HEADS, "error": "largest error"}
     text = (
         "Bilinear is the default: it weights the four neighbouring lags the same way in every "
-        "direction. Linear over three has a smaller error with coarse samples, since its "
-        "facets follow the cusp at zero lag; with fine samples both have only the error of "
-        "the samples. None is for viewing only: it filters nothing."
+        "direction. Linear over three has a smaller error with coarse samples, because its "
+        "facets follow the cusp at zero lag; with fine samples, only the error of the "
+        "sampling remains in both. None is for viewing only: it filters nothing."
     )
     title = f"Interpolation of an autocorrelated half moon, {settings.small}² frequencies"
     chart = Chart("largest error", "size", "choice")
@@ -301,7 +301,8 @@ def charge_transfer(settings: Settings) -> list[Table]:
             rows.append(row | timing)
     text = (
         "Exact is the default: a vector along one axis takes almost no time compared with the "
-        "picture. The published phase follows another law, which starts with w³ instead of w."
+        "picture. The published phase follows a different formula, which starts with w³ "
+        "instead of w."
     )
     name = "Charge transfer compared with the product of all transfers, by N × (1 − ε)"
     chart = Chart("largest error of H", "setting", "choice", lines=False, title=name)
@@ -341,11 +342,11 @@ def poisson(settings: Settings) -> list[Table]:
     heads["variance"] = "variance / mean − 1"
     text = (
         "Exact is the default, at every mean up to 1e12. Normal deviates, rounded to counts, "
-        "are least accurate where photons are few; there exact is also faster, since it draws "
-        "only the events. From a few photons per sample on, normal deviates are faster, and "
-        "their distance falls as 1/√mean. The distance is the largest difference between the "
-        f"deviates' distribution and Poisson's; 95 of 100 exact fields of {settings.size}² "
-        f"stay below {chance:.1g}."
+        "are least accurate where photons are few; there, exact deviates are also faster, "
+        "because only the events are drawn. From a few photons per sample on, normal deviates "
+        "are faster, and their distance falls as 1/√mean. The distance is the largest "
+        "difference between the distribution of the deviates and Poisson's; 95 of 100 exact "
+        f"fields of {settings.size}² stay below {chance:.1g}."
     )
     title = f"Poisson deviates, and normal deviates instead: {settings.size}² samples"
     chart = Chart("Kolmogorov distance from Poisson", "mark", "choice",
@@ -380,9 +381,9 @@ def skipping(settings: Settings) -> list[Table]:
     heads = {"precision": "precision", "tolerance": "tolerance", **T0_HEADS}
     heads |= {"skipped": f"left out of {len(STRENGTHS)}", "error": "rms error / (max − min)"}
     text = (
-        "The default is an eighth of the samples' rounding: what it leaves out cannot be told "
-        "from rounding. A larger tolerance also holds, and saves time. T0 is in single "
-        "precision in all rows."
+        "The default is an eighth of the rounding of the samples: what it leaves out cannot "
+        "be distinguished from rounding. A larger tolerance is met too, and saves time. T0 is "
+        "in single precision in all rows."
     )
     title = f"Stages left out: {len(STRENGTHS)} weak stages, {settings.small}², mirrored"
     name = f"{title}: tolerance (stages left out)"

@@ -28,9 +28,9 @@ HEADS = {
     "verdict": "",
 }  # fmt: skip
 HOW = (
-    "The loop plans and evaluates in Python, in one process, what the study does; both give "
-    "the same rows. Starting the processes has its own column and is not in the seconds; "
-    "processor seconds are those of all processes, including their start."
+    "The loop in Python plans and evaluates, in one process, what the study computes; both "
+    "give the same rows. The start of the processes has its own column and is not in the "
+    "seconds; processor seconds are those of all processes, including their start."
 )
 SIDE, LEAST_SIDE = 512, 128
 FIGURES = ("electronics.snr", "electronics.netd_system_K")

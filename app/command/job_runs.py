@@ -47,7 +47,7 @@ UNSAVED = "network that was never saved"
 TRADE_OFF_PAGE, TRADE_OFF_TABLE, READOUT_TABLE = "tradeoff.html", "tradeoff.csv", "readouts.csv"
 MOST_PREVIEWS, PREVIEW_PX = 24, 256
 _FIGURES = 0.2  # of what a picture takes, at the same value
-_HOW_TO_ALLOW = "choose the file by Browse… on its control panel, or another output folder"
+_HOW_TO_ALLOW = "choose the file with Browse… on its control panel, or choose another output folder"
 
 
 def carry_out(job: Job, cancel: threading.Event | None, steps: Steps) -> Result:
@@ -186,7 +186,7 @@ class _Running:
         if self.job.frames:
             port = find_output(plan)
             if port.port is None:
-                raise UsageError(f"{port.missing}: mark the picture you want frames of (O)")
+                raise UsageError(f"{port.missing}: mark the picture that you want as frames (O)")
             node, _, name = port.port.rpartition(".")
             save = Save(node, name, str(stage.folder / FRAMES))
             options = Options(**vars(options), frames=self.job.frames, saves=(save,))

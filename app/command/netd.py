@@ -131,7 +131,7 @@ def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField
         if many > max(_PILED_UP * good.size, _CHANCE):
             raise DataError(
                 f"{file.path}: {100.0 * many / good.size:.2g} % of the samples are {end:.6g}: "
-                f"the field is {what}, so its mean and noise are not the camera's"
+                f"the field is {what}, so mean and noise are not those of the camera"
             )
 
 
@@ -145,7 +145,7 @@ def _rows(measured: Measured) -> list[Row]:
             ("wavelength_error_um", error, "µm", "its standard error"),
         ]
     return [
-        ("temperature_K", middle.temperature_K, "K", "midway, where the next figures hold"),
+        ("temperature_K", middle.temperature_K, "K", "midway, where the next figures apply"),
         ("sitf", middle.sitf_per_K, f"{unit}/K", "change of the mean with the temperature"),
         (
             "sitf_error",
@@ -153,9 +153,14 @@ def _rows(measured: Measured) -> list[Row]:
             f"{unit}/K",
             "its standard error, if the temperatures are exact",
         ),
-        ("netd_K", middle.netd_K, "K", "σ_tvh over SiTF: random in time, row and column"),
+        ("netd_K", middle.netd_K, "K", "σ_tvh divided by SiTF: random in time, row and column"),
         ("netd_error_K", middle.netd_error, "K", "its standard error"),
-        ("temporal_K", middle.temporal_K, "K", "all that changes from frame to frame, over SiTF"),
+        (
+            "temporal_K",
+            middle.temporal_K,
+            "K",
+            "all noise that changes from frame to frame, divided by SiTF",
+        ),
         *effective,
     ]
 
@@ -191,14 +196,14 @@ def _remarks(measured: Measured) -> list[str]:
     response, files = measured.response, measured.files
     if len(response.levels) == 2:
         lines.append(
-            "with two temperatures, the SiTF is the one midway between them, and is used at "
-            "each level: give three or more to get its change with temperature"
+            "with two temperatures, SiTF is known midway between them and is used at each "
+            "level: give three or more to get its change with temperature"
         )
     departure = response.departure_percent
     if departure is not None and departure > _DEPARTS:
         lines.append(
-            "warning: a mean departs from Planck's law, at any one wavelength, by "
-            f"{departure:.2g} % of the span of all means: the temperatures are wrong, the "
+            "warning: a mean departs from Planck's law (for any effective wavelength) by "
+            f"{departure:.2g} % of the range of all means: the temperatures are wrong, the "
             "camera drifted, or its response is nonlinear"
         )
     few = min(field.noise.frames for _, field in files)
@@ -216,8 +221,8 @@ def _remarks(measured: Measured) -> list[str]:
         if random < (_COARSE * step) ** 2:
             lines.append(
                 f"warning: {path.name}: the noise is {math.sqrt(max(random, 0.0)) / step:.2g} "
-                "of the converter's step: rounding adds to it or hides it, and NETD is not "
-                "the camera's"
+                "of the converter's step: rounding adds to it or hides it, so NETD is not "
+                "that of the camera"
             )
         if field.field.structure_share > _MOSTLY:
             lines.append(

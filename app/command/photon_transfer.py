@@ -79,7 +79,7 @@ def _levels(made: Measured) -> list[tuple[str, ...]]:
             number_text(field.mean_dn),
             number_text(field.temporal_dn2),
             number_text(field.fixed_dn2),
-            "saturated" if saturated else "" if used else "not in the line",
+            "saturated" if saturated else "" if used else "not used for the line",
         )
         for (path, field), (used, saturated) in zip(made.files, states, strict=True)
     ]
@@ -89,13 +89,13 @@ def _remarks(curve: PhotonTransfer, options: Options) -> list[str]:
     lines = []
     if curve.dark_cut_off:
         lines.append(
-            f"{options.dark}: the noise reaches 0, where the converter clips it: these dark "
+            f"{options.dark}: the noise reaches 0, where the converter clips it, so these dark "
             "frames are not used; raise the camera's offset, or give --offset-dn"
         )
     elif curve.offset_dn is None:
         lines.append("read noise and full well need --dark FILE, or --offset-dn DN")
     if curve.offset_dn is not None and curve.full_well_e is None:
-        lines.append("no level is saturated: the full well is beyond the brightest level")
+        lines.append("no level is saturated: the full well is above the brightest level")
     return lines
 
 

@@ -256,7 +256,7 @@ def with_options(network: Network, place: Place, options: Options, library: Libr
     network = plain_network(network, library=library)
     given = [name for name in _OF_SCENE if getattr(options, name) is not None]
     if given and not options.scenes:
-        raise UsageError(f"--{given[0].replace('_', '-')} goes with --scene FILE")
+        raise UsageError(f"--{given[0].replace('_', '-')} needs --scene FILE")
     for text in options.scenes:
         network = _with_scene(network, text, place, options, library)
     network = with_settings(network, options.settings, library=library)

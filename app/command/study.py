@@ -62,7 +62,9 @@ def _jobs(options: Options) -> int:
     if options.jobs is None:
         return 0
     if options.scheduler:
-        raise UsageError("--jobs sets processes on this machine: give it, or --scheduler, not both")
+        raise UsageError(
+            "--jobs is for processes on this machine: give --jobs or --scheduler, not both"
+        )
     if not 1 <= options.jobs <= _MOST_JOBS:
         raise UsageError(f"--jobs {options.jobs}: give a whole number from 1 to {_MOST_JOBS}")
     return options.jobs

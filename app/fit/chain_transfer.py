@@ -58,8 +58,8 @@ def transfer_known(image: Image) -> ImageTransfer:
     if lineage_of(source) is None:
         raise DataError(
             f"{source.node or 'a node'}: its effect on a picture is not a known transfer "
-            "function, so no edge can be followed through it: mark a picture before it with "
-            "--final NODE.PORT, or disable it"
+            "function, so an edge cannot be followed through it: mark a picture before it "
+            "with --final NODE.PORT, or disable it"
         )
     return passed
 

@@ -75,16 +75,16 @@ def _pictures(result: FitResult) -> list[Block]:
         Drawn(
             patches_png(result),
             "Patches of the picture, the same patches from the fitted network, and the "
-            "difference in standard deviations of the noise. The difference is grain alone "
-            "where the network is right; a pattern along the edge means that the network "
-            "lacks something. Above: the direction of the normal.",
+            "difference in standard deviations of the noise. Where the network is right, the "
+            "difference is only grain; a pattern along the edge means that the network lacks "
+            "something. Above: the direction of the normal.",
             "real and simulated patches",
         ),
         Drawn(
             spreads_png(result),
             "a: samples against their distance from the edge, from the dark level 0 to the "
-            "bright level 1, and the spread of the fitted chain. b: mean residuals over a "
-            "quarter of a sample; noise alone lies about 0 within its errors.",
+            "bright level 1, and the edge spread of the fitted chain. b: mean residuals over "
+            "a quarter of a sample; pure noise lies about 0 within its errors.",
             "edges overlaid and residuals",
         ),
         *_table(result),
@@ -151,8 +151,8 @@ def _noise(result: FitResult) -> list[Block]:
         "fitted together with the edges" if result.noise.fitted else "no free parameter changes it"
     )
     caption = (
-        "Variance of a sample in flat areas against their level, with its error, and the "
-        f"prediction of the network's noise budget ({how})."
+        "Variance of a sample in flat areas against the level, with its error, and the "
+        f"prediction from the network's noise budget ({how})."
     )
     return [*blocks, Drawn(noise_png(result.noise), caption, "noise against level")]
 
@@ -365,8 +365,8 @@ def fit_text(result: FitResult) -> str:
     """The whole fit, as `imagechain fit` prints it."""
     chi2 = result.chi2_per_degree
     lines = [
-        f"chi² per degree of freedom  {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'}  (of "
-        f"{result.fit.misfit.degrees} degrees; 1: the residuals are noise alone)"
+        f"chi² per degree of freedom {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'} (of "
+        f"{result.fit.misfit.degrees} degrees; 1: the residuals are only noise)"
     ]
     if isinstance(result.noise, NoiseComparison):
         how = "fitted too" if result.noise.fitted else "with the network's own noise"

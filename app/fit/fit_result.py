@@ -168,9 +168,9 @@ def _profiled(
         others = [name for name in wider if name != parameter.port]
         if others:
             lines.append(
-                f"{parameter.port} may also be 0: standard errors of {' and '.join(others)} "
-                "are widened to include the fit with it at 0, and as far above as the edges "
-                "allow"
+                f"{parameter.port} may also be 0: the standard errors of "
+                f"{' and '.join(others)} are widened to include the fit with it at 0 and with it "
+                "as large as the edges allow"
             )
     return replace(known, covariance=covariance), lines
 
@@ -241,7 +241,7 @@ def _at_ends(fit: ChainFit, known: Identified) -> list[str]:
             f"{parameter.port} is at the {'lower' if end == 'low' else 'upper'} end of its range, "
             f"{bound:.6g} {parameter.unit}".rstrip()
             + (
-                ": the standard error is how far from this end the edges allow it to be"
+                ": the standard error says how far from this end the edges allow it to be"
                 if index in known.limited
                 else ": the best value may lie beyond it, so its standard error means little"
             )
@@ -264,7 +264,11 @@ def _weak(
             )
             lines.append(
                 f"{one.port} is hardly determined: its standard error, {one.sigma:.2g}, is {share}"
-                + ("; the errors of the others hold if it is near that value" if many else "")
+                + (
+                    "; the errors of the other parameters are valid if it is near that value"
+                    if many
+                    else ""
+                )
             )
     for i, first in enumerate(parameters):
         for j in range(i):
@@ -283,15 +287,15 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
     if noise > 1.0:
         lines.append(
             "the network does not reproduce this noise: the residuals are "
-            f"{math.sqrt(noise):.2g} times the errors of the measured levels; standard errors "
-            "of what the noise determines are widened by that"
+            f"{math.sqrt(noise):.2g} times the errors of the measured levels; the standard "
+            "errors of parameters that act on the noise are widened accordingly"
         )
     if excess == 1.0:
         return lines
     if fit.misfit.is_hopeless:
         return [
             *lines,
-            "no values in the ranges give edges of this shape: residuals of "
+            "no values in the ranges give edges of this shape: the residuals are "
             f"{100.0 * fit.misfit.material:.2g} % of a step, {math.sqrt(excess):.2g} times the "
             "noise; the picture may be compressed, interlaced, sharpened or nonlinear, or the "
             "chain lacks a stage: no parameter that acts on the edges is determined",
@@ -299,23 +303,23 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
     left = f"{math.sqrt(excess):.2g} times"
     lines += [
         f"{fit.free[i].port} is determined by only one of the edges, and the residuals are "
-        f"{left} the noise: its error cannot be found from a scatter, so it counts as not "
-        "determined"
+        f"{left} the noise: its error cannot be found from the scatter between edges, so it is "
+        "taken as not determined"
         for i in lone
     ]
     if fit.rests_on:
         share = 100.0 * fit.misfit.material
         return [
             *lines,
-            f"residuals of the edges are up to {share:.2g} % of a step, {left} the noise: the "
-            f"standard errors come from the scatter between {fit.misfit.edges} edges, or from "
-            "all residuals if they are larger; what all edges share, such as softness of the "
-            "scene, counts as the chain's",
+            f"the residuals of the edges are up to {share:.2g} % of a step, {left} the noise: "
+            f"the standard errors come from the scatter between {fit.misfit.edges} edges, or "
+            "from all residuals if they are larger; blur that all edges share, "
+            "such as softness of the scene, is taken as blur of the chain",
         ]
     what = "these edges" if fit.patches else "this picture"
     return [
         *lines,
-        f"the chain does not reproduce {what}: the residuals are {left} the noise; standard "
-        "errors are widened by that, but what the chain lacks may have moved the values "
-        "further",
+        f"the chain does not reproduce {what}: the residuals are {left} the noise; the "
+        "standard errors are widened accordingly, but what the chain lacks may have shifted "
+        "the values further",
     ]

@@ -99,7 +99,7 @@ class NoiseLevels:
                 one = 0.5 * other
         raise DataError(
             "no radiance of its source gives the network's final picture a level of "
-            f"{level:.6g}, so its noise there is not known"
+            f"{level:.6g}, so its noise at that level is not known"
         )
 
     def _field(self, plan: Plan, radiance: float) -> tuple[float, float]:

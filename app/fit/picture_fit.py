@@ -65,8 +65,8 @@ def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPi
         file = open_picture(path, band=band)
         if file.is_lossy:
             raise DataError(
-                f"{path}: {WITH_LOSS}, so nothing is fitted to it; give the picture as the "
-                "camera stores it without loss"
+                f"{path}: {WITH_LOSS}, so nothing is fitted to it; give a picture that the "
+                "camera stored without loss"
             )
         refuse_small(str(path), file.rows, file.columns)
         opened.append(file)
@@ -105,7 +105,7 @@ def fit_pictures(
     if not choice.patches:
         raise DataError(
             f"{pictures.text}: no edge can be used: {choice.reasons}; imagechain measure shows "
-            "each edge, and what would help"
+            "each edge and what would help"
         )
     report("noise")
     noise, why_none = _noise(engine, plan, work, pictures)
@@ -229,7 +229,7 @@ def _compared(noise: NoiseProblem, plan: Plan, problem: EdgeProblem) -> NoiseCom
         return f"the network's noise is not compared: {error}"
     measured = np.array([one.variance for one in noise.measured])
     if not np.any(predicted > _NOTHING * measured):
-        return "the network adds no noise, so the picture's noise is compared with nothing"
+        return "the network adds no noise, so there is nothing to compare the picture's noise with"
     return NoiseComparison(tuple(noise.measured), tuple(map(float, predicted)), bool(problem.noisy))
 
 
@@ -246,8 +246,8 @@ def _notes(choice: EdgeChoice, final: Image, *, passed_area: bool) -> list[str]:
         )
     if passed_area:
         lines.append(
-            "the samples of the network's scene count as the areas of pixels: pixels are "
-            "combined from them, or no detector averages over an area"
+            "the samples of the network's scene are treated as the areas of pixels, because "
+            "pixels are combined from them or no detector averages over an area"
         )
     return lines
 

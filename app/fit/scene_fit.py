@@ -175,9 +175,9 @@ def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
     if problem.why_after:
         warnings = (
             *warnings,
-            f"{problem.why_after}, so its picture is shifted after sampling: unless the real "
-            "picture is in register with it, or is not aliased, the values are wrong by more "
-            "than their errors",
+            f"{problem.why_after}, so its picture is shifted after sampling: the values are "
+            "wrong by more than their errors unless the real picture is in register with it "
+            "or has no aliasing",
         )
     return replace(result, notes=(*result.notes, note), warnings=warnings, scene=whole)
 

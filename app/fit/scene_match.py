@@ -102,8 +102,8 @@ class SceneMatch:
         white = float(np.median(seen[high])) / math.log(2.0)
         if not white > (_STILL * float(np.abs(self.picture).max())) ** 2:
             raise DataError(
-                "the picture and the network's differ by no noise: the noise is the weight of "
-                "the fit, so no errors can be given"
+                "the picture and the network's picture do not differ by any noise; the noise "
+                "weights the fit, so no errors can be given"
             )
         power = np.full(seen.shape, white)
         power[:, 0] = max(white, float(np.median(seen[down > _LINES, 0])) / math.log(2.0))
@@ -114,9 +114,9 @@ class SceneMatch:
         """Refuse a fit that leaves most of the picture: another scene meets any by chance."""
         if not 1.0 / _MOST_SCALE <= how.scale <= _MOST_SCALE:
             raise DataError(
-                f"the picture does not show the network's scene: it fits best {how.scale:.3g} "
-                f"times as large, allowed: {1.0 / _MOST_SCALE:g} to {_MOST_SCALE:g} times; "
-                "leave out --known-scene to fit its edges"
+                "the picture does not show the network's scene: it fits best at "
+                f"{how.scale:.3g} times the size, allowed: {1.0 / _MOST_SCALE:g} to "
+                f"{_MOST_SCALE:g} times; leave out --known-scene to fit its edges"
             )
         noise = self.noise_sigma**2
         whole = float(np.var(self.picture[self._window == 1.0])) - noise

@@ -148,7 +148,8 @@ NO_EXAMPLE: Mapping[str, str] = MappingProxyType(
     {
         "write_image": "This module writes a file and draws nothing.",
         "write_matrix": "This module writes a file and draws nothing.",
-        "noise_file": "This module adds a file of yours, of the same size as the picture.",
+        "noise_file": "This module adds a file of your own, which must have the size of the "
+        "picture.",
     }
 )
 

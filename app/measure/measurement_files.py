@@ -80,7 +80,7 @@ def measurement_csv(measured: PictureMeasurement) -> str:
     if not known:
         raise DataError(
             f"there is no MTF to write: across, {measured.reason_x}; along, "
-            f"{measured.reason_y}: a page (.html) shows each edge, and what would help"
+            f"{measured.reason_y}: a page (.html) shows each edge and what would help"
         )
     last = min(float(curve.frequency[-1]) for curve in known.values())
     frequency = next(iter(known.values())).frequency

@@ -102,8 +102,8 @@ def _mtf(measured: PictureMeasurement) -> list[Block]:
     caption = (
         "MTF of everything from the scene to the stored samples, pooled over the edges used "
         "and weighted by their errors; grey: edges whose normals lie within 30° of the axis. "
-        "Beyond the Nyquist frequency, 0.5 cycles/sample, the picture itself holds this "
-        "contrast as alias only; slanted edges still show all of it."
+        "Beyond the Nyquist frequency, 0.5 cycles/sample, the picture contains this contrast "
+        "only as aliasing; slanted edges still show it."
     )
     blocks.append(Drawn(mtf_png(measured), caption, "pooled MTF"))
     return blocks
@@ -117,8 +117,7 @@ def _levels(measured: PictureMeasurement) -> list[Block]:
     if len(noise.levels) < _LEAST_LEVELS:
         return []
     caption = (
-        "Variance of a sample against the level; for shot noise it rises by one electron for "
-        "each electron."
+        "Variance of a sample against the level; shot noise rises by one electron per electron."
     )
     drawn = levels_png(noise, measured.unit)
     return [*blocks, Drawn(drawn, caption, "variance against level")]
@@ -145,7 +144,7 @@ def _flats(measured: PictureMeasurement) -> list[Block]:
     curve = flats.curve
     levels = [
         (path.name, number(_short(field.mean_dn)), number(_short(field.temporal_dn2)),
-         "saturated" if saturated else "" if used else "not in the line")
+         "saturated" if saturated else "" if used else "not used for the line")
         for (path, field), used, saturated in zip(
             flats.files, curve.used, curve.saturated, strict=True
         )
@@ -171,8 +170,9 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Text(
                 "MTF50 in cycles/sample along the edge's normal. Normals within "
                 f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° count as across, those near ±90° as "
-                "along: the standard error is for this direction, if no other edge were used. "
-                "Edges in other directions show how the blur changes with direction."
+                "along. The standard error is that of the pooled MTF in this direction if "
+                "only this edge were used. Edges in other directions show how the blur "
+                "changes with direction."
             ),
         ]
     if refused:

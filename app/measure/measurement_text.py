@@ -160,7 +160,7 @@ def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, s
         ("read_noise_error", curve.read_noise_error, "e-", "its standard error"),
         ("full_well_e", curve.full_well_e, "e-", "level of saturation"),
         ("brightest_e", curve.brightest_e, "e-", "the brightest level"),
-        ("dynamic_range_dB", _decibels(ratio), "dB", "full well over read noise"),
+        ("dynamic_range_dB", _decibels(ratio), "dB", "full well divided by read noise"),
         ("dsnu_e", curve.dsnu_e, "e-", "fixed pattern in the dark"),
         ("prnu_percent", curve.prnu_percent, "%", "fixed pattern that grows with the signal"),
         # Where EMVA 1288 defines a figure otherwise, or has one more.
@@ -187,13 +187,13 @@ def _decibels(ratio: float | None) -> float | None:
 def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
     """What of the files' formats makes their numbers other than the camera's."""
     lines = [
-        f"{file.name}: {_GAMMA[file.gamma]}: they are taken as linear; if the camera has "
-        "applied a gamma, the figures are not the camera's"
+        f"{file.name}: {_GAMMA[file.gamma]}: they are taken as linear; if the camera applied a "
+        "gamma, the figures are not those of the camera"
         for file in files
         if file.gamma and not file.is_lossy
     ]
     lines += [
-        f"{file.name}: {WITH_LOSS}; give the picture as the camera stores it without loss"
+        f"{file.name}: {WITH_LOSS}; give a picture that the camera stored without loss"
         for file in files
         if file.is_lossy
     ]
@@ -203,7 +203,7 @@ def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
 def repeated_words(count: int) -> str:
     """That pictures are copies of others, which say nothing that those do not."""
     many = "one picture is" if count == 1 else f"{count} pictures are"
-    return f"{many} the same as another, sample by sample, and not counted again"
+    return f"{many} the same as another one, sample by sample, and not counted again"
 
 
 def remarks(measured: PictureMeasurement) -> list[str]:
@@ -241,7 +241,7 @@ def remarks(measured: PictureMeasurement) -> list[str]:
             lines.append(
                 f"edges {words} differ by {curve.scatter:.2g} times what their own errors "
                 "allow: the blur varies over the picture, or some edges are not sharp in the "
-                "scene; the error is widened by that"
+                "scene; the error is widened accordingly"
             )
     if measured.noise is None:
         lines.append(f"no noise: {measured.noise_reason}")
@@ -283,8 +283,9 @@ def _tail_lines(measured: PictureMeasurement) -> list[str]:
         if tail.beyond > _LEAST_BEYOND:
             line += (
                 f"; {tail.seen:.0f} samples from the edges, where the frame ends or something "
-                f"else begins, their sides are not level yet: {100 * tail.beyond:.2g} % may "
-                "lie beyond, and the error is widened for what is not known"
+                "else begins, the brightness beside them is not level yet: "
+                f"{100 * tail.beyond:.2g} % may lie beyond, and the error is widened "
+                "accordingly"
             )
         lines.append(line)
     return lines
@@ -332,16 +333,16 @@ class Refusal(NamedTuple):
 
 
 _ROOM = "larger areas: about 20 clear samples on both sides of the edge"
-_EVEN = "even areas on both sides: plain surfaces in even light"
-_TURNED = "an edge turned by about 5° from rows and columns"
+_EVEN = "plain surfaces in even light on both sides"
+_TURNED = "an edge tilted by about 5° from rows and columns"
 _LOSSLESS = "raw numbers, TIFF or PNG instead of JPEG"
 REFUSALS = (
     Refusal("compressed", "compressed with loss", _LOSSLESS),
-    Refusal("interlaced", "interlaced", "the odd or the even rows alone"),
+    Refusal("interlaced", "interlaced", "the odd rows or the even rows alone"),
     Refusal(
         "clipped",
         "clipped at black or white",
-        "another exposure: neither side at the end of the range",
+        "another exposure, so that neither side is at the end of the range",
     ),
     Refusal(
         "too little contrast",
@@ -349,7 +350,7 @@ REFUSALS = (
         "more contrast or light, a longer edge, or the mean of several frames",
     ),
     Refusal(
-        "frame's border", "too close to the edge of the frame", "the edge further inside the frame"
+        "frame's border", "too close to the edge of the frame", "an edge further inside the frame"
     ),
     Refusal(
         "the edge spread", "the edge spread is wider than the clear area around the edge", _ROOM
@@ -357,15 +358,15 @@ REFUSALS = (
     Refusal(
         "not straight",
         "not straight",
-        "a flat edge that is cut, ruled or printed; a shorter one if the lens bends lines",
+        "a flat edge that is cut, ruled or printed; a shorter edge if the lens bends lines",
     ),
     Refusal("not slanted", "not slanted enough", _TURNED),
     Refusal("cannot be supersampled", "not slanted enough", _TURNED),
     Refusal(
         "soft in the scene",
         "softer than other edges of the picture",
-        "edges that are sharp themselves and in focus: no shadows, nothing moving, all at one "
-        "distance",
+        "edges that are sharp in the scene and in focus: no shadows, nothing moving, all at "
+        "one distance",
     ),
     Refusal("another edge", "another edge too close", _ROOM),
     Refusal(

@@ -386,7 +386,7 @@ def with_frames(
         frames.sigma, frames.sigma_error, frames.mean_level, frames.gain_e_per_dn,
         frames.gain_error, frames.read_noise_dn, frames.read_noise_error, offset_dn, None, None,
         frames.step, () if noise is None else noise.lines, frames.levels, missing,
-        ("the noise is what changes from frame to frame, without fixed patterns",),
+        ("noise means changes from frame to frame, without fixed patterns",),
     ), ""  # fmt: skip
 
 

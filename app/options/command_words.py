@@ -101,8 +101,8 @@ def _network_words(parser: Parser) -> None:
         "its wavelength band (default: from its header, else that of the old scene)",
         finite_number, nargs=2)  # fmt: skip
     add("--scene-unit", "UNIT",
-        "its unit: a radiance unit, K, C, reflectance, or relative (scaled to the range of the "
-        "old scene; default: the file's unit, else relative)")  # fmt: skip
+        "its unit: a radiance unit, K, C, reflectance, or relative (scaled to the range of "
+        "the old scene); default: the file's unit, else relative")  # fmt: skip
 
 
 def _scene(option: str, text: str) -> str:
@@ -116,8 +116,8 @@ def _place_words(parser: Parser) -> None:
     )  # fmt: skip
     _add(parser, "--allow-writes-to", "DIR",
          "let the network's nodes write any file below DIR; by default they write only to the "
-         "network's folder and the output folder, and never over files that this network has not "
-         "written; may be repeated", file_path, many=True, dest="allowed")  # fmt: skip
+         "network's folder and the output folder, and never overwrite files that this network "
+         "has not written; may be repeated", file_path, many=True, dest="allowed")  # fmt: skip
 
 
 def _numerical_words(parser: Parser) -> None:
@@ -153,10 +153,10 @@ def _run_words(parser: Parser) -> None:
     _network_words(parser)
     add = partial(_add, parser)
     add("--save", "NODE.PORT=FILE",
-        f"write the value of a port, as {SAVED}; NODE.PORT[TOP:BOTTOM,"
-        "LEFT:RIGHT]=FILE writes these rows and columns of an image, counted from 0, without "
-        "BOTTOM and RIGHT (default: the image's bounds); .bsq and .img (ENVI) keep all bands of "
-        "an image; .zarr takes a picture of any size; may be repeated",
+        f"write the value of a port, as {SAVED}; NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE writes "
+        "part of an image: these rows and columns, counted from 0, up to but not including "
+        "BOTTOM and RIGHT (default: the image's bounds); .bsq and .img (ENVI) keep all bands "
+        "of an image; .zarr takes a picture of any size; may be repeated",
         _save, many=True, dest="saves")  # fmt: skip
     add("--frames", "N",
         "save N frames of each image, each with its own temporal noise; the first is the "
@@ -193,10 +193,11 @@ def _tradeoff_words(parser: Parser) -> None:
         "if given twice, each value of the second makes a curve",
         many=True, required=True)  # fmt: skip
     add("--figure", "NODE.READOUT",
-        "figure to compute: a read-out of a node, or the chain's MTF as "
-        "total.mtf_nyquist_x, total.mtf_half_nyquist_x (and _y) of the samples and, with pixel_ "
-        "before nyquist, of the pixels; may be repeated (default: those figures of the "
-        "electronics, and of the chain's MTF, that change)", many=True, dest="figures")  # fmt: skip
+        "figure to compute: a read-out of a node, or an MTF of the chain: total.mtf_nyquist_x "
+        "or total.mtf_half_nyquist_x (or _y) at the samples' Nyquist frequency or half of it, "
+        "and with pixel_ before nyquist at the pixels'; may be repeated (default: those "
+        "figures of the electronics and MTFs of the chain that change)",
+        many=True, dest="figures")  # fmt: skip
     add("--output", "FILE",
         f"write the figures, as {' '.join(suffixes(*OUTPUTS))}; may be repeated",
         ending_in(*OUTPUTS), many=True, dest="outputs")  # fmt: skip
@@ -217,10 +218,10 @@ def _study_words(parser: Parser) -> None:
         "parameter to vary: FROM:TO:COUNT, FROM:TO:COUNT:log (equal factors), or values a,b,c; "
         "FROM:TO or FROM:TO:log if points are drawn; may be repeated", many=True)  # fmt: skip
     add("--over", "NODE.PARAM=PATTERN",
-        "compute everything for each file that matches a pattern, such as "
+        "compute every point for each file that matches a pattern, such as "
         "scene.path='scenes/*.img', in numerical order; may be repeated", many=True)  # fmt: skip
     add("--sample", "HOW",
-        "grid: every value with every other (default); latin: --points N points of a Latin "
+        "grid: all combinations of the values (default); latin: --points N points of a Latin "
         "hypercube, drawn with the network's seed; a .csv file: its rows, with columns named "
         "NODE.PARAM",
     )  # fmt: skip
@@ -235,8 +236,8 @@ def _study_words(parser: Parser) -> None:
         f"{SAVED}; may be repeated", _save, many=True, dest="saves",
     )  # fmt: skip
     add("--jobs", "N",
-        "number of processes on this machine (default: one, then all cores if the rest takes "
-        "long enough)", whole_number)  # fmt: skip
+        "number of processes on this machine (default: one; all cores if the remaining points "
+        "take long enough)", whole_number)  # fmt: skip
     add("--memory", "SIZE",
         "memory for computed values in all processes together, such as 2GB (default: 256MB in "
         "each process); give it for pictures larger than about 4000 x 4000 samples",
@@ -263,7 +264,7 @@ def _solve_words(parser: Parser) -> None:
     _network_words(parser)
     add = partial(_add, parser, required=True)
     add("--for", "NODE.PARAM[=LOW:HIGH]",
-        "the parameter to find, in its own range or the one given", dest="solve_for",
+        "the parameter to find, in its own range or the one you give", dest="solve_for",
     )  # fmt: skip
     add("--until", "NODE.READOUT=VALUE",
         "the read-out, and the value you want, in the read-out's unit")  # fmt: skip
@@ -291,7 +292,7 @@ def _measure_words(parser: Parser) -> None:
     add = partial(_add, parser)
     add("pictures", "PICTURE",
         "a picture in any format that Imagechain reads, or frames: .npy (frames, rows, "
-        "columns), TIFF with a page for each, ENVI with bands without wavelengths",
+        "columns), TIFF with a page per frame, or ENVI with bands without wavelengths",
         file_path, nargs="+")  # fmt: skip
     _json(parser, "write all results as .json")
     add("--csv", "FILE", "write the pooled MTF as a .csv table for the module MTF File",
@@ -334,11 +335,11 @@ def _fit_words(parser: Parser) -> None:
         "one or more pictures from the camera, with linear raw numbers and no lossy "
         "compression", file_path, nargs="+", required=True, dest="pictures")  # fmt: skip
     add("--free", "NODE.PARAM[=LOW:HIGH]",
-        "parameter to fit, in its own range or the one given, such as jitter.sigma_mrad or "
+        "parameter to fit, in its own range or the one you give, such as jitter.sigma_mrad or "
         "optics.defocus_waves=0:2; may be repeated", nargs="+", many=True,
     )  # fmt: skip
     _flag(parser, "--known-scene",
-          "the network's source is the scene of the picture: fit the whole picture",
+          "the network's source is the scene that the camera saw: fit the whole picture",
     )  # fmt: skip
     add("--band", "N", "band or colour to fit to, counted from 0", whole_number)
     _json(parser, "write parameters, errors and correlations")
@@ -370,7 +371,7 @@ def _photon_transfer_words(parser: Parser) -> None:
     add = partial(_add, parser)
     add("flats", "FILE",
         "two or more frames of a flat field, one file per level: .npy (frames, rows, "
-        "columns), TIFF with a page for each, ENVI with a band for each",
+        "columns), TIFF with a page per frame, or ENVI with a band per frame",
         file_path, nargs="+")  # fmt: skip
     add("--dark", "FILE",
         "two or more frames without light, with the same size and exposure, for offset, read "
@@ -378,7 +379,7 @@ def _photon_transfer_words(parser: Parser) -> None:
     add("--offset-dn", "DN", "dark level, if there are no dark frames",
         finite_number)  # fmt: skip
     add("--output", "FILE",
-        f"write the figures, and the levels, as {' '.join(suffixes(*TRANSFERS))}; may be "
+        f"write the figures and the levels, as {' '.join(suffixes(*TRANSFERS))}; may be "
         "repeated", ending_in(*TRANSFERS), many=True, dest="outputs")  # fmt: skip
 
 
@@ -400,18 +401,18 @@ def _netd_words(parser: Parser) -> None:
     )
     add = partial(_add, parser)
     add("fields", "FILE=TEMPERATURE",
-        "two or more frames of a black body, and its temperature in K or °C, such as 293.15K or "
-        "20C, corrected for emissivity and air; formats as for photon-transfer",
+        "two or more frames of a black body, and its temperature in K or °C (corrected for "
+        "emissivity and air), such as 293.15K or 20C; formats as for photon-transfer",
         file_at_temperature, nargs="+")  # fmt: skip
     add("--output", "FILE",
-        "write the figures, also of each temperature, as "
+        "write the figures, including those of each temperature, as "
         f"{' '.join(suffixes(*TRANSFERS))}; may be repeated", ending_in(*TRANSFERS), many=True,
         dest="outputs")  # fmt: skip
 
 
 def _modules_words(parser: Parser) -> None:
     _add(parser, "key", "KEY|WORD",
-         "only this module, or modules with this word in key, title or summary", nargs="?",
+         "only this module, or modules with this word in their key, title or summary", nargs="?",
     )  # fmt: skip
 
 
@@ -427,7 +428,7 @@ def _handbook_words(parser: Parser) -> None:
 def _bench_words(parser: Parser) -> None:
     _json(parser, "write every figure, for programs", file_path)
     _add(parser, "--html", "FILE", "write a page with tables and plots", file_path)
-    _flag(parser, "--quick", "fewer repetitions and sizes")
+    _flag(parser, "--quick", "use fewer repetitions and sizes")
     _add(parser, "--only", "PART", "measure this part: " + ", ".join(BENCH_PARTS), many=True,
          choices=BENCH_PARTS)  # fmt: skip
     _add(parser, "--size", "N", "side of the picture in samples (default: 1024)",
@@ -436,7 +437,7 @@ def _bench_words(parser: Parser) -> None:
 
 def _json(parser: Parser, about: str, read: Read | None = None) -> None:
     """``--json`` of a command that writes JSON to a file, too."""
-    _add(parser, "--json", "FILE", f"{about}; without FILE print it, and nothing else",
+    _add(parser, "--json", "FILE", f"{about}; without FILE, print only that",
          read or ending_in(JSON), nargs="?")  # fmt: skip
 
 

@@ -88,4 +88,7 @@ def of_many(count: int, what: str = "stages") -> str:
     if count <= MOST_DRAWN:
         return ""
     where = "the table has" if count <= MOST_ROWS else f"{IN_FILES} have"
-    return f" Only the {MOST_DRAWN} strongest of {count:,} {what} are drawn; {where} all of them."
+    return (
+        f"Only the {MOST_DRAWN} strongest of {count:,} {what} are drawn; {where} contain "
+        "all of them."
+    )

@@ -67,7 +67,8 @@ def _noise_facts(evaluation: Evaluation) -> Fact:
     port, image, work = _final(evaluation)
     if evaluation.work.blocks is not None:
         raise DataError(
-            "the pictures are made in blocks, and noise is followed only through whole pictures"
+            "the pictures are computed in blocks, but noise can be followed only through "
+            "whole pictures"
         )
     predicted = noise_shares(work, work.value(NoiseOf(image)), kind="all")
     if not predicted.shares:
@@ -145,7 +146,7 @@ def budget(facts: Fact) -> list[Block]:
     """The section, with the reason where there is no noise or no blur."""
     contributions = facts["budget"]
     noise, blur = contributions["noise"], contributions["blur"]
-    blocks: list[Block] = [Heading(2, "What contributes how much")]
+    blocks: list[Block] = [Heading(2, "Contributions to noise and blur")]
     if noise or blur:
         caption = " ".join(
             [
@@ -277,7 +278,7 @@ def _beside(noise: Fact) -> str:
     all_noise = f"All noise: σ = {number(noise['summed'])} predicted"
     if noise["together"] is None:
         reason = noise["together_reason"]
-        return f"{all_noise}; this picture’s own noise is not known: {reason}."
+        return f"{all_noise}; the noise of this picture itself is not known: {reason}."
     unit = f" {noise['unit']}" if noise["unit"] else ""
     return (
         f"{all_noise}, {number(noise['together'])}{unit} simulated in this picture; the noise "

@@ -88,7 +88,9 @@ def judged_facts(evaluation: Evaluation) -> dict[str, Any]:
 def _reason(evaluation: Evaluation) -> str | None:
     chain = evaluation.chain
     if evaluation.work.blocks is not None:
-        return "the pictures are made in blocks, and edges are measured only in whole pictures"
+        return (
+            "the pictures are computed in blocks, but edges can be measured only in whole pictures"
+        )
     if chain.final is None:
         return "the network has no final picture"
     if not chain.cascade:
@@ -102,7 +104,10 @@ def _reason(evaluation: Evaluation) -> str | None:
     source = chain.sources[0]
     bands = evaluation.plan.output(source).bands
     if bands is not None:
-        return f"{source} has {bands.count} wavelength bands, and an edge in its place has one"
+        return (
+            f"{source} has {bands.count} wavelength bands, but the edge that would replace "
+            "it has one"
+        )
     return None
 
 

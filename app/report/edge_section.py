@@ -54,15 +54,15 @@ def _caption(published: str | None) -> str:
         "slanted edge, the expected MTF is the product of the stages and the blur of the "
         "samples themselves: their area in the scene, combined pixels, and interpolation "
         "along the edge. Aliasing from samples that are too far apart scatters about it. The "
-        "row average sees an upright edge at a single position among the pixels, so "
-        "frequencies beyond their Nyquist frequency are folded back; it also takes "
-        "differences of neighbours, 0.64 at Nyquist. Its expected MTF is computed along one "
-        "row and includes this folding."
+        "row average sees a vertical edge at a single position relative to the pixels, so "
+        "frequencies beyond their Nyquist frequency are aliased; it also takes differences "
+        "between neighbours, which reduce the MTF to 0.64 at Nyquist. Its expected MTF is "
+        "computed along one row and includes this aliasing."
     )
     if published:
         text += (
-            " The row average is the method of the thesis. Its curves for real cameras' "
-            "pictures are printed without numbers, and not drawn here."
+            "The row average is the method of the thesis. Its curves for pictures of real "
+            "cameras are printed without numbers, so they are not drawn here."
         )
     return named(text, published)
 

@@ -80,7 +80,7 @@ def _cut(blocks: Iterable[Block]) -> Iterator[Block]:
 
 
 def _first_of(count: int, what: str) -> str:
-    return f"The first {MOST_ROWS} of {count:,} {what}; {IN_FILES} have all of them."
+    return f"The first {MOST_ROWS} of {count:,} {what}; {IN_FILES} contain all of them."
 
 
 def _run_line(facts: dict[str, Any]) -> Block:
@@ -325,10 +325,10 @@ def _nodes(facts: dict[str, Any]) -> list[Block]:
         )
     seconds = facts["run"]["seconds"]
     words = (
-        "Parameters not listed have their defaults. A node that only multiplies the spectrum "
-        "takes no time of its own: the product is applied where the picture is made. Input "
-        f"pictures {seconds['sources']:.3f} s, evaluation {seconds['evaluation']:.3f} s, "
-        f"{seconds['total']:.3f} s in all before this report."
+        "Parameters that are not listed have their defaults. A node that only multiplies the "
+        "spectrum takes no time of its own: the product is applied where the picture is "
+        f"computed. Input pictures {seconds['sources']:.3f} s, evaluation "
+        f"{seconds['evaluation']:.3f} s, {seconds['total']:.3f} s in all before this report."
     )
     heads = ("node", "module", "set", "", "time")
     return [Heading(2, "Nodes"), Grid(heads, rows, numbers=(4,)), Text(words)]
@@ -415,7 +415,8 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
         caption += (
             "Total: the product before pixels are combined."
             if chain.cascade
-            else f"The stages are not in one chain and have no product (total): {chain.missing}."
+            else "The stages are not in one chain, so they have no product (total): "
+            f"{chain.missing}."
         )
         blocks += _stages(
             evaluation, responses, named(caption, drawn_as.get("stages")), "every stage"
@@ -466,9 +467,9 @@ def _at_nyquist(responses: Responses, nyquist: Fact) -> Block:
 
 _KINDS = {
     "disabled": ("the node", "it is disabled"),
-    "identity": ("the node", "with its settings it changes nothing"),
+    "identity": ("the node", "its settings make it change nothing"),
     "below_budget": ("a stage", "it changes less than the error budget, {budget} of the range"),
-    "wavelengths": ("transforms of every band", "a few wavelengths represent all bands"),
+    "wavelengths": ("Fourier transforms of every band", "a few wavelengths represent all bands"),
     "pupil_centre": ("the pupil's OTF beyond the band", "it does not affect the picture"),
     "mirrored_edges": (
         "padding of the frame's edges",

@@ -184,9 +184,13 @@ def _transformed_table(facts: Fact) -> list[Block]:
     ]
     if not rows:
         return []
-    heads = ("filtered picture", "wavelengths transformed", "largest change, of the contrast")
+    heads = (
+        "filtered picture",
+        "wavelengths transformed",
+        "largest change, relative to the contrast",
+    )
     words = (
-        "Wavelengths that are not transformed are computed from the others, where the optics "
-        "allow it."
+        "Wavelengths that are not transformed are interpolated from the others, where the "
+        "optics allow it."
     )
     return [Text(words), Grid(heads, rows, numbers=(1, 2))]

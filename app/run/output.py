@@ -34,7 +34,9 @@ class Output:
         named = ", ".join(map(shown, self.choices[:_MOST_NAMED]))
         more = len(self.choices) - _MOST_NAMED
         named += f" and {more} more" if more > 0 else ""
-        return f"{len(self.choices)} pictures end this network ({named}) and none is marked final"
+        return (
+            f"this network ends in {len(self.choices)} pictures ({named}) and none is marked final"
+        )
 
 
 def find_output(plan: Plan) -> Output:

@@ -157,7 +157,7 @@ def save_set(name: str, node: Node, folder: Path) -> None:
         raise NetworkError(f"{name!r:.80} is not a name for a set: it must not be blank")
     sets = sets_of(node.module, folder)
     if name not in sets and len(sets) >= MOST:
-        raise NetworkError(f"this module has {MOST} sets already; no more are allowed")
+        raise NetworkError(f"this module already has {MOST} sets; no more are allowed")
     _write({**sets, name: thaw(node.params)}, node.module, folder)
 
 

@@ -216,7 +216,7 @@ def check_folder(folder: Path) -> None:
         above = _existing(real_target(folder))
         status = above.stat()
     except NotADirectoryError as error:
-        reason = "a part of its path is not a folder"
+        reason = "part of its path is not a folder"
         raise FileError(f"cannot write to {folder}: {reason}") from error
     except OSError as error:
         raise _cannot(folder, error) from error

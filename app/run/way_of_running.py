@@ -98,8 +98,8 @@ def way_in_words(facts: dict[str, Any]) -> str:
     if facts["way"] == "in memory":
         return f"in memory: pictures of {largest} take up to {needed}, {allowed} are allowed"
     return (
-        f"in blocks: pictures of {largest} would take up to {needed} in memory, {allowed} are "
-        f"allowed; up to {amount_text(facts['scratch_bytes'])} were on disk in "
+        f"in blocks: pictures of {largest} would take up to {needed} in memory, but {allowed} "
+        f"are allowed; up to {amount_text(facts['scratch_bytes'])} were on disk in "
         f"{facts['scratch_arrays']} arrays, transformed by rows and columns"
     )
 
@@ -159,8 +159,9 @@ def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> N
     """Refuse a format in which a picture on disk cannot be written row after row, and frames."""
     if frames is not None and frames > 1:
         raise UsageError(
-            f"--frames {frames}: a picture of {image.rows} × {image.columns} samples that is "
-            "made in blocks is made only once: give 1, or run again with another --seed"
+            f"--frames {frames}: a picture of {image.rows} × {image.columns} samples is "
+            "computed in blocks and can have only one frame: give 1, or run again with "
+            "another --seed"
         )
     if not any(kind.matches(path) for kind in STREAMED):
         words = " ".join(suffix for kind in STREAMED for suffix in kind.suffixes)

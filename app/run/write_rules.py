@@ -286,7 +286,7 @@ def _place(network: Path) -> Path:
 
 def _read(network: Path, content: dict[str, Any]) -> WriteRecord:
     if content["format"] != FORMAT or content["version"] != VERSION:
-        raise ValueError("it is of another kind")
+        raise ValueError("it is of a different kind")
     written = {
         Path(file): tuple((int(size), str(digest)) for size, digest in prints)
         for file, prints in content["written"].items()

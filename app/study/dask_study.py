@@ -47,7 +47,7 @@ class _Cluster:
 
     lanes = 1
     most_ends = 2  # of what the scheduler gives up, each time after several workers
-    why = "the workers that computed it ended, again and again"
+    why = "the workers that computed it stopped again and again"
 
     def __init__(self, client: Any, setting: Setting, key: str) -> None:
         self.out: set[Any] = set()
@@ -185,14 +185,14 @@ def check_address(scheduler: str, tls: Sequence[str]) -> None:
         )
     if tls and protocol not in ("tls", "wss"):
         raise UsageError(
-            f"--scheduler {scheduler:.120}: certificates need tls://HOST:PORT, of a scheduler "
-            "started with --tls-ca-file, --tls-cert and --tls-key"
+            f"--scheduler {scheduler:.120}: certificates need the address tls://HOST:PORT of a "
+            "scheduler started with --tls-ca-file, --tls-cert and --tls-key"
         )
     made: Any = Security
     if protocol in ("tls", "wss") and not tls and made().tls_client_cert is None:
         raise UsageError(
-            f"--scheduler {scheduler:.120}: give --tls-ca-file, --tls-cert and --tls-key, the "
-            "files that the scheduler was started with"
+            f"--scheduler {scheduler:.120}: give the files with which the scheduler was "
+            "started, by --tls-ca-file, --tls-cert and --tls-key"
         )
 
 

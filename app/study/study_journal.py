@@ -124,7 +124,7 @@ class Journal:
             raise UsageError(f"{self.path}: it is not the journal of a study; --fresh discards it")
         if head != self._head:
             raise UsageError(
-                f"{self._output}: another study, or this one with other inputs, was begun "
+                f"{self._output}: another study, or this one with other inputs, was started "
                 f"there and is not finished ({len(lines) - 1} rows in {self.path.name}); "
                 "--fresh discards it"
             )

@@ -264,8 +264,8 @@ def span_axis(text: str, network: Network, *, library: Library) -> Axis:
         low = high = np.nan
     if (len(parts) > 2 and not log) or not low < high:
         raise UsageError(
-            f"{OPTION} {setting.port}={setting.text:.80}: for drawn values write {_SPAN}, FROM "
-            "below TO"
+            f"{OPTION} {setting.port}={setting.text:.80}: for random points write {_SPAN}, "
+            "FROM below TO"
         )
     if log and low <= 0:
         raise UsageError(f"{OPTION} {setting.port}={setting.text:.80}: log needs FROM above 0")
@@ -330,7 +330,7 @@ def allowed(parameter: Parameter, value: Any, node: str) -> None:
     except ParameterError as error:
         raise error.at(node) from error
     if coerced is None and value is not None:
-        why = "this value stands for an empty parameter, as null does"
+        why = "this value means an empty parameter, like null"
         raise ParameterError(parameter.name, value, why, node=node)
 
 

@@ -297,7 +297,7 @@ def make_study(
     axes = (*overs, *drawn)
     if not axes:
         raise UsageError(
-            f"nothing varies: give {OPTION} NODE.PARAM=VALUES, {OVER} or --sample FILE"
+            f"nothing is varied: give {OPTION} NODE.PARAM=VALUES, {OVER} or --sample FILE"
         )
     places = [(axis.node, axis.parameter.name) for axis in axes]
     for number, axis in enumerate(axes):

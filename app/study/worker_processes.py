@@ -64,7 +64,7 @@ class _Processes:
     """Each has a lane of its own, and a batch at a time."""
 
     most_ends = 3
-    why = f"the process that computed it ended, {most_ends} times"
+    why = f"the process that computed it stopped, {most_ends} times"
 
     def __init__(self, processes: Sequence[_Process]) -> None:
         self.lanes = len(processes)
@@ -163,7 +163,7 @@ class _Process:
                 code = self.drop()
             else:
                 return
-        raise FileError(f"a process of the study stops at its start (exit code {code})")
+        raise FileError(f"a process of the study stopped while starting (exit code {code})")
 
     def _answer(self, request: bytes) -> Any:
         process = self._process

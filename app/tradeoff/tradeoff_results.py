@@ -213,8 +213,8 @@ class PointEvaluator:
             module = plan.nodes[node].module
             if name == "seed" and getattr(module, "seed_mode", "") == "automatic":
                 lines.append(
-                    f"{node}: seed varies, and seed_mode is automatic, which does not use it: all "
-                    f"points have the same noise; set {node}.seed_mode to typed"
+                    f"{node}: seed is varied, but seed_mode is automatic and does not use it: "
+                    f"all points have the same noise; set {node}.seed_mode to typed"
                 )
         return tuple(dict.fromkeys(lines))
 
@@ -286,9 +286,7 @@ def with_value(network: Network, engine: Engine, node: str, parameter: str, valu
     declared = parameter_of(network, engine, node, parameter)
     coerced = declared.coerce(value)
     if coerced is None and value is not None:
-        raise ParameterError(
-            parameter, value, "this value stands for an empty parameter, as null does"
-        )
+        raise ParameterError(parameter, value, "this value means an empty parameter, like null")
     return network.with_parameter(node, parameter, plain(coerced))
 
 

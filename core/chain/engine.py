@@ -421,7 +421,7 @@ def sum_caution(
         f"the picture's {bands.count} bands, {low:.4g} to {high:.4g} µm, are summed here, and "
         "the nodes after this one have no bands",
         "put Focal Plane or Spectral Response before it, which sum the bands as a detector "
-        "does, or leave it out",
+        "does, or leave this node out",
         node,
     )
 

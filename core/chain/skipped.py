@@ -204,7 +204,7 @@ class _Account:
         rank = recipe.rank(self.work)
         if rank is not None and rank.bound > 0.0:
             count, every = rank.shares.shape
-            text = f"{count} wavelengths transformed to represent {every} bands"
+            text = f"{count} wavelengths were transformed to represent {every} bands"
             yield Skip(maker, "wavelengths", text, bound=rank.bound, share=count / every)
         counted, left_out = recipe.spent(self.work)
         for stage in left_out:

@@ -101,7 +101,7 @@ def group(
         if "cycle" not in error.message:
             raise
         raise NetworkError(
-            f"these nodes cannot be grouped: a path leads out of them and back in ({error.message})"
+            f"these nodes cannot be grouped: a path leaves them and comes back in ({error.message})"
         ) from None
     return fresh, operation
 

@@ -228,7 +228,7 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
         if (reference.node, reference.parameter) == (path[-1], name) and not itself:
             raise NetworkError(
                 f"{shown(macro)}.{name} cannot be hidden, because {shown(node)}.{parameter_of} "
-                "follows it; unlink that first"
+                "follows it; unlink that parameter first"
             )
     steps: tuple[Operation, ...] = (at_level(path, taking),)
     given = container.nodes[path[-1]].params.get(name, ABSENT)

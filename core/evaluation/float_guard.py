@@ -57,8 +57,8 @@ def watched(node: str | None, module: str = "") -> Iterator[None]:
         if not is_range:
             raise
         raise DataError(
-            f"numbers overflow the range of floating point ({error}): a parameter or a sample "
-            "is too large or too small",
+            f"numbers overflow the floating-point range ({error}): a parameter or a sample is "
+            "too large or too small",
             node=node,
         ) from error
 

@@ -421,7 +421,7 @@ def library_of(modules: Iterable[type[Module]]) -> dict[str, type[Module]]:
     library: dict[str, type[Module]] = {}
     for module in modules:
         if module.key in library or not module.key:
-            raise ValueError(f"module key {module.key!r} is missing or taken twice")
+            raise ValueError(f"module key {module.key!r} is missing or used twice")
         library[module.key] = module
     return library
 

@@ -47,7 +47,7 @@ class LinkError(ParameterError):
         self.why = why
 
 
-_ONLY = "only a number can follow others"
+_ONLY = "only a number can follow other parameters"
 
 
 @dataclass(frozen=True)
@@ -309,7 +309,7 @@ class _Survey:
         if place in self.values:
             return _number(self.values[place], text)
         if place in self.faults or place in self.parsed:
-            raise ExpressionError(f"{text} has no value itself")
+            raise ExpressionError(f"{text} has no value of its own")
         module = self.library.get(node.module)
         if module is None:
             raise ExpressionError(f"{text} belongs to an unknown module")
@@ -324,7 +324,7 @@ class _Survey:
         try:
             return _number(parameter.coerce(thaw(node.params[parameter_name])), text)
         except ParameterError:
-            raise ExpressionError(f"{text} has no allowed value itself") from None
+            raise ExpressionError(f"{text} itself has a value that is not allowed") from None
 
     def _no_node(self, reference: Reference) -> str:
         name = reference.node
@@ -344,7 +344,7 @@ def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> Expression:
         raise ExpressionError("an expression must be text")
     if len(raw) > 1:
         others = ", ".join(shown(name) for name in raw if name != EXPRESSION)
-        raise ExpressionError(f"it has {others:.80} beside its expression, which is not allowed")
+        raise ExpressionError(f"it has {others:.80} beside its expression, which are not allowed")
     if parameter.kind not in ("number", "integer"):
         kind = {"switch": "a switch", "choice": "a choice", "path": "a file name"}
         what = kind.get(parameter.kind, "a text" if parameter.kind == "text" else "a list")

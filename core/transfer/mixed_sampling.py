@@ -206,9 +206,10 @@ def _require_few_terms(lines: ScanLines, count: int, planes: int) -> None:
     frequencies = FREQUENCIES * (FREQUENCIES if lines.symmetric else 2 * FREQUENCIES - 1)
     if planes * frequencies * terms > MOST_TRIED:
         raise DataError(
-            f"a blend of {count} intervals is judged by {planes * frequencies * terms:.2g} terms, "
-            f"{terms:,} at each frequency (at most {MOST_TRIED:g}): take fewer nodes or method = "
-            "direct, or less defocus, fewer bands or wavelengths in the planar factors"
+            f"checking an interpolation between {count} intervals would take "
+            f"{planes * frequencies * terms:.2g} terms, {terms:,} at each frequency (at most "
+            f"{MOST_TRIED:g}): use fewer nodes, method = direct, less defocus, or fewer bands "
+            "or wavelengths in the non-separable factors"
         )
 
 

@@ -145,7 +145,7 @@ class Precomputed:
             return "low rank kept"
         if self.plane is not None:
             return "whole plane kept"
-        return "evaluated anew each time" if self.table is None else "radial table kept"
+        return "evaluated again each time" if self.table is None else "radial table kept"
 
     def rows(self, lines: slice | Array) -> Array | None:
         """Values at rows; None where they are evaluated anew."""

@@ -83,7 +83,8 @@ def _refuse_anothers(file: Path, held: HeldSamples, own: set[str]) -> None:
         same = False
     if not same:
         raise FileError(
-            f"{file} already exists and holds something else: save under another name, or remove it"
+            f"{file} already exists and contains something else: save under another name, or "
+            "remove it"
         )
 
 

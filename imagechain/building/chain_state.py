@@ -314,8 +314,8 @@ def added(
         kinds = " or ".join(dict.fromkeys(kind for port in taken.inputs for kind in port.types))
         where = f"{shown(after)} has" if after is not None else "the chain has"
         raise NetworkError(
-            f"{shown(node.id)} ({taken.title}) takes {kinds}, but {where} no free output of that "
-            "kind: give after=, or wired=False and link it"
+            f"{shown(node.id)} ({taken.title}) takes {kinds}, but {where} no free output of "
+            "that kind: give after=, or give wired=False and link it"
         )
     # A module that takes nothing, and that nothing waits for, begins something of its own.
     return grown if wiring is None else _completed(wiring.apply(grown), library, node.id, order)

@@ -112,7 +112,9 @@ def _bytes(memory: int | str | None) -> int | None:
         return size_in_bytes("memory", memory)
     if memory is None or (_is_whole(memory) and memory >= 1000):
         return memory
-    raise ParameterError("memory", memory, 'bytes, 1000 or more, or a text such as "2GB"')
+    raise ParameterError(
+        "memory", memory, 'a number of bytes, 1000 or more, or a text such as "2GB"'
+    )
 
 
 def _is_whole(value: object) -> bool:

@@ -275,10 +275,10 @@ def merit_table(
         return TableRow(name, values.get(name), unit, meaning, why)
 
     rows = [
-        row("snr", "", "mean signal over temporal noise"),
+        row("snr", "", "mean signal divided by temporal noise"),
         row("netd_K", "K", "temporal noise as a temperature difference"),
         row("ner", unit, "rms temporal noise"),
-        row("background_K", "K", "background temperature at which dL/dT is taken"),
+        row("background_K", "K", "background temperature for dL/dT"),
         TableRow("frames_integrated", frames, "", "frames averaged by the eye"),
         *(row(f"sigma_{name}_K", "K", _MEANINGS[name]) for name in COMPONENTS),
     ]
@@ -294,12 +294,12 @@ def merit_table(
         row(
             f"{task}_range_km",
             "km",
-            f"range at which {task} has a probability of one half (Johnson)",
+            f"range at which the probability of {task} is one half (Johnson)",
         )
         for task in TASKS
     ]
     rows.append(
-        row("ttp_range_km", "km", "range at which the task has a probability of one half (TTP)")
+        row("ttp_range_km", "km", "range at which the probability of the task is one half (TTP)")
     )
     return TableData(tuple(rows))
 

@@ -149,9 +149,9 @@ def geometry_table(
         finer = _laid(camera, ground, FINER * strips)
         error = strips_error(scene=scene, laid=laid, finer=finer, between_samples=between_samples)
     where = "ground seen, measured from the scene's middle"
-    samples = "scene samples across and along, per sample at the middle"
+    samples = "scene samples across and along for each sample at the middle"
     rows: tuple[tuple[Any, ...], ...] = (
-        ("swath_m", swath_m(camera), "m", "ground along the middle line"),
+        ("swath_m", swath_m(camera), "m", "ground seen along the middle line"),
         ("left_m", bounds.left, "m", where),
         ("right_m", bounds.right, "m", where),
         ("top_m", bounds.top, "m", where),
@@ -189,7 +189,7 @@ class Ground:
 
 class CameraSettings(Module):
     kind: Annotated[
-        Kind, Param("line scanner, pushbroom, or framing camera, which exposes all lines at once")
+        Kind, Param("line scanner, pushbroom, or framing camera (exposes all lines at once)")
     ] = "line"
     altitude_m: Annotated[
         float, Param("height above the ground", unit="m", low=0, above=True, slider=(100, 10000))
@@ -346,7 +346,9 @@ class CameraSettings(Module):
             ("ground_interval_y_m", y, image.rows),
         ):
             if not math.isfinite(interval * samples):
-                raise ParameterError(name, interval, "so small that the scene ends", unit="m")
+                raise ParameterError(
+                    name, interval, "small enough that the view stays within the scene", unit="m"
+                )
         return Ground(image.rows, image.columns, x, y)
 
 
@@ -390,10 +392,7 @@ class CameraGeometry(
 
     interpolation: Annotated[
         Between,
-        Param(
-            "how the scene is taken between its samples: constant areas, straight "
-            "lines, or parabolas"
-        ),
+        Param("interpolation between scene samples: constant areas, straight lines, or parabolas"),
     ] = "area"
     strips: Annotated[
         int, Param("strips that an oblique footprint is cut into", low=1, high=64)

@@ -38,8 +38,8 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
     It gives the root mean square, largest and mean difference, and the peak signal-to-noise ratio,
     whose peak is the reference's maximum minus its minimum. The MTF ratio divides the modulus of
     the picture's spectrum by the reference's, on both frequency axes; or it is the root of the
-    power ratio in rings. Frequencies at which the reference has only rounding errors are left out.
-    For a frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF
+    power ratio in rings. Frequencies where the reference has only rounding errors are left out. For
+    a frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF
     itself.
     """
 
@@ -125,7 +125,9 @@ def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableD
         (
             TableRow("rmse", rmse, unit, "root mean square difference"),
             TableRow("max_error", largest, unit, "largest difference"),
-            TableRow("psnr_dB", psnr_dB, "dB", "range of the reference over the rms difference"),
+            TableRow(
+                "psnr_dB", psnr_dB, "dB", "range of the reference divided by the rms difference"
+            ),
             TableRow("mean_difference", mean, unit, "mean of image minus reference"),
         )
     )

@@ -64,8 +64,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only, and has no sampling
     limit; `flir92` also uses fixed patterns, which do not average over time, and ends at Nyquist
-    where the sensor samples. Temporal noise is averaged with its spectrum in the picture. The 2-D
-    MRTD uses the geometric mean of both frequencies at the same MRTD. MDTD (square target):
+    where the sensor samples. The averaging of temporal noise uses its spectrum in the picture. The
+    2-D MRTD uses the geometric mean of both frequencies at the same MRTD. MDTD (square target):
     SNR_th·σ divided by the mean of the target's blurred image.
 
     `scanning` sets the directions in which the sensor samples: `staring` in both; `serial_scan`
@@ -78,8 +78,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature: it
     is refused unless `background_K` gives the temperature of the scene's own emission; use Image
     Quality instead. All figures in K apply at the camera, behind the air, for the background as it
-    appears there. The ΔT that remains at a range follows from Atmospheric Path, if the picture has
-    passed one: τ(R) of each wavelength, weighted by dL/dT; otherwise ΔT·exp(−extinction·range).
+    appears there. If the picture has passed an Atmospheric Path, the ΔT that remains at a range
+    follows from its τ(R) at each wavelength, weighted by dL/dT; otherwise it is
+    ΔT·exp(−extinction·range).
 
     Johnson: the cycles resolved across the target, up to the frequency where the target's apparent
     ΔT equals the 2-D MRTD, divided by N50.
@@ -90,7 +91,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     = 169.6 √Hz, σ the noise in K·√s that passes the eyeball and the eye's channel at the frequency,
     S the scene contrast; fixed patterns count with `flir92`. Display and eye are not part of the
     MRTD. The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is
-    quoted for identifying tracked vehicles, which could not be checked.
+    quoted for identifying tracked vehicles; it could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
@@ -254,8 +255,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     magnification: Annotated[
         float | None,
         Param(
-            "TTP: angle on the display over angle in the scene; empty: the picture fills the "
-            "display",
+            "TTP: angle on the display divided by the angle in the scene; empty: the picture "
+            "fills the display",
             low=0, slider=(0, 20),
         ),
     ] = None  # fmt: skip
@@ -399,7 +400,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         )
 
     snr = table_figure(
-        "snr", "", "Noise-free mean signal over temporal noise; left out if there is no noise."
+        "snr",
+        "",
+        "Noise-free mean signal divided by temporal noise; left out if there is no noise.",
     )
     netd_K = table_figure(
         "netd_K", "K", "Noise-equivalent temperature difference of the temporal noise."

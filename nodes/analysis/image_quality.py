@@ -101,12 +101,13 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     off_nadir_deg: Annotated[
         float,
         Param(
-            "look angle off nadir along the track, which stretches the ground sample",
+            "look angle off nadir along the track, which enlarges the ground sample",
             unit="deg", low=0, high=89, slider=(0, 60),
         ),
     ] = 0.0  # fmt: skip
     snr: Annotated[
-        float | None, Param("SNR, if you know it; empty: mean signal over temporal noise", low=0)
+        float | None,
+        Param("SNR, if you know it; empty: mean signal divided by temporal noise", low=0),
     ] = None
     overshoot: Annotated[
         float | None,
@@ -169,7 +170,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     rer = table_figure("rer", "", "Relative edge response, geometric mean.")
     overshoot_figure = table_figure("overshoot", "", "Edge overshoot, geometric mean.")
     snr_figure = table_figure(
-        "snr", "", "Mean signal over temporal noise; left out if there is no noise."
+        "snr", "", "Mean signal divided by temporal noise; left out if there is no noise."
     )
 
 
@@ -254,7 +255,7 @@ def quality_table(
     gsd_m, rer = math.sqrt(across * along), _mean("relative edge response", edge.rer)
     overshoot = view.overshoot
     if overshoot is None:
-        overshoot = _mean("largest edge height near the edge", edge.overshoot)
+        overshoot = _mean("largest height of the edge response near the edge", edge.overshoot)
     gsd_inch = gsd_m / INCH_M
     why = snr.reason if isinstance(snr, Unseen) else ""
     fifth = fourth = third = shown_snr = None
@@ -277,7 +278,7 @@ def quality_table(
         ("rer_y", edge.rer[1], "", "along"),
         ("overshoot", overshoot, "", "edge overshoot H, geometric mean"),
         ("noise_gain", view.noise_gain, "", "noise gain G of the sharpening"),
-        ("snr", shown_snr, "", "mean signal over temporal noise", why),
+        ("snr", shown_snr, "", "mean signal divided by temporal noise", why),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
 

@@ -112,8 +112,18 @@ def difference_table(
             "largest difference, as a fraction of the range",
         ),
         ("max_view_deg", float(degrees[worst]), "deg", "view angle of the largest difference"),
-        ("rms_worst_percent", scale * percent, "%", "rms at the view angle where it is largest"),
-        ("rms_worst_view_deg", float(degrees[worst_rms]), "deg", "view angle of that rms"),
+        (
+            "rms_worst_percent",
+            scale * percent,
+            "%",
+            "rms difference at the view angle where it is largest",
+        ),
+        (
+            "rms_worst_view_deg",
+            float(degrees[worst_rms]),
+            "deg",
+            "view angle of the largest rms difference",
+        ),
         ("rms_difference", total, unit, "line by line minus whole image"),
         (
             "max_difference",
@@ -140,7 +150,7 @@ def difference_table(
             "response_error",
             filtered.response_error,
             "",
-            "error of the transfer function by interpolation",
+            "error of the transfer function caused by the interpolation",
         ),
         (
             "error_percent",
@@ -185,16 +195,17 @@ class LineOutputs(NamedTuple):
 class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analysis"):
     """Filter a line scanner's frame with its true sampling; use it instead of Back Transform.
 
-    A line scanner samples in equal angles along the scan and in equal steps on the ground along the
-    flight. Away from nadir the ground is farther away, and the lines are closer in angle:
+    A line scanner samples at equal angles along the scan and at equal distances on the ground along
+    the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
     scan have one scale, factors along the flight have one per column, and pupils and other
-    non-separable factors have both. All are in angles at the sensor, as in their modules; edges and
-    PTFs are as in Back Transform. Separable factors are exact. Non-separable factors are
-    interpolated between a few sampling intervals (`nodes`), with an estimate of the error, or
-    summed exactly for each interval (`direct`). For a pushbroom or an array, which sample evenly,
-    both outputs agree. The ground is flat, and motion blur over it has the same angle as at nadir.
+    non-separable factors have both. As in their own modules, all factors are in angles at the
+    sensor; edges and PTFs are treated as in Back Transform. Separable factors are exact.
+    Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
+    estimate of the error, or summed exactly for each interval (`direct`). For a pushbroom or an
+    array, which sample evenly, both outputs agree. The ground is taken as flat, and motion blur as
+    the same angle as at nadir.
 
     When is one interval for the whole image good enough? The Inframetrics' blur of three samples on
     the built-in scene (network `line_by_line`) is wrong by at most 0.03 % of the picture's range in
@@ -222,7 +233,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     look_angle_deg: Annotated[
         float,
         Param(
-            "view angle from nadir of the frame's middle",
+            "view angle from nadir at the middle of the frame",
             unit="deg",
             low=-90,
             high=90,
@@ -233,7 +244,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     nadir_column: Annotated[
         float | None,
         Param(
-            "sample of a scan line that looks at nadir, counted from 0; empty: from the look angle",
+            "sample of a scan line at nadir, counted from 0; empty: from the look angle",
             unit="px",
             low=-65536,
             high=131072,
@@ -250,7 +261,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     ] = "frame"
     line_spacing_m: Annotated[
         float | None,
-        Param("distance of scan lines on the ground", unit="m", low=0, slider=(0.1, 10)),
+        Param("distance between scan lines on the ground", unit="m", low=0, slider=(0.1, 10)),
     ] = None
     altitude_m: Annotated[
         float | None,
@@ -272,7 +283,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         ),
     ] = None
     tolerance: Annotated[
-        float, Param("largest error of the transfer function by interpolation", low=0, high=1)
+        float, Param("largest error of the transfer function from interpolation", low=0, high=1)
     ] = 1e-5
 
     panel = (

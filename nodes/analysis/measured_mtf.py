@@ -184,11 +184,12 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     derivative. The MTF is its modulus divided by the largest value; the response of the
     derivative, 0.64 at Nyquist, is not corrected. Standard errors come from leaving out rows.
 
-    `expected` is the MTF of the picture's chain in the same direction up to Nyquist: all stages
-    from the source on, and the samples of a test scene, which are means over their area. The blur
-    of a scene in a file is unknown and not included; a picture straight from a file has no expected
-    MTF. Aliasing in `row_average` is not included. `imagechain measure` finds the edges in pictures
-    of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and appendix B.
+    `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. It includes
+    all stages from the source on, and the samples of a test scene, which are means over their area.
+    The blur of a scene from a file is unknown and not included; a picture straight from a file has
+    no expected MTF. Aliasing in `row_average` is not included. `imagechain measure` finds the edges
+    in pictures of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and
+    appendix B.
     """
 
     formulas = (

@@ -44,18 +44,18 @@ def _figure(name: str, meaning: str) -> Callable[..., Recipe]:
 class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     """Split noise into its 3-D components: time (t), rows (v), columns (h), and combinations.
 
-    Predicted: every noise source of the chain is followed to this picture, through the transfer
-    functions, combined pixels and interpolation that follow it. Measured: frames of the picture are
+    Predicted: the noise of every source in the chain is propagated to this picture through all
+    later transfer functions, combined pixels and interpolation. Measured: frames of the picture are
     simulated, each with its own temporal noise and the same fixed patterns. The noise-free picture
     is subtracted, and unbiased estimates split the variance into the seven components. Only one
-    pattern is measured, so a fixed component with few rows or columns scatters about the prediction
-    for all sensors of this kind. Noise correlated between neighbours also appears in σ tv and σ th.
-    Rounding counts as noise. A file of frames (`path`), from a camera for example, is measured
-    instead of simulated frames, one frame at a time: everything that stays from frame to frame,
-    including the scene, then counts as fixed pattern, so use frames of a uniform scene. If you also
-    link a picture, its prediction is shown alongside. Sources: D'Agostino and Webb 1991; Scott and
-    D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased
-    estimates).
+    pattern is measured, so with few rows or columns the measured fixed components scatter about the
+    prediction, which is an average over all sensors of this kind. Noise correlated between
+    neighbours also appears in σ tv and σ th. Rounding counts as noise. A file of frames (`path`),
+    from a camera for example, is measured instead of simulated frames, one frame at a time:
+    everything that stays from frame to frame, including the scene, then counts as fixed pattern, so
+    use frames of a uniform scene. If a picture is linked too, its prediction is shown beside the
+    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
+    Casella and McCulloch 1992, Variance Components (unbiased estimates).
     """
 
     formulas = (
@@ -66,14 +66,14 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
         Formula(
             r"\sigma^2=\sigma_t^2+\sigma_v^2+\sigma_h^2+\sigma_{tv}^2+\sigma_{th}^2+\sigma_{"
             r"vh}^2+\sigma_{tvh}^2",
-            where="estimates are those of the analysis of variance, without bias",
+            where="unbiased estimates from the analysis of variance",
         ),
     )
 
     frames: Annotated[
         int,
         Param(
-            "frames to simulate, 0: prediction alone; of a file all are measured",
+            "frames to simulate; 0: prediction only; all frames of a file are measured",
             low=0,
             high=100000,
             slider=(0, 200),
@@ -82,8 +82,9 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     path: Annotated[
         Path | None,
         Param(
-            "file of frames to measure in place of simulated ones, or empty: .npy (frames, rows, "
-            "columns), TIFF of a page each, ENVI of a band each"
+            "file of frames to measure instead of simulated ones: .npy (frames, rows, "
+            "columns), TIFF with a page per frame, or ENVI with a band per frame; empty: "
+            "simulate"
         ),
     ] = None
 
@@ -96,7 +97,7 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
 
     def run(self, here: NodeContext, image: Image | None = None) -> NoiseOutputs:
         if image is None and self.path is None:
-            raise ParameterError("path", None, "a file of frames, where no image is linked")
+            raise ParameterError("path", None, "a file of frames, if no image is linked")
         noises: tuple[Recipe, ...] = ()
         unit = "" if image is None else image.unit
         if image is not None:
@@ -137,13 +138,14 @@ def frames_in_file(path: Path, here: NodeContext, image: Image | None) -> tuple[
         raise DataError(f"{file}: holds a single frame; noise in time needs 2 or more")
     if image is not None and image.shape != (known.rows, known.columns):
         raise DataError(
-            f"{file}: holds frames of {known.rows} × {known.columns} samples, and the picture that "
-            f"predicts their noise has {image.rows} × {image.columns}: link that camera's, or none"
+            f"{file}: holds frames of {known.rows} × {known.columns} samples, and the picture "
+            f"that predicts their noise has {image.rows} × {image.columns}: link a picture of "
+            "the same camera, or none"
         )
     if image is not None and known.unit and known.unit != image.unit:
         raise DataError(
             f"{file}: holds frames in {known.unit!r:.40}, and the picture that predicts their "
-            f"noise is in {image.unit!r:.40}: link one in the same unit, or none"
+            f"noise is in {image.unit!r:.40}: link a picture in the same unit, or none"
         )
     if known.path != file:
         stamps += stamps_of(known.path)
@@ -175,9 +177,9 @@ MEANINGS = {
     "vh": "fixed from sample to sample",
     "v": "fixed from row to row",
     "h": "fixed from column to column",
-    "t": "of whole frames from one to the next",
-    "tv": "of rows from frame to frame",
-    "th": "of columns from frame to frame",
+    "t": "whole frames, from one to the next",
+    "tv": "rows, from frame to frame",
+    "th": "columns, from frame to frame",
 }
 
 
@@ -229,7 +231,7 @@ def table_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> Tabl
             rows.append(TableRow(f"sigma_{name}_measured", value, unit, f"{meaning}, measured"))
             # The error of a root by that of its square; of one next to nothing the root of it.
             spread = error / (2.0 * abs(value)) if value * value > error else error**0.5
-            rows.append(TableRow(f"sigma_{name}_error", spread, unit, "standard error of it"))
+            rows.append(TableRow(f"sigma_{name}_error", spread, unit, "its standard error"))
     if expected is not None:
         rows += [
             TableRow("temporal", expected.temporal**0.5, unit, "temporal noise, predicted"),

@@ -31,13 +31,13 @@ class BudgetOutputs(NamedTuple):
 class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analysis"):
     """Show how much each source contributes to the noise, and each stage to the blur.
 
-    Everything is computed from the picture's chain; no noise is drawn. Each noise source is
-    followed to the picture through the filters, combined pixels and interpolation that follow it.
+    Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
+    propagated to the picture through all later filters, combined pixels and interpolation.
     Variances of independent noises add, so each source has a share of the sum. `fixed` are patterns
     that stay from frame to frame, averaged over all sensors of this kind. Rounding counts as noise.
     Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian blur is
     proportional to its variance. A stage that amplifies has a negative share: it recovers this part
-    of the loss. A stage that blocks everything has the whole share. Phases do not blur.
+    of the loss. A stage with an MTF of zero has all of it. Phases do not blur.
     """
 
     formulas = (

@@ -42,16 +42,17 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     """Blur by convolution with the impulse response; use it instead of Back Transform.
 
     It takes the inputs of Back Transform: the impulse response is the inverse transform of all
-    collected MTFs and PTFs. Separable ones need a pass along x and one along y; others need a
-    two-dimensional kernel. Whole kernels give the result of Back Transform, to rounding. A
-    truncated kernel has an error of at most `error_bound`: the sum of the moduli of what was cut
-    off, as a share of the scene's largest deviation from its mean. The mean is kept. If a transfer
-    function has not fallen to zero at Nyquist, its kernel rings and cannot be both short and
-    precise.
+    collected MTFs and PTFs. If it is separable, it is applied in one pass along x and one along y;
+    otherwise as a two-dimensional kernel. Complete kernels give the same result as Back Transform,
+    except for rounding. A truncated kernel has an error of at most `error_bound`: the sum of the
+    moduli of what was cut off, as a share of the scene's largest deviation from its mean. The mean
+    is kept. If a transfer function has not fallen to zero at Nyquist, its kernel rings and cannot
+    be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
-    128², ±4 at 512²; two-dimensional kernels never are (`imagechain bench --only precision`, table
-    spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section 2.1.4.
+    128², ±4 at 512²; two-dimensional kernels are always slower (`imagechain bench --only
+    precision`, table spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section
+    2.1.4.
     """
 
     formulas = (

@@ -112,7 +112,7 @@ def sensitivity(
     band = {"cut_on_um": band_um[0], "cut_off_um": band_um[1]}
     if seen.unknown:
         raise DataError(
-            f"the noise before {', '.join(seen.unknown)} cannot be computed at this picture: "
+            f"the noise before {', '.join(seen.unknown)} cannot be computed for this picture: "
             "connect the sensor's own picture"
         )
     if gain is None:

@@ -132,7 +132,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         Literal["horizontal", "vertical", "up"],
         Param(
             "line of sight, for coefficients and Cn²; vertical: looking down from a height; "
-            "up: looking up to one"
+            "up: looking up to a height"
         ),
     ] = "horizontal"
     absorption_per_km: Annotated[

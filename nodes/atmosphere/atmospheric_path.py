@@ -63,9 +63,9 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
     sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`. A spectral picture (`bands`
     of Read Image) has each band multiplied by its own transmission. Absorption and scattering
-    attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit apply
-    behind this path, and their ranges use its transmission at each range, by Beer's law at every
-    wavelength. Two of these modules in a row are two constituents of the same air.
+    attenuate alike here; for the blur from scattering use Atmosphere MTF. Figures of Merit after
+    this module use its transmission at each range, by Beer's law at every wavelength. Two of these
+    modules in a row represent two constituents of the same air.
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
     """
@@ -96,7 +96,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     path: Annotated[
         Path | None,
         Param(
-            "CSV of µm and transmission, used instead of the number; for modtran a tape7 or a CSV"
+            "CSV of µm and transmission, used instead of the number; for modtran: a tape7 or a CSV"
         ),
     ] = None
     extinction_per_km: Annotated[
@@ -158,7 +158,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         band = image.band_um
         if band is None and not (air.is_grey and air.air_K is None and not air.radiance):
             raise DataError(
-                "the image has no band, over which the transmission and radiance of the air "
+                "the image has no band over which the transmission and radiance of the air "
                 "could be summed: give cut_on_um and cut_off_um where it is read"
             )
         if band is not None:
@@ -359,8 +359,8 @@ def scene_temperature(work: Work, samples: Array, *, factor: float, band_um: Ban
     mean = factor * float(np.mean(samples, dtype=np.float64))
     if not (math.isfinite(mean) and mean > 0.0):
         raise DataError(
-            f"a picture with mean radiance {mean:g} W/m²/sr has no brightness temperature by "
-            "which to weight the transmission: give source_K"
+            f"a picture with mean radiance {mean:g} W/m²/sr has no brightness temperature, "
+            "which would weight the transmission: give source_K"
         )
     low, high = band_um
     return float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))
@@ -385,7 +385,7 @@ def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset
     light = np.maximum(means * np.array(weights), 0.0)
     total = float(light.sum())
     if not total > 0.0:
-        raise DataError("the picture's bands contain no light by which to weight the transmission")
+        raise DataError("the picture's bands contain no light to weight the transmission")
     return PathBand(min(float(light @ np.array(gain)) / total, 1.0), added)
 
 

@@ -20,7 +20,7 @@ class ChargeTransfer(Module):
         int, Param("number of transfers", low=0, high=10**9, slider=(1, 4096))
     ] = 640
     efficiency: Annotated[
-        float, Param("fraction of the charge that each transfer moves on", low=0, high=1)
+        float, Param("fraction of the charge that each transfer passes on", low=0, high=1)
     ] = 0.99999
     model: Annotated[
         Literal["exact", "published", "leading"],

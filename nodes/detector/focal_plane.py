@@ -388,7 +388,7 @@ def filter_caution(picture: Band, passed: Band, *, in_bands: bool) -> Caution | 
         return None
     return Caution(
         f"the cold filter passes {low:g} to {high:g} µm, but the picture's radiance covers "
-        f"{picture[0]:g} to {picture[1]:g} µm: what lies beyond is "
+        f"{picture[0]:g} to {picture[1]:g} µm: the light outside is"
         + ("not counted" if in_bands else "extrapolated by a black body"),
         "use a picture that covers the filter's whole band, or a narrower filter",
     )
@@ -419,7 +419,7 @@ def optics_caution(image: Image, passed: Band) -> Caution | None:
             continue
         return Caution(
             f"MTF and ranges are for the wrong wavelengths: {factor.label} ({factor.node}) "
-            f"blurs as over {band[0]:g} to {band[1]:g} µm, but the cold filter passes "
+            f"blurs for {band[0]:g} to {band[1]:g} µm, but the cold filter passes "
             f"{passed[0]:g} to {passed[1]:g} µm",
             f"set cut_on_um = {passed[0]:g} and cut_off_um = {passed[1]:g} on {factor.node} "
             "too, or use a picture of the filter's band",

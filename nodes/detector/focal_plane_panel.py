@@ -29,7 +29,8 @@ from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 
 _NEEDED_BY = {
     "full_well_e": "nonlinearity_percent refers to the full well",
-    "housing_K": "a cold_shield_efficiency below 1 lets radiation of the housing in",
+    "housing_K": "with a cold_shield_efficiency below 1, radiation of the housing reaches the "
+    "detector",
     "detector_K": "rule_07 needs it",
     "material_cutoff_um": "rule_07 needs it",
 }
@@ -138,7 +139,9 @@ class FocalPlanePanel(SeededModule):
     ] = None
     full_well_e: Annotated[
         float | None,
-        Param("electrons that a pixel holds; empty: unlimited", unit="e-", low=0, slider=(0, 1e7)),
+        Param(
+            "electrons that a pixel can hold; empty: unlimited", unit="e-", low=0, slider=(0, 1e7)
+        ),
     ] = None
     nonlinearity_percent: Annotated[
         float,
@@ -176,7 +179,7 @@ class FocalPlanePanel(SeededModule):
     gain_e_per_dn: Annotated[
         float | None,
         Param(
-            "electrons per digital number; empty: the full well is the last number",
+            "electrons per digital number; empty: the full well gives the highest number",
             unit="e-/DN",
             low=0,
             slider=(0, 1000),

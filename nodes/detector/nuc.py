@@ -178,8 +178,9 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         if self.method == "none" or seen_by_camera(image.recipe) is not None:
             return None
         return Caution(
-            "there is nothing to correct: no node before this one adds noise pixel by pixel",
-            "move it behind the camera's modules, such as Focal Plane",
+            "there is nothing to correct: no node before this one adds noise that differs "
+            "between pixels",
+            "move it after the camera's modules, such as Focal Plane",
         )
 
     pattern_low = table_figure(

@@ -39,14 +39,14 @@ class SpectralResponse(
 ):
     """Weight every wavelength by the response of a detector material, a filter or a window.
 
-    Each band of a spectral picture is multiplied by its mean response. Focal Plane behind it counts
-    the remaining photons; its NETD refers to the scene before the response. The response weights
-    only light from the scene, not from optics and housing. A picture with one band is multiplied by
-    the mean over the band, weighted by the radiance of a black body: at the picture's mean
-    brightness temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or at `source_K`.
-    `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points. `gaussian`:
-    `width_um` is the full width at half maximum. To get radiance, enter a response per watt
-    unchanged; for photons, use the response in Focal Plane.
+    Each band of a spectral picture is multiplied by its mean response. A Focal Plane after it
+    counts the remaining photons; its NETD refers to the scene before the response. The response
+    weights only light from the scene, not radiation from optics and housing. A picture with one
+    band is multiplied by the mean over the band, weighted by the radiance of a black body: at the
+    picture's mean brightness temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or
+    at `source_K`. `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points.
+    `gaussian`: `width_um` is the full width at half maximum. To get radiance, enter a response per
+    watt unchanged; for photons, use the response in Focal Plane.
     """
 
     formulas = (
@@ -103,7 +103,7 @@ class SpectralResponse(
         node, band = here.node, image.band_um
         if band is None:
             raise DataError(
-                "the image has no band, over which the response could be weighted: give "
+                "the image has no band over which the response could be weighted: give "
                 "cut_on_um and cut_off_um where it is read"
             )
         response = self.response(band, here)
@@ -205,7 +205,7 @@ def mean_response(
         mean = float(np.mean(samples, dtype=np.float64))
         if not mean > 0.0:
             raise DataError(
-                f"a picture with mean {mean:g} has no brightness temperature by which to "
+                f"a picture with mean {mean:g} has no brightness temperature, which would "
                 "weight the response: give source_K"
             )
         source_K = float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))

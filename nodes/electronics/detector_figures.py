@@ -119,7 +119,12 @@ def figures(
             "K",
             "NETD of detector and amplifier together",
         ),
-        ("snr", seen.mean / noise, "", "mean signal over rms noise of detector and amplifier"),
+        (
+            "snr",
+            seen.mean / noise,
+            "",
+            "mean signal divided by the rms noise of detector and amplifier",
+        ),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
 

@@ -117,7 +117,8 @@ class ElectronicsNoise(
         ),
         Formula(
             r"q=\frac{L_{high}-L_{low}}{2^b-1}",
-            where="step of a quantizer of b bits, with both ends as levels",
+            where="step of a quantizer with b bits whose lowest and highest levels are the "
+            "ends of the range",
         ),
     )
 

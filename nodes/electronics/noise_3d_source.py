@@ -111,7 +111,9 @@ class Noise3DSource(
             return
         if not self.sigma_tvh:
             raise ParameterError(
-                "sigma_tvh", 0.0, "above 0 if corner_Hz is: 1/f noise equals it at the corner"
+                "sigma_tvh",
+                0.0,
+                "above 0 if corner_Hz is above 0: at the corner, 1/f noise equals it",
             )
         self._band()
 

@@ -154,7 +154,7 @@ def _without_gain(picture: Recipe, *_: Recipe, model: str, **how: Any) -> Recipe
     if model == "literal":
         raise DataError(
             "gain_model literal multiplies the picture by the gain error, so without a gain "
-            "error nothing is left; use per_pixel or published"
+            "error nothing remains; use per_pixel or published"
         )
     return picture
 

@@ -117,7 +117,7 @@ def _tiff(path: Path) -> FrameFile:
             if _shape(layout) != _shape(first):
                 raise FileError(
                     f"{path}: its frames differ: page {frames} has {_words(layout)}, the first "
-                    f"{_words(first)}; allowed: frames of one size and type"
+                    f"page {_words(first)}; allowed: frames of one size and type"
                 )
     if first is None:
         raise FileError(f"{path}: contains no picture")
@@ -159,5 +159,5 @@ def check_one_camera(files: Sequence[FrameFile], *, of_one: str) -> None:
         if (file.rows, file.columns) != (first.rows, first.columns):
             raise DataError(
                 f"{file.path}: contains frames of {file.rows} × {file.columns} samples, but "
-                f"{first.path} of {first.rows} × {first.columns}: give files of one camera"
+                f"{first.path} has {first.rows} × {first.columns}: give files from one camera"
             )

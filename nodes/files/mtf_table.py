@@ -137,7 +137,7 @@ def _check_of(name: str, unit: str) -> Check:
         allowed = f"a frequency from 0 to {_LARGEST_FREQUENCY:g}"
         return (lambda value: 0.0 <= value <= _LARGEST_FREQUENCY), allowed
     if name in PHASE_COLUMNS:
-        what = f"a phase of at most {_LARGEST_PHASE:g} {unit or 'rad'} either way"
+        what = f"a phase between −{_LARGEST_PHASE:g} and {_LARGEST_PHASE:g} {unit or 'rad'}"
         return (lambda value: abs(value) <= _LARGEST_PHASE), what
     allowed = (
         f"MTF from 0 to {LARGEST_MTF:g}; write a negative lobe as a phase of π, and divide "

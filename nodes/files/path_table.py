@@ -100,7 +100,7 @@ def _csv_points(lines: list[str], file: Path) -> tuple[Points, Points]:
         if not (0.0 <= added <= _LARGEST_RADIANCE and math.isfinite(added)):
             raise line_refused(file, number, _ALLOWED)
         if rows and place <= rows[-1][0]:
-            allowed = f"a wavelength above the one before, {rows[-1][0]:g} µm"
+            allowed = f"a wavelength above the previous one, {rows[-1][0]:g} µm"
             raise line_refused(file, number, allowed)
         rows.append((place, passed, added))
     if len(rows) < 2:
@@ -145,7 +145,7 @@ def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
             raise line_refused(file, number, "FREQ above 0 and radiance of at least 0")
         wavelength = 1e4 / wavenumber
         if transmission and not wavenumber > 1e4 / transmission[-1][0]:
-            raise line_refused(file, number, "a wavenumber above the one before")
+            raise line_refused(file, number, "a wavenumber above the previous one")
         transmission.append((wavelength, min(passed, 1.0)))
         radiance.append((wavelength, added * 1e8 / wavelength**2))
     if len(transmission) < 2:

@@ -32,7 +32,7 @@ def read_wavelengths(path: Path, *, what: str, low: float, high: float) -> Point
         if not (math.isfinite(value) and low <= value <= high):
             raise line_refused(path, number, f"{what} from {low:g} to {high:g}")
         if points and place <= points[-1][0]:
-            allowed = f"a wavelength above the one before, {points[-1][0]:g} µm"
+            allowed = f"a wavelength above the previous one, {points[-1][0]:g} µm"
             raise line_refused(path, number, allowed)
         points.append((place, value))
     return tuple(points)
@@ -51,7 +51,9 @@ def read_motion(path: Path) -> tuple[Points, Points]:
         if not all(0.0 < value < math.inf for value in row):
             raise line_refused(path, number, "finite numbers above 0")
         if rows and row[0] <= rows[-1][0]:
-            raise line_refused(path, number, f"a frequency above {rows[-1][0]:g} Hz, the last")
+            raise line_refused(
+                path, number, f"a frequency above the previous one, {rows[-1][0]:g} Hz"
+            )
         rows.append(row)
     across = tuple((row[0], row[1]) for row in rows)
     return across, tuple((row[0], row[-1]) for row in rows)

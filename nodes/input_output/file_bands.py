@@ -208,7 +208,7 @@ def _check_ends(info: PictureInfo, first: Array, last: Array) -> None:
     sound[list(info.bad_bands)] = True  # left out
     for place in np.flatnonzero(~sound)[:1]:
         raise FileError(
-            f"{info.path}: band {place} at {_centre(info, int(place)):g} µm reaches from "
+            f"{info.path}: band {place} at {_centre(info, int(place)):g} µm extends from "
             f"{first[place]:g} to {last[place]:g} µm; bands must have a width and lie between "
             f"0 and {_WIDEST_UM:g} µm: check wavelength, fwhm and wavelength units in the "
             "header"

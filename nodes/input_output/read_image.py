@@ -293,8 +293,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if not count:
             return None
         return Caution(
-            f"the store lacks {count} of its chunks: their samples count as missing",
-            "copy the store again if it should be complete",
+            f"the store lacks {count} of its chunks: their samples are taken as missing",
+            "if the store should be complete, copy it again",
         )
 
     @warning

@@ -128,7 +128,9 @@ def _of_typed(
     if not integrated or not own.spectral:
         return SampleUnit(own.name, own.factor)
     if own.spectral != "µm":
-        raise ParameterError("unit", typed, "per µm or nm, because bands are integrated over µm")
+        raise ParameterError(
+            "unit", typed, "per µm or nm, because the samples are integrated over wavelength"
+        )
     # The sum over the bands took the samples per µm, or as the file gives it.
     stored = radiance_unit(info.unit) if info.unit else None
     taken = stored.per_um if stored is not None else 1.0
@@ -172,7 +174,7 @@ def radiance_caution(
             f"the unit may be wrong: the samples, {stats.mean:.4g} ± {stats.sigma:.2g}, look "
             "like temperatures in kelvin but are read as W/m²/sr, more than a scene below "
             f"{least:.0f} K emits over all wavelengths",
-            f"{_REMEDY}; give cut_on_um and cut_off_um if it is radiance",
+            f"{_REMEDY}; if it is radiance, give cut_on_um and cut_off_um",
         )
     return None
 

@@ -35,7 +35,7 @@ class RelativeMotionMTF(
         ),
         Formula(
             r"H=\mathrm{sinc}(b_x\xi+b_y\eta)",
-            where="for the straight smear of a constant velocity",
+            where="for the straight smear of constant velocity",
             when="line",
         ),
     )

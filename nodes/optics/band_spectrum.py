@@ -62,8 +62,8 @@ def source_temperature(
     image = magnitude.image
     if image is None:
         raise ParameterError(
-            "source_K", None, "a temperature, because no picture is connected whose mean "
-                              "could give one",
+            "source_K", None, "a temperature, because no picture is connected from whose mean "
+                              "it could be taken",
             unit="K",
         )  # fmt: skip
     if image.unit.strip() in _KELVIN:

@@ -37,9 +37,9 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
     pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
     focal length, F-number and aperture give the third. An image without a sampling interval gets
-    one from the camera's field of view, pixels times pitch over focal length. A warning names
-    values that disagree; nothing is corrected. Source: Holst 2008, Electro-Optical Imaging System
-    Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
+    one from the camera's field of view (pixels times pitch, divided by focal length). A warning
+    names values that disagree; nothing is corrected. Source: Holst 2008, Electro-Optical Imaging
+    System Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
     """
 
     formulas = (
@@ -70,17 +70,18 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         Param("focal length; empty: F-number times aperture", unit="mm", low=0, slider=(5, 1000)),
     ] = None
     f_number: Annotated[
-        float | None, Param("F-number; empty: focal length over aperture", low=0, slider=(0.5, 32))
+        float | None,
+        Param("F-number; empty: focal length divided by the aperture", low=0, slider=(0.5, 32)),
     ] = None
     aperture_mm: Annotated[
         float | None,
-        Param("aperture diameter; empty: focal length over F-number", unit="mm", low=0,
+        Param("aperture diameter; empty: focal length divided by the F-number", unit="mm", low=0,
               slider=(2, 500)),
     ] = None  # fmt: skip
     obscuration_ratio: Annotated[
         float,
-        Param("obscuration: inner over outer diameter of the aperture", low=0, high=1, below=True,
-              slider=(0, 0.6)),
+        Param("obscuration: inner diameter of the aperture divided by the outer", low=0, high=1,
+              below=True, slider=(0, 0.6)),
     ] = 0.0  # fmt: skip
     range_m: Annotated[
         float | None, Param("distance of the scene", unit="m", low=0, slider=(10, 10000))
@@ -192,9 +193,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         if alike(pixel, sample):
             return None
         return Caution(
-            "there are more samples per pixel along one axis than along the other: the "
-            f"picture's samples are {sample:.4g} times as high as wide, the pixels {pixel:.4g} "
-            "times",
+            "the numbers of samples per pixel across and along differ: the picture's samples "
+            f"are {sample:.4g} times as high as wide, the pixels {pixel:.4g} times",
             "correct pitch, pixels or the picture's field of view, unless this sampling is "
             "intended",
         )
@@ -295,7 +295,7 @@ def camera_figures(
                 "obscuration_ratio",
                 sheet.obscuration_ratio,
                 "",
-                "obscuration: inner over outer diameter",
+                "obscuration: inner diameter divided by the outer",
             ),
             TableRow("fill_x", sheet.fill_x or 1.0, "", "fill factor across"),
             TableRow("fill_y", sheet.fill_y or 1.0, "", "fill factor along"),

@@ -89,12 +89,12 @@ class DiffractionMTF(
 
     aperture_mm: Annotated[
         float | None,
-        Param("aperture diameter; empty: from Camera, or focal length over F-number", unit="mm",
-              low=0, slider=(2, 500)),
+        Param("aperture diameter; empty: from Camera, or focal length divided by the F-number",
+              unit="mm", low=0, slider=(2, 500)),
     ] = None  # fmt: skip
     obscuration_ratio: Annotated[
         float | None,
-        Param("obscuration: inner over outer diameter; empty: from Camera, or none",
+        Param("obscuration: inner diameter divided by the outer; empty: from Camera, or none",
               low=0, high=1, below=True,
               slider=(0, 0.6), zero_is_empty=False),
     ] = None  # fmt: skip
@@ -103,7 +103,7 @@ class DiffractionMTF(
     weighting: Annotated[
         Literal["photons", "energy", "uniform"],
         Param(
-            "weight of the wavelengths: by photons, as in a photon detector, by energy, or equal"
+            "weight of the wavelengths: by photons (as in a photon detector), by energy, or equal"
         ),
     ] = "photons"
     source_K: LightingSource = None

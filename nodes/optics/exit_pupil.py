@@ -52,10 +52,10 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     centred on the array. The read-out `aperture_radius` gives the radius used. A wavefront map
     (picture, FITS, `.npy`, text, Zemax's listing) is added to these. Outside the aperture it must
     be NaN, or zero out to the border of the array. The pupil is opaque where the map is unknown. A
-    map in waves uses its own wavelength; a path in µm is the same at all wavelengths. A complex
-    `.npy` as `path` holds amplitude and phase at its own wavelength only. Row 0 is at the top. W
-    enters as exp(2πiW), so a W that increases to the right moves the picture to the left. Sources:
-    Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    map in waves applies at its own wavelength; a path in µm is the same at all wavelengths. A
+    complex `.npy` as `path` holds amplitude and phase at its own wavelength only. Row 0 is at the
+    top. W enters as exp(2πiW), so a W that increases to the right moves the picture to the left.
+    Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
     """
 
     formulas = (
@@ -299,7 +299,7 @@ def known_opening(
     known = np.isfinite(wavefront)
     samples = known.astype(np.float64) if opening is None else np.where(known, opening, 0.0)
     if not samples.any():
-        raise DataError(f"{name}: the wavefront map has no value anywhere the pupil transmits")
+        raise DataError(f"{name}: the wavefront map has no value where the pupil transmits")
     return np.asarray(samples / samples.max())
 
 

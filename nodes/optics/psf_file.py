@@ -76,7 +76,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     ] = None  # fmt: skip
     centroid: Annotated[
         Literal["kept", "removed"],
-        Param("whether a centroid away from the file's middle shifts the picture"),
+        Param("whether the picture shifts if the centroid is away from the file's middle"),
     ] = "kept"
     background: Annotated[
         float,

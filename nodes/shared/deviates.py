@@ -148,7 +148,7 @@ class SeededModule(Module):
 
     seed_mode: Annotated[
         Literal["automatic", "typed"],
-        Param("take the seed from the network's seed and this node's name, or the value below"),
+        Param("take the seed from the network's seed and this node's name, or enter it below"),
     ] = "automatic"
     seed: Annotated[int, Param("seed, if entered here", low=0, high=2**63 - 1)] = 0
 

@@ -136,7 +136,7 @@ CutOff = Annotated[
 LongestPeriod = Annotated[
     float,
     Param(
-        "slowest 1/f noise: time since the last correction",
+        "longest period of the 1/f noise: time since the last correction",
         unit="s",
         low=1e-9,
         high=1e9,
@@ -145,13 +145,15 @@ LongestPeriod = Annotated[
 ]
 WeightingSource = Annotated[
     float | None,
-    Param("black body whose spectrum weights a single band; empty: the scene's, or sunlight",
+    Param("black body whose spectrum weights a single band; empty: that of the scene, or of "
+          "sunlight",
           unit="K", low=0,
           high=1e6, slider=(250, 6500)),
 ]  # fmt: skip
 LightingSource = Annotated[
     float | None,
-    Param("black body whose spectrum fills the band; empty: the picture's mean, or sunlight",
+    Param("black body whose spectrum fills the band; empty: at the temperature of the "
+          "picture's mean, or sunlight",
           unit="K",
           low=0, high=1e6, slider=(200, 6500)),
 ]  # fmt: skip

@@ -59,8 +59,8 @@ def band_caution(
     return Caution(
         f"the picture's radiance is that of {_band(picture)} and cut_on_um to cut_off_um are "
         f"{_band((low, high))}: the bands {apart}",
-        "leave cut_on_um and cut_off_um empty to use the picture's band, or give the picture "
-        "this band",
+        "leave cut_on_um and cut_off_um empty to use the picture's band, or set the picture's "
+        "band to this one",
     )
 
 

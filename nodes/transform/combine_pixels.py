@@ -87,7 +87,7 @@ def _twice(
             "ignore this if the blocks represent the pixels, as in the networks of 1996",
         )
     return Caution(
-        f"the pixel is counted twice: {detector} already averages over {width_mrad:.4g} mrad "
+        f"the pixel is averaged twice: {detector} already averages over {width_mrad:.4g} mrad "
         f"{direction}, and blocks of {factor} samples average over {block:.4g} mrad once more, "
         f"so the contrast at Nyquist is {float(left):.3g} times what the detector leaves",
         "use Sample Pixels instead of this node, or leave Detector MTF out; ignore this if "

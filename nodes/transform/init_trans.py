@@ -40,8 +40,8 @@ class InitTrans(
     """Transform the image to magnitude and phase, and pass the geometry to the other modules.
 
     Empty parameters are taken from a Camera before it, else from the image's header. A fill factor
-    of 1 counts as empty. Values entered here take priority; a warning says so if they differ.
-    Source: Tantalo 1996, section 4.1.
+    of 1 counts as empty. Values entered here take priority; if they differ from those, a warning
+    says so. Source: Tantalo 1996, section 4.1.
     """
 
     formulas = (

@@ -64,8 +64,8 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
     ] = None
     offset: Annotated[
         float,
-        Param("how far samples lie from the pixels' middles, right and down", unit="pixels",
-              low=-1, high=1, slider=(-0.5, 0.5)),
+        Param("offset of the samples from the pixels' centres, right and down",
+              unit="pixels", low=-1, high=1, slider=(-0.5, 0.5)),
     ] = 0.0  # fmt: skip
     offset_y: Annotated[
         float | None,
@@ -134,14 +134,14 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         if detector_averages(image) or max(self._ratio("x", image), self._ratio("y", image)) <= 1:
             return None
         measured = (
-            "; ignore this if the table in MTF File was measured behind the pixels, as "
-            "`imagechain measure` does"
+            "; ignore this if the table in MTF File includes the pixels, as `imagechain "
+            "measure` writes it"
             if passes_table(image)
             else ""
         )
         return Caution(
-            "the picture will be too sharp: no Detector MTF comes before this node, so no "
-            "pixel averages over its area and the samples are points",
+            "the picture will be too sharp: there is no Detector MTF before this node, so "
+            "nothing averages over the pixels and the samples are points",
             "put Detector MTF before Back Transform, or take Combine Pixels, which averages"
             f"{measured}",
         )

@@ -48,7 +48,9 @@ def _factor(unit: str) -> float:
     known = None if is_temperature(unit) or not unit.strip() else radiance_unit(unit)
     if known is None or known.photons or known.spectral:
         named = f"in {unit!r:.40}" if unit.strip() else "without a unit"
-        what = "temperature already" if is_temperature(unit) else "no radiance of a band in watts"
+        what = (
+            "temperature already" if is_temperature(unit) else "not the radiance of a band in watts"
+        )
         raise DataError(
             f"the picture, {named}, is {what}: To Temperature takes W/m²/sr, the unit on Read Image"
         )

@@ -114,7 +114,7 @@ def test_a_pixel_of_the_satellite_is_averaged_once(shipped_report):
     assert (band["values"], band["unit"]) == (BANDS_UM["satellite_tdi"], "µm")
     assert not facts["nodes"]["camera"]["neutral"]  # the sampling comes from it
     assert "identity" not in [fact["kind"] for fact in facts["skipped"].get("camera", [])]
-    assert not any("counted twice" in row["message"] for row in facts["warnings"])
+    assert not any("averaged twice" in row["message"] for row in facts["warnings"])
 
 
 @pytest.mark.parametrize("name", ["mwir_camera", "microbolometer", "satellite_tdi", "dirsig_cube"])

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import label_of
-from app.editor.dialogs import show_beside
+from app.editor.dialogs import FileDialog, show_beside
 from app.editor.docks.run_queue import job_of, proposed_folder
 from app.editor.docks.tradeoff_ranges import ParameterChoice, Varied, usual_span
 from app.editor.number_text import shown_number
@@ -94,7 +94,7 @@ class AddRun(QDialog):
         self.files.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.choose = tool_button("add_run.choose", "Choose…", "Choose pictures", self)
         self.drop = tool_button(
-            "add_run.drop", "Remove", "Remove the selected ones from the list", self
+            "add_run.drop", "Remove", "Remove the selected files from the list", self
         )
         self.folder = self._line("a folder; it is created if it does not exist")
         self.browse = tool_button("add_run.browse", "Browse…", "Choose the folder", self)
@@ -232,9 +232,8 @@ class AddRun(QDialog):
         show_beside(self, dialog)
 
     def _dialog(self, title: str, mode: QFileDialog.FileMode) -> QFileDialog:
-        dialog = QFileDialog(self, title, str(self._session.folder.absolute()))
+        dialog = FileDialog(self, title, str(self._session.folder.absolute()))
         dialog.setObjectName("add_run.dialog")
-        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
         dialog.setFileMode(mode)
         return dialog
 
@@ -398,6 +397,6 @@ def _number(text: str, parameter: Parameter) -> Any:
 def _allowed(value: Any, parameter: Parameter) -> Any:
     coerced = parameter.coerce(value)
     if coerced is None:
-        allowed = "this value stands for an empty parameter"
+        allowed = "this value means an empty parameter"
         raise ParameterError(parameter.name, value, allowed, unit=parameter.param.unit)
     return plain(coerced)

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 _NEAR_PX = 12.0  # of a click from an edge
 _MOST_ZOOM = 64.0
 _HINT = (
-    "Measure Viewer measures the picture in a viewer; Files… measures picture files, and you "
-    "can drop files here too. The edges are found, and the MTF is measured across each one."
+    "Measure Viewer measures the picture in a viewer; Files… measures picture files; you can "
+    "also drop files here. Imagechain finds the edges and measures the MTF across each one."
 )
 
 

@@ -35,7 +35,7 @@ _NO_PICTURE = "no picture"
 _NOTHING_FREE = "Right-click a number on a panel: Free for a fit"
 _SAID_HERE = "Fit reports here how well the chain matches the picture, and any warnings"
 _NO_EDGES = "The picture was fitted as a whole, not edge by edge"
-_TAKE = "Write all fitted values into the network, as one step that undo takes back"
+_TAKE = "Write all fitted values into the network, as one step that you can undo"
 
 
 class FitView(WorkerView):
@@ -323,11 +323,11 @@ class FitView(WorkerView):
         now = session.document.network
         fitted = {one.number.place for one in outcome.numbers} if outcome is not None else set()
         if not any(now is one or now == one for one in self._fits):
-            return "to the network as it was before an edit"
+            return "to the network before an edit"
         if self._fitted_to is not None and self.pictures != self._fitted_to:
             return f"to {pictures_name(self._fitted_to)}"
         if self.known.isChecked() != self._fitted_known:
-            return f"with the scene {'' if self._fitted_known else 'not '}known"
+            return f"with the scene {'' if self._fitted_known else 'not '}taken as known"
         if fitted != {one.place for one in session.free.all}:
             return "while other parameters were free"
         return ""

@@ -95,7 +95,9 @@ class FreeTable(QTableWidget):
         if column in (_LOW, _HIGH):
             item.setFlags(flags | Qt.ItemFlag.ItemIsEditable)
             end = "Low" if column == _LOW else "High"
-            item.setToolTip(tip(f"{end} limit for the fit; empty: the parameter's own limit"))
+            item.setToolTip(
+                tip(f"{end} limit for the fit; empty: the limit of the parameter itself")
+            )
         else:
             item.setFlags(flags)
             if parameter is not None:

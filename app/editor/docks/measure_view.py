@@ -337,7 +337,7 @@ class MeasureView(WorkerView):
         title, own = self._shown.title, self._shown.network
         now = self._session.document.network
         old = own is not None and own is not now and own != now
-        return f"{title}, as it was before an edit" if old else title
+        return f"{title}, before an edit" if old else title
 
     def _begin(self, measuring: _Measuring, job: Callable[..., object]) -> None:
         self._say(f"Measuring {measuring.title} …")
@@ -443,7 +443,7 @@ class MeasureView(WorkerView):
 # Which band of files that have several is measured.
 
 _NONE, _MOST = -1, 99_999
-_ABOUT = "Band to measure in files with several, counted from 0"
+_ABOUT = "Band to measure in files with several bands, counted from 0"
 
 
 class BandBox(QSpinBox):

@@ -305,7 +305,7 @@ def python_environment() -> QProcessEnvironment:
 
 def _last_line(said: str) -> str:
     lines = [line for line in said.splitlines() if line.strip()]
-    return in_line(lines[-1].removeprefix(_PREFIX)) if lines else "it ended without saying why"
+    return in_line(lines[-1].removeprefix(_PREFIX)) if lines else "it stopped without saying why"
 
 
 # The network of the window as it is now, as a job.

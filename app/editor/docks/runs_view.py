@@ -275,7 +275,7 @@ class _RunList(QTreeWidget):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("runs.list")
-        self.setAccessibleName("Runs that are queued, running and finished")
+        self.setAccessibleName("Queued, running and finished runs")
         self.setColumnCount(2)
         self.setHeaderHidden(True)
         self.setRootIsDecorated(False)

@@ -32,7 +32,7 @@ from core.network.network import Network
 
 MOST_CURVES = 8  # of a plot turned to many angles those of the last ones are kept
 SHARE = 4  # of what computed values may take, for pictures of snapshots: one part in so many
-NOTHING_KEPT = "there are no snapshots yet: Ctrl+K keeps the present state"
+NOTHING_KEPT = "there are no snapshots yet: Ctrl+K keeps the current state"
 _OWNER = "snapshots.kept"
 
 Figures = Mapping[tuple[str, str], tuple[Any, str]]
@@ -216,7 +216,7 @@ class Snapshots(QObject):
             self.way = None
         ports, curves = tuple(dict.fromkeys(self._ports())), tuple(self._plot.queries())
         self._want(state, SnapshotQuery(source, ports, curves, figures=True))
-        self._say(f"kept as {name}: K switches between it and now, W wipes between the two")
+        self._say("K switches between it and the current state, W wipes between the two")
         self._update()
 
     def choose(self, state: Snapshot) -> None:
@@ -287,7 +287,7 @@ class Snapshots(QObject):
         if port in state.missing:
             missing = f"{state.name} has no {port}: {state.missing[port]}"
         elif port not in state.pictures:
-            missing = f"{port} of {state.name} is being computed"
+            missing = f"{port} of {state.name} is still being computed"
             if not any(port in query.ports for query in self._wanted_of(state)):
                 self._want(state, SnapshotQuery(state.source, (port,)))
         name = f"{state.name} · {state.taken:%H:%M:%S}"
@@ -348,7 +348,7 @@ class Snapshots(QObject):
             self._say(
                 f"snapshots hold at most {self.capacity_bytes / 2**20:.0f} MiB of pictures: "
                 f"those of {', '.join(dropped)} were dropped and will be computed again when "
-                "compared"
+                "you compare them"
             )
 
     def _forget(self) -> None:

@@ -81,7 +81,7 @@ class SnapshotsView(Viewer):
 
     def _build(self) -> None:
         name = self.owner
-        self.keep = tool_button(f"{name}.keep", "Keep", "Keep the present state (Ctrl+K)", self)
+        self.keep = tool_button(f"{name}.keep", "Keep", "Keep the current state (Ctrl+K)", self)
         self.flip = toggle_button(
             f"{name}.flip", "Flip", "Show A in place of B, and back (K)", self
         )
@@ -95,7 +95,7 @@ class SnapshotsView(Viewer):
         self.list = SnapshotList(self._snapshots, self)
         self.figures = QListWidget(self)
         self.figures.setObjectName(f"{name}.figures")
-        self.figures.setAccessibleName("Changed figures; Ctrl+C copies one")
+        self.figures.setAccessibleName("Figures that differ; Ctrl+C copies one")
         self.figures.setToolTip("Figures in the snapshot, A → figures now, B")
         self.figures.setWordWrap(True)
         self.title = ElidedLabel(f"{name}.title", "How many figures differ", self)
@@ -145,7 +145,9 @@ class SnapshotsView(Viewer):
         if state is None:
             self.title.show_text(NOTHING_KEPT)
         elif state.figures is None or now is None:
-            self.title.show_text(f"the figures of A {state.name} and of now are being computed")
+            self.title.show_text(
+                f"the figures of A {state.name} and of the current state are being computed"
+            )
         else:
             lines, count = changed_figures(state.figures, now)
             self.figures.addItems(lines)

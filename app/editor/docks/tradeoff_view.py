@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 _LIST_SHARE = 0.36  # of the width, at most
 _HINT = "Choose a parameter above, or right-click a value on a control panel and choose Trade off…"
-_HOW = "The upright line marks the present value: drag it, or press ← and →"
+_HOW = "The vertical line marks the current value: drag it, or press ← and →"
 
 
 class TradeOffView(Viewer):

@@ -244,7 +244,7 @@ class SetsMenu(Menu):
         edit, action = line_in_menu(self, "Save as", "set_name")
         edit.setPlaceholderText("name")
         edit.setAccessibleName("name to save these parameters under")
-        edit.setToolTip("Press Enter to save the present parameters under this name")
+        edit.setToolTip("Press Enter to save the current parameters under this name")
         edit.returnPressed.connect(partial(self._keep, edit))
         return action
 

@@ -23,7 +23,7 @@ from core.modules.declaration import Declaration
 
 NONE = "—"
 TITLE = "Read-outs"
-OLDER, HELD_BACK = "from before the last edit", "as last generated"
+OLDER, HELD_BACK = "computed before the last edit", "as last generated"
 _BESIDE = 3  # room that a line edit keeps at both ends, and for the cursor
 
 

@@ -137,7 +137,7 @@ def runs_go_on(parent: QWidget, runs: Sequence[str]) -> Question:
     number = f"{len(runs)} runs are" if len(runs) > 1 else "A run is"
     box.setText(f"{number} not done yet: {runs[0]}{' …' if len(runs) > 1 else ''}")
     box.setTextFormat(Qt.TextFormat.PlainText)
-    box.setInformativeText("Quitting stops them. Results not yet written are lost.")
+    box.setInformativeText("Results that are not written yet are lost.")
     box.offer("cancel", "&Keep Running", ROLE.RejectRole)
     box.offer("stop", "&Stop and Quit", ROLE.DestructiveRole)
     return box

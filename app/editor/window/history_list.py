@@ -95,7 +95,7 @@ class HistoryModel(QAbstractListModel):
             text = "Undone: click or press Enter to redo it"
         else:
             text = "Click or press Enter to undo everything after it"
-        return f"{text}; as it was saved" if saved else text
+        return f"{text}; the saved state" if saved else text
 
 
 class HistoryList(QListView):

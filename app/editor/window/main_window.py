@@ -506,5 +506,5 @@ class MainWindow(QMainWindow):
         except ImagechainError as error:
             self.status.report("error", f"not recovered: {error}")
             return
-        self.files.show(Opened(document, "recovered: save it to keep it"))
+        self.files.show(Opened(document, "recovered: save it if you want to keep it"))
         self.autosaver.write_now(work.discard)

@@ -49,7 +49,7 @@ class ShortcutRow(NamedTuple):
 # What keys do on the canvas without being an action.
 CANVAS = (
     ShortcutRow(
-        "Canvas", "Move the selection", "arrow keys", "Shift: by one unit; a backdrop: its size",
+        "Canvas", "Move the selection", "arrow keys", "Shift: by one unit; backdrop: its size",
         (*_ARROWS, *(f"Shift+{arrow}" for arrow in _ARROWS)),
     ),
     ShortcutRow(
@@ -72,7 +72,12 @@ MOUSE = (
     ("Mouse", "Cut wires", "Alt+Shift and drag", "Disconnect the wires that the line crosses"),
     ("Mouse", "Open", "drop a file", "A picture becomes a Read Image, a network is opened"),
     ("Mouse", "Region", "⬚, or R on a picture", "Draw the region of the selected module"),
-    ("Mouse", "Move a region", "drag, or arrow keys", "Shift: by 10; Ctrl: its last edges; Esc"),
+    (
+        "Mouse",
+        "Move a region",
+        "drag, or arrow keys",
+        "Shift: by 10 samples; Ctrl: its last corner; Esc: undo",
+    ),
     (
         "Mouse",
         "Move a wipe",

@@ -38,7 +38,9 @@ class StatusBar(QStatusBar):
         self._cancel.setToolTip("Stop the computation (Esc)")
         self._cancel.clicked.connect(self.cancel_wanted)
         self.addWidget(self._error, 1)
-        self._behind = QLabel("stopped: shows the result from before; Ctrl+Enter computes it", self)
+        self._behind = QLabel(
+            "stopped: shows the earlier result; Ctrl+Enter computes it again", self
+        )
         self._behind.setObjectName("status.behind")
         self._behind.setForegroundRole(CHANGED)
         self._behind.hide()

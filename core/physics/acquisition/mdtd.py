@@ -98,7 +98,7 @@ def mdtd_K(  # noqa: N802
     at = _equal_steps(frequency)
     longest = 0.5 / float(at[1])
     if size.size and size.max() > longest:
-        allowed = f"at most {longest:g}, half of one over the step in frequency"
+        allowed = f"at most {longest:g}, half the inverse of the frequency step"
         raise ParameterError("size_mrad", float(size.max()), allowed, unit="mrad")
     limit = math.inf
     if eye_limit_mrad is not None:

@@ -419,7 +419,7 @@ def two_point_gain(*, low: Array, high: Array) -> Array:
     if mean == 0.0 or not np.isfinite(mean):
         raise DataError(
             f"both references give {float(np.mean(low)):.6g} on average: a gain correction "
-            "needs two references with different signals, and neither saturated"
+            "needs two references with different signals, neither of them saturated"
         )
     share = response / mean
     good = share > LEAST_RESPONSE

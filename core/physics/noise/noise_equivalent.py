@@ -188,7 +188,7 @@ def loss(*, mtf: float) -> float:
     2π²σ²f²: at one frequency Gaussian blurs share as their variances.
     """
     if not math.isfinite(mtf):
-        raise DataError(f"an MTF of {mtf} has no loss: it must be finite")
+        raise DataError(f"an MTF of {mtf} cannot be used: it must be finite")
     if mtf == 0.0:
         return math.inf
     return 0.0 - math.log(abs(mtf))

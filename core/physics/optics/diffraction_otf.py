@@ -279,8 +279,8 @@ def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
     weights = weights * spectrum.weight(places)
     if not np.sum(weights) > 0.0:
         raise DataError(
-            f"the response is 0 at each of the {count} wavelengths over the band: take more, or as "
-            "many as the tolerance needs"
+            f"the response is 0 at all {count} wavelengths over the band: use more "
+            "wavelengths, or as many as the tolerance needs"
         )
     return places, weights / np.sum(weights)
 

@@ -71,7 +71,7 @@ class PointSpread:
         if not total > 1e-6 * float(np.abs(values).sum()):
             raise DataError(
                 f"the samples of a point spread function, less a background of {background:g}, "
-                f"sum up to {total:g}; allowed: above 0"
+                f"have the sum {total:g}; allowed: above 0"
             )
         weights = values / total
         rows, columns = weights.shape

@@ -91,7 +91,9 @@ def from_zero(
         return (0.0, *frequencies), (at_zero, *values)
     if normalised:
         if not values[0] > 0.0:
-            raise DataError(f"the table has {values[0]:g} at frequency 0, which divides nothing")
+            raise DataError(
+                f"the table has {values[0]:g} at frequency 0 and cannot be normalised by it"
+            )
         values = tuple(value / values[0] for value in values)
     if abs(values[0] - at_zero) > ROUNDED:
         advice = ", or normalise = at_zero" if at_zero else ""

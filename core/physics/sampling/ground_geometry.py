@@ -259,7 +259,8 @@ def check_horizon(*, camera: Camera) -> None:
         raise ParameterError(
             "roll_deg",
             camera.roll_deg,
-            f"with a field of {2 * half_deg:.4g}° within ±{90 - half_deg:.4g}, to meet the ground",
+            f"with a field of {2 * half_deg:.4g}° within ±{90 - half_deg:.4g}, so that every "
+            "line of sight meets the ground",
             unit="deg",
         )
 

@@ -68,7 +68,7 @@ class ImageNoise:
         """Refuse a picture of which not all noise is known (`DataError`)."""
         if self.unknown:
             raise DataError(
-                f"the noise behind {', '.join(self.unknown)} cannot be computed: connect the "
+                f"the noise after {', '.join(self.unknown)} cannot be computed: connect the "
                 "picture before it"
             )
 
@@ -102,7 +102,7 @@ class NoiseOf(Recipe):
 
     @property
     def in_words(self) -> str:
-        return "computing noise behind filters and patterns"
+        return "computing noise that passes filters and patterns"
 
     @property
     def in_blocks(self) -> bool:

@@ -102,7 +102,7 @@ def test_what_is_no_picture_of_the_scene_is_refused(imagechain, scene, pictures,
 def test_a_scene_of_another_size_is_refused():
     picture = spots() + np.random.default_rng(3).normal(0.0, 0.01, (SIZE, SIZE))
     match = SceneMatch(picture).reweighted(picture - spots())
-    for scale, why in ((2.1, "2.1 times as large, allowed: 0.5 to 2"), (0.4, "allowed: 0.5 to")):
+    for scale, why in ((2.1, "2.1 times the size, allowed: 0.5 to 2"), (0.4, "allowed: 0.5 to")):
         with pytest.raises(DataError, match=why):
             match.check_same_scene(picture - spots(), Registration(0.0, 0.0, scale, 1.0, 0.0))
     match.check_same_scene(picture - spots(), Registration(0.0, 0.0, 1.9, 1.0, 0.0))

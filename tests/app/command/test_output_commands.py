@@ -3,7 +3,7 @@
 import pytest
 
 LINE = (
-    "2 pictures end this network (pixels.image, noisy.image) and none is marked final: give "
+    "this network ends in 2 pictures (pixels.image, noisy.image) and none is marked final: give "
     "--final NODE.PORT, or press O on its node in the editor"
 )
 
@@ -23,7 +23,7 @@ def test_run_does_not_choose_among_two(two, imagechain, tmp_path):
     done = imagechain("run", "net.json", "--output-dir", "out", "--save", "noisy.image=noisy.npy")
     assert done.returncode == 0, done.stderr
     assert f"no final.png: {LINE}" in done.stdout.splitlines()
-    assert "no total in mtf.csv: 2 pictures end this network" in done.stdout
+    assert "no total in mtf.csv: this network ends in 2 pictures" in done.stdout
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written == {"mtf.csv", "readouts.json"}
     assert (tmp_path / "noisy.npy").is_file()
@@ -101,6 +101,6 @@ def test_the_trade_off_says_why_there_is_no_total(two, imagechain):
     words = ("--vary", "jitter.sigma_mrad=0.1,0.2", "--figure", "total.mtf_nyquist_x")
     done = imagechain("tradeoff", "net.json", *words)
     assert done.returncode == 2
-    assert "2 pictures end this network (pixels.image, noisy.image)" in done.stderr
+    assert "this network ends in 2 pictures (pixels.image, noisy.image)" in done.stderr
     done = imagechain("tradeoff", "net.json", *words, "--final", "pixels.image")
     assert done.returncode == 0, done.stderr

@@ -138,7 +138,9 @@ def test_frames_of_which_picture_is_said_in_one_line(job, small):
     two = {**small, "nodes": nodes, "links": [*small["links"], ["back.image", "other.image"]]}
     code, _, said = finished_job(job("frames", two, frames=3))
     assert code == 2
-    assert said.startswith("imagechain: 2 pictures end this network (pixels.image, other.image)")
+    assert said.startswith(
+        "imagechain: this network ends in 2 pictures (pixels.image, other.image)"
+    )
     assert "mark" in said
     assert said.count("\n") == 1
 

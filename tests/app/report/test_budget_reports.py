@@ -29,7 +29,12 @@ def test_it_is_in_both_reports(shipped_report):
     assert abs(noise["together_mean"]) > 0.01
     page = made.page
     assert 'alt="shares of noise and blur"' in page
-    for words in ("What contributes how much", "Quantization", "All together", "Detector MTF"):
+    for words in (
+        "Contributions to noise and blur",
+        "Quantization",
+        "All together",
+        "Detector MTF",
+    ):
         assert words in page
 
 
@@ -91,11 +96,11 @@ def test_what_cannot_be_followed_says_why(imagechain, write, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     found = json.loads((tmp_path / "r.json").read_text())["budget"]
     assert (found["noise"], found["blur"]) == (None, None)
-    assert found["noise_reason"].startswith("the noise behind back cannot be computed")
+    assert found["noise_reason"].startswith("the noise after back cannot be computed")
     assert found["blur_reason"] == "the effect of back is not a known transfer function"
     page = (tmp_path / "r.html").read_text()
     assert (
-        "Noise cannot be shared among its sources: the noise behind back cannot be computed" in page
+        "Noise cannot be shared among its sources: the noise after back cannot be computed" in page
     )
     assert "Blur cannot be shared among its sources: the effect of back is not" in page
 

@@ -102,7 +102,7 @@ def test_tables_too_long_for_a_page_are_cut_and_say_so(
     assert (done.returncode, done.stderr) == (0, "")
     page = (tmp_path / "r.html").read_text()
     count = len(small["nodes"])
-    assert f"The first 2 of {count} rows; readouts.json and mtf.csv have all of them." in page
+    assert f"The first 2 of {count} rows; readouts.json and mtf.csv contain all of them." in page
     assert re.search(r"The first 2 of \d+ nodes with read-outs; readouts.json and mtf.csv", page)
     assert max(len(re.findall("<tr", table)) for table in page.split("<table")[1:]) <= 14  # figures
 
@@ -301,5 +301,5 @@ def test_a_caption_says_where_all_stages_are():
         "strongest of 500 stages are drawn; the table has all of them."
     )
     assert of_many(5000).endswith(
-        "24 strongest of 5,000 stages are drawn; readouts.json and mtf.csv have all of them."
+        "24 strongest of 5,000 stages are drawn; readouts.json and mtf.csv contain all of them."
     )

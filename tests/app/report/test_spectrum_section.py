@@ -64,7 +64,7 @@ def test_the_page(reported):
 
 def test_the_edge_section_says_why_there_is_none(reported):
     *_, facts, _ = reported
-    why = f"read.image has {BANDS} wavelength bands, and an edge in its place has one"
+    why = f"read.image has {BANDS} wavelength bands, but the edge that would replace it has one"
     assert why in json.dumps(facts["judged"])
 
 

@@ -93,7 +93,7 @@ def test_of_several_ends_none_is_chosen(two):
     assert found.choices == ("pixels.image", "noisy.image")
     assert "pixels.image, noisy.image" in found.missing
     assert how_to_choose(found).startswith(
-        "2 pictures end this network (pixels.image, noisy.image)"
+        "this network ends in 2 pictures (pixels.image, noisy.image)"
     )
     assert "--final NODE.PORT" in how_to_choose(found)
     chain = find_chain(plan)

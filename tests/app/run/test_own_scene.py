@@ -235,7 +235,7 @@ def test_several_scenes_are_asked_about(fails, picture):
         (("--scene", "own.tif", "--scene-range-m", -4), "--scene-range-m -4: give metres above 0"),
         (("--scene", "own.tif", "--scene-band-um", 5, 3), "--scene-band-um 5 3"),
         (("--scene", "own.tif", "--scene-sample-m", 1), "--scene-sample-m needs --scene-range-m"),
-        (("--scene-unit", "K"), "--scene-unit goes with --scene FILE"),
+        (("--scene-unit", "K"), "--scene-unit needs --scene FILE"),
         (
             ("--scene", "cube.img"),
             "the file does not give the unit of its bands: give --scene-unit",

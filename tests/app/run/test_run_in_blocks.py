@@ -125,7 +125,7 @@ def test_noise_that_is_filtered_is_followed_in_memory_alone(fails, write, small)
     nodes["focal_plane"]["params"]["bad_pixel_percent"] = 1.0
     line = fails("run", write(document), "--memory", "50kB")
     assert line.startswith(
-        "imagechain: budget: computing noise behind filters and patterns needs the whole"
+        "imagechain: budget: computing noise that passes filters and patterns needs the whole"
     )
 
 
@@ -218,7 +218,7 @@ def test_a_node_that_needs_the_whole_is_named_first(fails, small, write, scene):
     line = fails("run", write(document), "--memory", "50kB")
     assert line.startswith("imagechain: measured: ")
     assert (
-        "needs the whole picture of 99 × 84 samples, does not run in blocks, and --memory 50 kB"
+        "needs the whole picture of 99 × 84 samples and cannot run in blocks, and --memory 50 kB"
         in line
     )
 

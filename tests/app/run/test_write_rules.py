@@ -338,7 +338,7 @@ BAD_TARGETS = {
         "there",
         Path.touch,
         ("a.tif", "--output-dir", "there/below"),
-        "cannot write to there/below: a part of its path is not a folder",
+        "cannot write to there/below: part of its path is not a folder",
     ),
 }
 

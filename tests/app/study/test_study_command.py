@@ -187,7 +187,7 @@ USAGE = {
     "latin without points": (["--sample=latin", "--vary=blur.sigma_x_mrad=0:1"], "--points N"),
     "latin by steps": (
         ["--sample=latin", "--points=3", SIGMA],
-        "for drawn values write NODE.PARAM=FROM:TO",
+        "for random points write NODE.PARAM=FROM:TO",
     ),
     "no sample": (["--sample=random"], "write grid, latin, or the name of a .csv file"),
     "list and vary": ([SIGMA, "--sample=list.csv"], "the points come from list.csv"),

@@ -116,7 +116,7 @@ def test_a_point_that_ends_its_process_is_a_row_and_costs_no_other(sensor, image
     assert done.returncode == 2
     assert done.stderr == (
         "imagechain: 1 of 40 points failed, see the column error of b.csv; the first, point 12: "
-        "the process that computed it ended, 3 times\n"
+        "the process that computed it stopped, 3 times\n"
     )
     expected, rows = rows_of("a.csv"), rows_of("b.csv")
     assert rows[11]["error"]
@@ -129,7 +129,7 @@ def test_a_process_that_cannot_begin_is_one_line(sensor, imagechain, monkeypatch
     monkeypatch.setattr("app.study.worker_processes.command", lambda _: ending)
     done = imagechain("study", sensor, *WORDS, "--output=b.csv", "--jobs=2")
     assert done.returncode == 2
-    assert "a process of the study stops at its start (exit code 7)" in done.stderr
+    assert "a process of the study stopped while starting (exit code 7)" in done.stderr
     assert "0 of 40 points are done" in done.stderr
 
 

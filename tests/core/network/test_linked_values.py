@@ -104,7 +104,7 @@ def test_a_cycle_is_refused_with_the_way_round(document, small_library):
     way = "init.near_m → jitter.sigma_mrad → look.level → init.near_m"
     assert sum(way in line for line in found) == 3
     assert any(
-        "far_m = init.near_m + 1" in line and "has no value itself" in line for line in found
+        "far_m = init.near_m + 1" in line and "has no value of its own" in line for line in found
     )
 
 
@@ -119,7 +119,7 @@ def test_a_cycle_is_refused_with_the_way_round(document, small_library):
 def test_only_numbers_follow(place, allowed, document, small_library):
     network = linked(document, small_library, **{place: "init.near_m"})
     (line,) = refusals(network, small_library)
-    assert "only a number can follow others, and this is " + allowed in line
+    assert "only a number can follow other parameters, and this is " + allowed in line
 
 
 def test_a_whole_number_stays_whole(document, small_library):

@@ -71,7 +71,7 @@ def test_an_exponent_of_three_digits(tmp_path):
         (tape7(end=("  -9999.", *CARDS, HEAD)), "several runs"),
         (tape7(head=HEAD.replace("PTH THRML", "         ")), "0 columns PTH THRML"),
         (tape7(rows=ROWS[:1]), "has 1 rows"),
-        (tape7(rows=[ROWS[1], ROWS[0]]), "line 5.*a wavenumber above the one before"),
+        (tape7(rows=[ROWS[1], ROWS[0]]), "line 5.*a wavenumber above the previous one"),
         (tape7(rows=[(2000.0, 1.3, 0.0, 0.0), ROWS[1]]), "line 4.*TOT TRANS from 0 to 1"),
         (tape7(rows=[(2000.0, 0.3, -1e-7, 0.0), ROWS[1]]), "line 4.*radiance of at least 0"),
         (tape7() + "", None),

@@ -87,9 +87,9 @@ def test_overlapping_bands_without_a_share_of_wavelength_hold_their_own_width(tm
 @pytest.mark.parametrize(
     ("centres", "width", "reach"),
     [
-        ([3.5, 4.0], 100.0, "band 0 at 3.5 µm reaches from -46.5 to 53.5 µm"),  # nm for µm
-        ([3.5, 4.0], 1e-300, "band 0 at 3.5 µm reaches from 3.5 to 3.5 µm"),
-        ([3.5, 2e6], 1.0, "band 1 at 2e\\+06 µm reaches from 2e\\+06 to 2e\\+06 µm"),
+        ([3.5, 4.0], 100.0, "band 0 at 3.5 µm extends from -46.5 to 53.5 µm"),  # nm for µm
+        ([3.5, 4.0], 1e-300, "band 0 at 3.5 µm extends from 3.5 to 3.5 µm"),
+        ([3.5, 2e6], 1.0, "band 1 at 2e\\+06 µm extends from 2e\\+06 to 2e\\+06 µm"),
     ],
 )
 def test_a_band_that_reaches_where_no_light_is_is_refused(tmp_path, centres, width, reach):

@@ -107,10 +107,10 @@ def test_radiance_in_other_units_and_a_band_typed_here(chain):
         ("DN", "to_radiance", ("'DN'", "no temperature", "K, °C, °F or mK")),
         ("", "to_radiance", ("without a unit", "no temperature")),
         ("K", "to_temperature", ("'K'", "temperature already")),
-        ("counts", "to_temperature", ("'counts'", "no radiance of a band in watts")),
-        ("", "to_temperature", ("without a unit", "no radiance")),
-        ("W/m²/sr/µm", "to_temperature", ("no radiance of a band",)),
-        ("photons/s/m²/sr", "to_temperature", ("no radiance of a band in watts",)),
+        ("counts", "to_temperature", ("'counts'", "not the radiance of a band in watts")),
+        ("", "to_temperature", ("without a unit", "not the radiance")),
+        ("W/m²/sr/µm", "to_temperature", ("not the radiance of a band",)),
+        ("photons/s/m²/sr", "to_temperature", ("not the radiance of a band in watts",)),
     ],
 )
 def test_no_unit_is_taken_for_another(chain, unit, key, words):

@@ -145,7 +145,7 @@ def test_a_pixel_averages_once(tmp_path, fill):
     assert contrast(picture) == pytest.approx(detector * block, rel=1e-12)
     (caution,) = plan.warnings()
     assert caution.node == "pixels"
-    for part in ("Detector MTF (detector)", "counted twice", "0.641", "Sample Pixels"):
+    for part in ("Detector MTF (detector)", "averaged twice", "0.641", "Sample Pixels"):
         assert part in str(caution)
 
 
@@ -311,4 +311,4 @@ def test_a_table_may_have_been_measured_behind_the_pixels(tmp_path, column):
         plan = engine.plan(linked_network(nodes, links), folder=tmp_path)
         warned = engine.warnings(plan, engine.work(Policy()))
         remedies += [str(one) for one in warned if one.check == "no_average"]
-    assert ["measured behind the pixels" in line for line in remedies] == [True, False]
+    assert ["includes the pixels" in line for line in remedies] == [True, False]

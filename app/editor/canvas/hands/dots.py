@@ -59,7 +59,7 @@ class Dots:
         chosen = self._chosen_wire()
         if chosen is None:
             session = surface.session
-            session.message.emit("note", "point at a wire, or select one, to bend it through a dot")
+            session.message.emit("note", "point at a wire or select one, to bend it with a dot")
             return
         line = chosen.line()
         self.add_at(chosen, line[len(line) // 2])

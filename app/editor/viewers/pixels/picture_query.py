@@ -322,8 +322,8 @@ def _less(first: _Source, second: _Source) -> _Source:
     if len(first.recipes) != len(second.recipes):
         of, without = sorted((first, second), key=lambda source: -len(source.recipes))
         raise DataError(
-            f"no difference: {of.port} is shown as three bands in colour, {without.port} has "
-            "no bands"
+            f"no difference: {of.port} is shown in colour from three bands, but {without.port} "
+            "has no bands"
         )
     if a.unit != b.unit:
         raise DataError(

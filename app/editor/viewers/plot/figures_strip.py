@@ -120,7 +120,7 @@ class FiguresStrip(Viewer):
         none = (
             why
             or missing
-            or ("no Focal Plane or Electronics & Noise module in the network computes it")
+            or ("no Focal Plane or Electronics & Noise module in the network computes this figure")
         )
         if figures:
             self._name_slots([(figure.name, figure.caption) for figure in figures.values()])

@@ -408,7 +408,7 @@ class PlotBar(QWidget):
         self.angle = QDoubleSpinBox(self)
         self.angle.setObjectName(f"{owner}.angle")
         self.angle.setAccessibleName("Direction of the line, degrees")
-        self.angle.setToolTip("Direction of the line: 0 across, 90 down the picture")
+        self.angle.setToolTip("Direction of the line: 0 is across the picture, 90 down")
         self.angle.setRange(-360.0, 360.0)
         self.angle.setDecimals(1)
         self.angle.setSingleStep(5.0)

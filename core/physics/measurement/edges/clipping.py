@@ -80,8 +80,8 @@ def why_clipped(
         noise, quantum = _noise_between(samples)
         if noise > max(_NOISE_SHOWS * contrast, quantum):
             return (
-                f"clipped: both sides have the picture's extreme values with no noise, and the "
-                f"step between them has {noise / contrast:.2g} of the contrast"
+                "clipped: both sides have the picture's extreme values and no noise, and the "
+                f"noise on the step between them is {noise / contrast:.2g} of the contrast"
             )
     half = 0.5 * float(np.abs(samples.distance).max())
     for side, other, limit in ((dark, bright, extremes[0]), (bright, dark, extremes[1])):
@@ -139,7 +139,8 @@ def why_cut_off(
         if outward > 0.0 or noise > _FADED * beyond * np.exp(_SURE / np.sqrt(count)):
             return (
                 f"clipped: beside it the samples have the picture's extreme value {limit:.6g} "
-                f"with no noise, on the step {noise / (high - low):.2g} of the contrast"
+                f"and no noise, but the noise on the step is {noise / (high - low):.2g} of the "
+                "contrast"
             )
     ends = [
         _end_of(-distance, share, reach) if dark else "other",
@@ -168,8 +169,8 @@ def why_piled_up(*, value: Vector, distance: Vector, extremes: tuple[float, floa
     near = np.abs(distance) < _BESIDE
     if np.mean(~np.isin(value[near], extremes)) * 2.0 * _BESIDE < _LEAST_STEP:
         return (
-            "clipped: nearly all of its samples have one of two values, and little of its "
-            "blur is left"
+            "clipped: nearly all of its samples have one of two values, so little of its blur "
+            "is left"
         )
     between = (value > low + 0.01 * contrast) & (value < high - 0.01 * contrast)
     inner = distance[between & near]
@@ -178,8 +179,8 @@ def why_piled_up(*, value: Vector, distance: Vector, extremes: tuple[float, floa
         noise = _disorder(distance[between], value[between]) / contrast
         if noise > _DISORDER:
             return (
-                f"clipped: both sides have the picture's extreme values with no noise, and the "
-                f"step between them has {noise:.2g} of the contrast"
+                "clipped: both sides have the picture's extreme values and no noise, and the "
+                f"noise on the step between them is {noise:.2g} of the contrast"
             )
     for side, other, limit, outward in ((dark, bright, low, -1.0), (bright, dark, high, 1.0)):
         share = float(np.mean(value[side] == limit))
@@ -197,7 +198,7 @@ def why_piled_up(*, value: Vector, distance: Vector, extremes: tuple[float, floa
             return f"clipped: {what}, while the other side has noise"
         limits = _CORNER if noisy else _SHARP_CORNER
         if (noisy or wide) and _is_corner(value, outward * distance, limit, limits):
-            return f"clipped: {what}, and the edge meets it at a sharp corner"
+            return f"clipped: {what}, and the edge meets this value at a sharp corner"
     return ""
 
 

@@ -141,7 +141,7 @@ def _follow(signal: Matrix, line: EdgeLine, columns: int) -> EdgeLine:
     if margin < _MARGIN:
         raise DataError(
             f"the edge leaves the region, or comes within {_MARGIN:g} samples of its side: "
-            "choose a region that the edge crosses in the middle, from end to end"
+            "choose a region with the edge in the middle, from end to end"
         )
     half = min(margin, max(_MARGIN, 2.5 * _width(signal, middle)))
     away = np.arange(columns) - middle[:, np.newaxis]
@@ -189,8 +189,7 @@ def _refuse_line(line: EdgeLine, columns: int) -> None:
     if line.scatter > max(1.0, columns / 64.0):
         raise DataError(
             f"no straight edge found: its positions in the rows scatter by {line.scatter:.2g} "
-            "samples about a line. Choose a region with one straight edge, or one with less "
-            "noise"
+            "samples about a line. Choose a region with one straight edge, or with less noise"
         )
     crossed = abs(line.slope) * (line.rows - 1)
     if crossed < 1.0:

@@ -270,7 +270,9 @@ def _settled(
             f"clear area of {edge.reach:g} samples around the edge",
         )
     if off > _OFF_COURSE:
-        return replace(edge, why_not=f"not straight: parts of it are {off:.2g} samples off a line")
+        return replace(
+            edge, why_not=f"not straight: parts of it lie {off:.2g} samples off a straight line"
+        )
     radius = (edge.length / 2.0) ** 2 / max(2.0 * abs(edge.bend), 1e-9)
     if radius < _BENT_REACH * edge.reach:
         return replace(edge, why_not=f"not straight: bends by {abs(edge.bend):.2g} samples")
@@ -401,7 +403,7 @@ def _within_surroundings(
                 "too close to the frame's border"
                 if not in_frame.any()
                 else (
-                    "its sides or its contrast vary along it, by "
+                    "its sides or its contrast vary along its length, by "
                     f"{_beside(off, wide, reach_now) / contrast:.0%} of the contrast"
                 )
             )
@@ -440,8 +442,8 @@ def _least_contrast(length: float) -> float:
 def _contrast_reason(contrast: float, noise_sigma: float, length: float) -> str:
     if not contrast > 0.0:
         return (
-            "too little contrast: farther from the edge, its bright side is no brighter "
-            "than the other"
+            "too little contrast: farther from the edge, its bright side is no brighter than "
+            "the dark side"
         )
     times = contrast / max(noise_sigma, 1e-300)
     return (

@@ -111,8 +111,8 @@ def edge_spread(
     count = np.bincount(place, minlength=2 * bins + 1)
     if not count.all():
         raise DataError(
-            f"at {abs(line.angle_deg):.3g}° the rows repeat each other's samples, so the edge "
-            "cannot be supersampled: turn it to 2° to 10°, or use more rows"
+            f"at {abs(line.angle_deg):.3g}° every row samples the edge at the same distances, "
+            "so it cannot be supersampled: turn it to 2° to 10°, or use more rows"
         )
     mean = np.bincount(place, values, 2 * bins + 1) / count
     scatter = np.sqrt(np.bincount(place, (values - mean[place]) ** 2, 2 * bins + 1) / count)

@@ -44,18 +44,18 @@ def why_no_picture(*, picture: NDArray[np.floating], interpolated_too: bool = Fa
     shift, shift_error = row_shift(picture=picture)
     if abs(shift) > max(_LEAST_SHIFT, _SURE * shift_error):
         return (
-            f"interlaced: its odd rows are shifted by {abs(shift):.2g} samples against the "
+            f"interlaced: its odd rows are shifted by {abs(shift):.2g} samples relative to the "
             "even rows; measure one field"
         )
     interpolated = why_interpolated(picture=picture)
     if interpolated and not interpolated_too:
-        return f"{interpolated}; measure the samples of one filter"
+        return f"{interpolated}; measure the samples of one filter colour"
     period = 2 if interpolated else 1
     sure = [block_steps(picture=view, period=period) for view in (picture, picture.T)]
     if min(sure) > _SURE_EITHER and math.hypot(*sure) > _SURE_OF_BLOCKS:
         return (
-            "compressed in blocks of 8 × 8 samples (JPEG): steps at the borders of blocks are "
-            f"larger than others ({math.hypot(*sure):.0f} standard deviations)"
+            "compressed in blocks of 8 × 8 samples (JPEG): steps between blocks are larger "
+            f"than steps within them (by {math.hypot(*sure):.0f} standard deviations)"
         )
     return ""
 
@@ -68,8 +68,8 @@ def why_interpolated(*, picture: NDArray[np.floating]) -> str:
     if not abs(mosaic) > max(_MOSAIC, _SURE * mosaic_error):
         return ""
     return (
-        "interpolated: as in a checkerboard, samples of one colour have "
-        f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the others, which "
+        "interpolated: the samples of one colour of a checkerboard have "
+        f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the others, as "
         "demosaicing of a colour filter mosaic causes"
     )
 

@@ -220,7 +220,7 @@ def _measured(
     if flat.even:
         figures = gain_and_read_noise(line=line, level=level, rounding=rounding, offset=offset)
     else:
-        reason = "the noise differs from place to place by more than the signal level explains"
+        reason = "the noise varies over the picture by more than the signal level explains"
         remarks.append(
             reason
             + ": sigma is the root of its mean variance (noise filter of the camera, or fine "
@@ -230,13 +230,13 @@ def _measured(
     sigma = math.sqrt(at_mean)
     if pattern:
         remarks.append(
-            f"{len(pattern)} waves at multiples of one frequency, the strongest of "
-            f"{pattern[0].amplitude:.3g}, are a pattern of the scene, and no periodic noise"
+            f"{len(pattern)} waves at multiples of one frequency, the strongest with amplitude "
+            f"{pattern[0].amplitude:.3g}, are a pattern of the scene, not periodic noise"
         )
     if strong:
         remarks.append(
-            f"a periodic line of {lines[0].amplitude:.3g} is far above the noise: it may be a "
-            "pattern of the scene"
+            f"a periodic line of amplitude {lines[0].amplitude:.3g} is far above the noise: it "
+            "may be a pattern of the scene"
         )
     down, across = np.divmod(blocks.place[flat.chosen], blocks.grid[1])
     model = flat.line.over(level)
@@ -246,8 +246,8 @@ def _measured(
     for name, part in (("rows", rows), ("columns", columns)):
         if part is not None and part.significant and part.sigma > sigma:
             remarks.append(
-                f"whole {name} differ by {part.sigma:.3g}, more than the noise of a sample: it may "
-                "be a pattern of the scene"
+                f"whole {name} differ by {part.sigma:.3g}, more than the noise of a sample: "
+                "this may be a pattern of the scene"
             )
     return PictureNoise(
         mean_level=mean,

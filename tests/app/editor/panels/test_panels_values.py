@@ -362,7 +362,7 @@ def test_what_is_older_than_the_last_edit_is_marked(qtbot, session, evaluator, t
     qtbot.waitUntil(gate.entered.is_set)
     session.do(set_parameter("node", "sigma_x_mrad", 0.25))
     qtbot.waitUntil(lambda: readouts.is_old)
-    assert title_of(area) == "Read-outs: from before the last edit"
+    assert title_of(area) == "Read-outs: computed before the last edit"
     assert texts(area) == before
     assert value.palette().color(QPalette.ColorRole.Text).name() == DARK.faint_text
     gate.opened.set()

@@ -144,7 +144,7 @@ def test_the_legend_says_why_there_is_no_total(bench):
     assert "Total" in texts()
     bench.do(SECOND)
     assert "Total" not in texts()
-    assert texts()[0].startswith("no Total: 2 pictures end this network")
+    assert texts()[0].startswith("no Total: this network ends in 2 pictures")
     assert "press O" in viewer.status.title.text()
     bench.do(SetOutput(("electronics",)))
     assert "Total" in texts()

@@ -27,7 +27,7 @@ def test_the_empty_list_says_what_to_do_first(person):
     person.open_list()
     assert (
         person.window.snapshots_view.title.text()
-        == "there are no snapshots yet: Ctrl+K keeps the present state"
+        == "there are no snapshots yet: Ctrl+K keeps the current state"
     )
     assert not person.window.snapshots_view.flip.isEnabled()
     names = [bar.accessibleName() for bar in person.window.findChildren(QTabBar)]

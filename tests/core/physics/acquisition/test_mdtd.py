@@ -179,7 +179,7 @@ def test_a_spectrum_of_all_temporal_noise():
     ("changes", "name"),
     [
         ({"size_mrad": [0.0]}, "size_mrad"),
-        ({"size_mrad": [101.0]}, "half of one over the step"),
+        ({"size_mrad": [101.0]}, "half the inverse of the frequency step"),
         ({"frequency": FREQUENCY + 1}, "from 0 in equal steps"),
         ({"frequency": -FREQUENCY}, r"frequency\[1\] = -"),
         ({"frequency": FREQUENCY[:1]}, "one row of at least 2 numbers"),

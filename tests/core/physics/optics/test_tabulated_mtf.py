@@ -78,7 +78,12 @@ def test_every_table_begins_with_1(frequencies, values, options, expected):
         ((0.0, 1.0), (0.8, 0.4), {"at_zero": 1.0}, "0.8 at frequency 0; allowed: 1 within 0.001"),
         ((0.0, 1.0), (0.2, 0.4), {"at_zero": 0.0}, "0.2 at frequency 0; allowed: 0 within 0.001"),
         ((1.0, 2.0), (0.8, 0.4), {"at_zero": 1.0, "normalised": True}, "begins at frequency 1"),
-        ((0.0, 2.0), (0.0, 0.4), {"at_zero": 1.0, "normalised": True}, "divides nothing"),
+        (
+            (0.0, 2.0),
+            (0.0, 0.4),
+            {"at_zero": 1.0, "normalised": True},
+            "cannot be normalised by it",
+        ),
     ],
 )
 def test_what_is_not_1_there_is_refused(frequencies, values, options, words):

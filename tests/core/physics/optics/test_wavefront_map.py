@@ -35,8 +35,8 @@ def test_without_an_empty_border_all_is_known():
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        (np.zeros((4, 4)), "known nowhere"),
-        (np.full((4, 4), np.nan), "known nowhere"),
+        (np.zeros((4, 4)), "the aperture is unknown"),
+        (np.full((4, 4), np.nan), "the aperture is unknown"),
         (np.array([[0.0, 1.0], [np.inf, 2.0]]), "infinite at row 1, column 0"),
         (np.ones(3), r"shape \(3,\)"),
     ],

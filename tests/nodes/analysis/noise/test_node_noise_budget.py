@@ -244,7 +244,7 @@ def crossed():
 
 
 def test_noise_through_what_is_not_known_is_refused():
-    with pytest.raises(DataError, match="the noise behind crossed cannot be computed"):
+    with pytest.raises(DataError, match="the noise after crossed cannot be computed"):
         ported(crossed())("budget.noise")
 
 

@@ -117,7 +117,7 @@ def test_what_is_refused(tmp_path):
         return str(error).replace(f"{tmp_path}/", "")
 
     assert line({}) == (
-        "noise: path is empty: a file of frames, where no image is linked"
+        "noise: path is empty: a file of frames, if no image is linked"
     )  # fmt: skip
     assert line({"path": "none.npy"}) == "noise: none.npy: no such file"
     assert line({"path": "one.npy"}) == (
@@ -125,11 +125,11 @@ def test_what_is_refused(tmp_path):
     )
     assert line({"path": "f.npy"}, image={"path": "small.npy"}) == (
         "noise: f.npy: holds frames of 80 × 120 samples, and the picture that predicts their noise "
-        "has 7 × 120: link that camera's, or none"
+        "has 7 × 120: link a picture of the same camera, or none"
     )
     assert line({"path": "f.bsq"}, image={"path": "one.npy", "unit": "K"}) == (
         "noise: f.bsq: holds frames in 'DN', and the picture that predicts their noise is in 'K': "
-        "link one in the same unit, or none"
+        "link a picture in the same unit, or none"
     )
 
 

@@ -145,7 +145,7 @@ def test_a_difference_of_one_band(bench):
 
 def test_colours_less_a_picture_without_bands_are_refused(bench):
     query = PictureQuery("read.image", "fpa.electrons", "difference", bands=COLOURS)
-    with pytest.raises(DataError, match=r"read\.image is shown as three bands in colour"):
+    with pytest.raises(DataError, match=r"read\.image is shown in colour from three bands"):
         bench.answer(query)
 
 

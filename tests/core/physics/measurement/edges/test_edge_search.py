@@ -75,8 +75,8 @@ def test_clipped_edge():
     [
         (0.0, (49.0, 55.0), "at a sharp corner"),
         (0.01, (48.8, 56.0), "at a sharp corner"),
-        (0.08, (48.8, 60.0), "with no noise, on the step"),
-        (0.24, (48.8, 55.2), "with no noise, on the step"),
+        (0.08, (48.8, 60.0), "and no noise, but the noise on the step"),
+        (0.24, (48.8, 55.2), "and no noise, but the noise on the step"),
     ],
 )
 def test_edge_whose_ends_are_cut_off(noise, limits, words):
@@ -123,7 +123,7 @@ def test_a_side_that_falls_below_the_other_has_no_contrast_in_figures():
     beyond = np.clip(away, 0.0, None)
     picture = 125.0 + 25.0 * erf(away / 0.9) - 80.0 * (1.0 - np.exp(-beyond / 2.0))
     reasons = [edge.why_not for edge in find_edges(picture=picture)]
-    assert any("no brighter than the other" in reason for reason in reasons)
+    assert any("no brighter than the dark side" in reason for reason in reasons)
     assert not any("e+" in reason for reason in reasons)
 
 

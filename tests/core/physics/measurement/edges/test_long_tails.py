@@ -80,4 +80,4 @@ def test_where_the_frame_ends_first_the_error_is_wider_and_it_is_said():
     source = Source((MeasuredFile("one", 1, ""),), [samples], *samples.shape)
     lines = [line for line in remarks(measure_pictures(source)) if "long tails" in line]
     assert len(lines) == 1
-    assert "their sides are not level yet" in lines[0]
+    assert "the brightness beside them is not level yet" in lines[0]
