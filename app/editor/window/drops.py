@@ -22,7 +22,8 @@ from core.network.macro import expanded
 
 READ_IMAGE = "read_image"
 _DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
-_STEP = 30.0  # from one file dropped to the next
+# From one file dropped to the next: a node and its picture have room.
+_ACROSS, _DOWN, _IN_A_COLUMN = 220.0, 190.0, 5
 
 
 class Drops(QObject):
@@ -58,7 +59,8 @@ class Drops(QObject):
         names = []
         network = self._session.network
         for number, path in enumerate(paths):
-            at = (point.x() + number * _STEP, point.y() + number * _STEP)
+            column, row = divmod(number, _IN_A_COLUMN)
+            at = (point.x() + column * _ACROSS, point.y() + row * _DOWN)
             name, adding = new_node(network, self._session.library, READ_IMAGE, at)
             step = Together((adding, set_parameter(name, "path", self._stored(Path(path)))))
             network = step.apply(network)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal
 from PySide6.QtWidgets import QMessageBox, QWidget
 
 from app.editor.dialogs import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
@@ -18,6 +18,7 @@ from core.network.network import Network
 
 _FILTER = f"Networks (*{NETWORK_SUFFIX});;All files (*)"
 _DIALOG = "file_dialog"
+_SETTLED_MS = 200
 Next = Callable[[], object]
 
 
@@ -37,6 +38,12 @@ class Files(QObject):
         self._session = session
         self._settings = settings
         self._window = window
+        self._watcher = QFileSystemWatcher(self)
+        self._watcher.fileChanged.connect(self._wait_for_file)
+        self._told = ""
+        # Programs that replace a file take it away first.
+        self._settled = QTimer(self, singleShot=True, interval=_SETTLED_MS)
+        self._settled.timeout.connect(self._look_at_file)
         self._next: Next | None = None
         self._question: Question | None = None
 
@@ -68,6 +75,7 @@ class Files(QObject):
         if opened.document.path is not None:
             self._settings.add_recent(opened.document.path)
         self._session.open(opened.document)
+        self._watch()
         self.opened.emit()
         if opened.remark:
             self._session.message.emit("note", opened.remark)
@@ -112,9 +120,35 @@ class Files(QObject):
                 session.undo()
             return
         self._settings.add_recent(path)
+        self._watch()
         session.message.emit("note", f"saved {path}")
         if following is not None:
             following()
+
+    def _watch(self) -> None:
+        """Follow the document's own file, to say at once when another program changes it."""
+        self._told = ""
+        path = self._session.document.path
+        if watched := self._watcher.files():
+            self._watcher.removePaths(watched)
+        if path is not None:
+            self._watcher.addPath(str(path))
+
+    def _wait_for_file(self) -> None:
+        self._settled.start()
+
+    def _look_at_file(self) -> None:
+        document = self._session.document
+        if document.path is None:
+            return
+        if str(document.path) not in self._watcher.files():
+            self._watcher.addPath(str(document.path))  # another file has its name now
+        done = document.disagreement()
+        if done and done != self._told:
+            self._session.message.emit(
+                "note", f"another program has {done} {document.path.name}: Save asks what to do"
+            )
+        self._told = done
 
     def has_unsaved_work(self) -> bool:
         """Whether there is work that no file holds, what is being typed included."""

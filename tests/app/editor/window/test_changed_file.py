@@ -140,3 +140,21 @@ def test_a_file_that_broke_meanwhile_leaves_the_work_in_the_window(two, file, qt
     assert "not opened" in one.status.error
     assert "init_trans" in [node.module for node in one.session.network.nodes.values()]
     assert one.isWindowModified()
+
+
+def test_a_change_by_another_program_is_told_when_it_happens(make_window, file, qtbot):
+    window = make_window()
+    assert window.files.open_now(str(file))
+    said = []
+    window.session.message.connect(lambda kind, text: said.append((kind, text)))
+    for content in (file.read_text() + "\n", file.read_text() + "\n\n"):
+        new = file.with_name("new")
+        new.write_text(content)
+        new.replace(file)  # as most editors save
+        qtbot.waitUntil(lambda: bool(said), timeout=60000)
+        assert said == [("note", "another program has changed mine.json: Save asks what to do")]
+    window.files.save_to(file, over=True)
+    said.clear()
+    file.unlink()
+    qtbot.waitUntil(lambda: bool(said), timeout=60000)
+    assert said == [("note", "another program has removed mine.json: Save asks what to do")]

@@ -2,6 +2,7 @@
 
 import json
 import stat
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -93,6 +94,19 @@ def test_files_named_in_a_network_are_found_after_saving_elsewhere(window, tmp_p
     window.files.save_to(tmp_path / "deep" / "mine.json")
     stored = json.loads((tmp_path / "deep" / "mine.json").read_text())
     assert stored["nodes"][name]["params"]["path"] == "../scene.npy"
+
+
+def test_files_dropped_together_do_not_cover_each_other(window, tmp_path):
+    files = [tmp_path / f"{number}.npy" for number in range(7)]
+    for file in files:
+        np.save(file, np.ones((8, 8)))
+    window.drops.files(list(map(str, files)), QPointF(0, 0))
+    items = [
+        item.sceneBoundingRect().united(item.childrenBoundingRect().translated(item.pos()))
+        for item in window.canvas.content.nodes.values()
+    ]
+    assert len(items) == 7
+    assert not any(one.intersects(other) for one, other in combinations(items, 2))
 
 
 # --- work that is not saved --------------------------------------------------------------------
