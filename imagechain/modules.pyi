@@ -1097,8 +1097,8 @@ def mtf_file(
         what to do if the MTF is not 1 at zero frequency: refuse it, or divide by that value: one of
         refuse, at_zero; default 'refuse'
     field : int | Expression
-        field position in a Zemax listing, counted from 0 without the diffraction limit: a whole
-        number from 0 to 1000; default 0
+        field position in a Zemax listing, counted from 0; the diffraction limit does not count: a
+        whole number from 0 to 1000; default 0
     focal_length_mm : float | Expression | None
         focal length, for cyc/mm and cyc/pixel; empty: from Init & Trans [mm]: a number of at least
         0 or empty; default empty
@@ -2466,11 +2466,11 @@ def noise_budget(
 
     Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
     propagated to the picture through all later filters, combined pixels and interpolation.
-    Variances of independent noises add, so each source has a share of the sum. `fixed` are patterns
-    that stay from frame to frame, averaged over all sensors of this kind. Rounding counts as noise.
-    Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian blur is
-    proportional to its variance. A stage that amplifies has a negative share: it recovers this part
-    of the loss. A stage with an MTF of zero has all of it. Phases do not blur.
+    Variances of independent noises add, so each source has a share of the sum. `fixed` counts the
+    patterns that stay from frame to frame, averaged over all sensors of this kind. Rounding counts
+    as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian
+    blur is proportional to its variance. A stage that amplifies has a negative share: it recovers
+    this part of the loss. A stage with an MTF of zero has all of it. Phases do not blur.
 
     Parameters
     ----------

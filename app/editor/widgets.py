@@ -148,11 +148,18 @@ def _named(button: QToolButton, name: str, text: str, description: str) -> QTool
     return button
 
 
+_TYPING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.KeypadModifier
+
+
 class Menu(QMenu):
-    """A menu that has all keys while it is open, letters that are shortcuts elsewhere too."""
+    """A menu that has all letters while it is open, those that are shortcuts elsewhere too."""
 
     def event(self, event: QEvent) -> bool:
-        if event.type() == QEvent.Type.ShortcutOverride:
+        if (
+            event.type() == QEvent.Type.ShortcutOverride
+            and isinstance(event, QKeyEvent)
+            and not event.modifiers() & ~_TYPING  # Ctrl+Q still quits
+        ):
             event.accept()
             return True
         return super().event(event)

@@ -249,6 +249,11 @@ def _at_ends(fit: ChainFit, known: Identified) -> list[str]:
     return lines
 
 
+def hardly_determined(value: float | None, sigma: float | None) -> bool:
+    """Whether a fitted value's standard error says that it may as well be another."""
+    return value is not None and sigma is not None and sigma > _UNCERTAIN * abs(value)
+
+
 def _weak(
     parameters: tuple[FittedParameter, ...], correlation: Matrix, *, profiled: bool
 ) -> list[str]:
@@ -256,7 +261,7 @@ def _weak(
     for one in parameters:
         if one.value is None or one.sigma is None:
             continue
-        if one.sigma > _UNCERTAIN * abs(one.value):
+        if hardly_determined(one.value, one.sigma):
             share = (
                 f"{100.0 * one.sigma / abs(one.value):.0f} % of its value"
                 if one.sigma <= abs(one.value)

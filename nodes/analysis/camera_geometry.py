@@ -277,7 +277,10 @@ class CameraSettings(Module):
                 focal_length = self.pitch_x_um / step_x
             if focal_length is None:
                 raise ParameterError(
-                    "focal_length_mm", None, "pitch_y_um needs it, or pitch_x_um", unit="mm"
+                    "focal_length_mm",
+                    None,
+                    "give it or pitch_x_um, because pitch_y_um is given",
+                    unit="mm",
                 )
             step_y = self.pitch_y_um / focal_length
         return Camera(

@@ -33,11 +33,11 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
 
     Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
     propagated to the picture through all later filters, combined pixels and interpolation.
-    Variances of independent noises add, so each source has a share of the sum. `fixed` are patterns
-    that stay from frame to frame, averaged over all sensors of this kind. Rounding counts as noise.
-    Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian blur is
-    proportional to its variance. A stage that amplifies has a negative share: it recovers this part
-    of the loss. A stage with an MTF of zero has all of it. Phases do not blur.
+    Variances of independent noises add, so each source has a share of the sum. `fixed` counts the
+    patterns that stay from frame to frame, averaged over all sensors of this kind. Rounding counts
+    as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian
+    blur is proportional to its variance. A stage that amplifies has a negative share: it recovers
+    this part of the loss. A stage with an MTF of zero has all of it. Phases do not blur.
     """
 
     formulas = (

@@ -89,7 +89,8 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     field: Annotated[
         int,
         Param(
-            "field position in a Zemax listing, counted from 0 without the diffraction limit",
+            "field position in a Zemax listing, counted from 0; the diffraction limit does "
+            "not count",
             low=0,
             high=1000,
             slider=(0, 12),

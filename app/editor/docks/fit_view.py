@@ -25,6 +25,7 @@ from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.session import Session
 from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import FlowLayout, toggle_button, tool_button
+from app.fit.fit_result import hardly_determined
 from core.editing.operations import Operation, Together, set_parameter
 from core.errors import ParameterError
 from core.modules.parameters import plain
@@ -259,7 +260,13 @@ class FitView(WorkerView):
     def _determined(self) -> list[FittedNumber]:
         numbers = self.outcome.numbers if self.outcome is not None else ()
         free = {one.place for one in self._session.free.all}
-        return [one for one in numbers if one.value is not None and one.number.place in free]
+        return [
+            one
+            for one in numbers
+            if one.value is not None
+            and not hardly_determined(one.value, one.sigma)
+            and one.number.place in free
+        ]
 
     def _show_buttons(self) -> None:
         busy, free = self.worker.busy, self._session.free.all

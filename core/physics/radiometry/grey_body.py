@@ -99,7 +99,10 @@ def grey_temperature(
     band = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
     share = _emissivity(emissivity)
     if not np.all(share > 0.0):
-        raise DataError("an emissivity of 0 shows no temperature of its own: above 0 is needed")
+        raise DataError(
+            "a surface with an emissivity of 0 emits nothing that would show its "
+            "temperature: give an emissivity above 0"
+        )
     emitted = np.asarray(radiance, np.float64)
     if surroundings_K is not None:
         emitted = emitted - (1.0 - share) * band_radiance(temperature_K=surroundings_K, **band)

@@ -110,6 +110,21 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert view.table.rowCount() == 0
 
 
+def test_what_is_hardly_determined_counts_as_not_determined(fitting, files, qtbot):
+    view, session = fitting.fitting, fitting.session
+    session.free.put(FreeNumber("blur", "sigma_x_mrad"))
+    view.choose_pictures((files / "edge.npy",))
+    view.begin()
+    qtbot.waitUntil(lambda: view.outcome is not None)
+    assert "1 of 1 determined" in view.status.title.text()
+    assert view.taking.isEnabled()
+    (number,) = view.outcome.numbers
+    weak = number._replace(sigma=0.6 * abs(number.value))
+    view._done(view.outcome._replace(numbers=(weak,)))  # as from a picture with more noise
+    assert "0 of 1 determined" in view.status.title.text()
+    assert not view.taking.isEnabled()
+
+
 def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, files, qtbot):
     window, view = fitting, fitting.fitting
     session = window.session
@@ -236,7 +251,7 @@ def test_a_known_scene_is_fitted_as_a_whole(fitting, files, qtbot):
     assert view.chart.edge is None
     assert not view.grab().isNull()
     qtbot.mouseClick(view.known, Qt.MouseButton.LeftButton)
-    assert view.status.title.text() == "Fitted with the scene known: fit again"
+    assert view.status.title.text() == "Fitted with the scene taken as known: fit again"
     qtbot.mouseClick(view.known, Qt.MouseButton.LeftButton)
     view.choose_pictures((files / "edge.npy", files / "edge_too.npy"))
     view.begin()
