@@ -527,6 +527,7 @@ def _sides(
 _ALIKE_DEG = 35.0  # between directions whose blur is nearly the same
 _SOFTER = 1.8  # times the width of the sharpest edge of the same direction
 _SOFTER_THAN_ANY = 4.0  # times that of any direction: motion may blur so much
+_FAINTER = 3.0  # times less contrast than an edge of another direction, where nothing confirms it
 _COMPARABLE = 0.5  # of an edge's contrast over its noise, that a sharper one must have
 
 
@@ -539,7 +540,7 @@ def without_soft(*, edges: Sequence[FoundEdge]) -> list[FoundEdge]:
     field; shadows, vapour and what lies out of focus are soft by themselves. The same is done by
     width classes in natural scene derived frequency responses (van Zwanenberg and others, 2021).
     Blur by motion differs with direction, and an edge of another direction is only compared with
-    much sharper ones.
+    much sharper ones; a faint edge that is the only one of its direction as with those of its own.
     """
     used = [edge for edge in edges if edge.used]
     return [_judged(edge, used) if edge.used else edge for edge in edges]
@@ -552,9 +553,11 @@ def _judged(edge: FoundEdge, others: Sequence[FoundEdge]) -> FoundEdge:
         if _clarity(other) >= _COMPARABLE * _clarity(edge) and other.softness > 0.0
     ]
     alike = [other.softness for other in surer if _between(edge, other) <= _ALIKE_DEG]
+    faint = _FAINTER * _clarity(edge) < max(_clarity(other) for other in others)
+    lone = sum(_between(edge, other) <= _ALIKE_DEG for other in others) == 1
     for widths, times in (
         (alike, _SOFTER),
-        ([other.softness for other in surer], _SOFTER_THAN_ANY),
+        ([other.softness for other in surer], _SOFTER if lone and faint else _SOFTER_THAN_ANY),
     ):
         sharpest = min(widths)
         if edge.softness > times * sharpest:

@@ -134,6 +134,21 @@ def test_soft_edge_beside_a_sharp_one():
     assert [edge for edge in edges if edge.y > 90 and edge.why_not.startswith("soft in the scene")]
 
 
+@pytest.mark.parametrize(
+    ("contrast", "copies", "used"),
+    [(1.0, 1, 0), (8.0, 1, 1), (1.0, 2, 2)],
+    ids=["a faint one alone", "as strong", "two faint ones alike"],
+)
+def test_a_soft_edge_of_a_direction_of_its_own(contrast, copies, used):
+    """Motion blurs one direction; a faint edge alone may as well be soft in the scene."""
+    along = np.rot90(noisy_edge(sigma=1.6, contrast=contrast, low=48.0))
+    picture = np.vstack([noisy_edge(sigma=0.5), *[along] * copies])
+    found = [edge for edge in find_edges(picture=picture) if abs(abs(edge.angle_deg) - 90.0) < 20]
+    assert sum(edge.used for edge in found) == used
+    soft = [edge for edge in found if edge.why_not.startswith("soft in the scene")]
+    assert bool(soft) == (used == 0)
+
+
 def test_interlaced_picture():
     """Odd rows half a sample to the right."""
     picture = noisy_edge(noise=0.0)
