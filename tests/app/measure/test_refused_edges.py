@@ -65,7 +65,7 @@ def test_what_helps_is_told_where_no_edge_is_used():
         file = MeasuredFile("p.npy", 1, "")
         return refused_lines(measure_pictures(Source((file,), [picture], *picture.shape)))
 
-    assert "1 not used: not slanted enough; what helps: an edge turned" in lines(edge(0.0))[0]
+    assert "1 not used: not slanted enough; what helps: an edge tilted" in lines(edge(0.0))[0]
     both = np.concatenate([edge(0.0), edge()], axis=1)
     assert lines(both)
     assert not [line for line in lines(both) if "what helps" in line]
