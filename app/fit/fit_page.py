@@ -365,7 +365,7 @@ def fit_text(result: FitResult) -> str:
     """The whole fit, as `imagechain fit` prints it."""
     chi2 = result.chi2_per_degree
     lines = [
-        f"chi² per degree of freedom {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'} (of "
+        f"chi² per degree of freedom  {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'}  (of "
         f"{result.fit.misfit.degrees} degrees; 1: the residuals are only noise)"
     ]
     if isinstance(result.noise, NoiseComparison):

@@ -87,8 +87,5 @@ def of_many(count: int, what: str = "stages") -> str:
     """What a caption adds where not all is drawn; empty else."""
     if count <= MOST_DRAWN:
         return ""
-    where = "the table has" if count <= MOST_ROWS else f"{IN_FILES} have"
-    return (
-        f"Only the {MOST_DRAWN} strongest of {count:,} {what} are drawn; {where} contain "
-        "all of them."
-    )
+    where = "the table contains" if count <= MOST_ROWS else f"{IN_FILES} contain"
+    return f"Only the {MOST_DRAWN} strongest of {count:,} {what} are drawn; {where} all of them."

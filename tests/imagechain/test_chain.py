@@ -96,7 +96,7 @@ def test_options_of_a_run(kodak):
         ({"region": 3}, "region = 3 is not allowed: two slices"),
         ({"frames": 0}, "frames = 0 is not allowed: a whole number from 1"),
         ({"memory": "much"}, "memory 'much': give a size such as 2GB"),
-        ({"memory": 3}, "memory = 3 is not allowed: bytes, 1000 or more"),
+        ({"memory": 3}, "memory = 3 is not allowed: a number of bytes, 1000 or more"),
         ({"precision": "half"}, "precision = 'half' is not allowed: single or double"),
         ({"outputs": ["back.picture"]}, "back.picture: back has no output 'picture'"),
         ({"seed": -1}, "seed = -1 is not allowed"),

@@ -216,7 +216,9 @@ class Snapshots(QObject):
             self.way = None
         ports, curves = tuple(dict.fromkeys(self._ports())), tuple(self._plot.queries())
         self._want(state, SnapshotQuery(source, ports, curves, figures=True))
-        self._say("K switches between it and the current state, W wipes between the two")
+        self._say(
+            f"kept as {name}: K switches between it and the current state, W wipes between the two"
+        )
         self._update()
 
     def choose(self, state: Snapshot) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer
 from PySide6.QtGui import QPainter, QPaintEvent, QPalette, QRegion
 from PySide6.QtWidgets import QApplication, QDockWidget, QWidget
 
@@ -24,6 +24,10 @@ class PartFocus(QObject):
         self._parts = parts
         self._window = window
         self._at: QWidget | None = None
+        # A page that comes back into its dock has the focus before it has its place, and a widget
+        # that is shown has the window laid out at once.
+        self._settled = QTimer(self, singleShot=True, interval=0)
+        self._settled.timeout.connect(self._settle)
         self.ring = FocusRing(window)
         QApplication.instance().focusChanged.connect(self._follow)
 
@@ -40,16 +44,12 @@ class PartFocus(QObject):
                     return
 
     def close(self) -> None:
+        self._settled.stop()
         QApplication.instance().focusChanged.disconnect(self._follow)
 
     def _follow(self, _old: QWidget | None, new: QWidget | None) -> None:
         if new is None or new.window() is not self._window:
             return  # a menu or a dialog; the part has the keyboard again after it
-        above: QWidget | None = new
-        while above is not None and not isinstance(above, QDockWidget):
-            above = above.parentWidget()
-        if above is not None and not in_sight(above):
-            above.raise_()
         part = next((part for part in self._parts() if _holds(part, new)), None)
         if part is not self._at:
             if self._at is not None:
@@ -57,11 +57,20 @@ class PartFocus(QObject):
             if part is not None:
                 part.installEventFilter(self)
             self._at = part
+        self._settled.start()
+
+    def _settle(self) -> None:
+        """Bring the dock of what has the focus before others in its place, and ring its part."""
+        above = QApplication.focusWidget()
+        while above is not None and not isinstance(above, QDockWidget):
+            above = above.parentWidget()
+        if above is not None and above.window() is self._window and not in_sight(above):
+            above.raise_()
         self._place()
 
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
         if event.type() in _FOLLOWED:
-            self._place()
+            self._settled.start()
         return False
 
     def _place(self) -> None:

@@ -109,8 +109,8 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_p
         (("one.npy=3K", "hot.npy=9K"),
          "one.npy: contains a single frame; noise in time needs 2 or more"),
         (("hot.npy=300K", "small.npy=310K"),
-         "small.npy: contains frames of 20 × 20 samples, but hot.npy of 48 × 64: give files of one "
-         "camera"),
+         "small.npy: contains frames of 20 × 20 samples, but hot.npy has 48 × 64: give files "
+         "from one camera"),
         (("hot.npy=300", "cold.npy=20C"),
          "netd 'hot.npy=300': give a file and its black body's temperature, FILE=293.15K or "
          "FILE=20C"),

@@ -112,8 +112,8 @@ def test_frames_of_a_simulated_camera(imagechain, small, write, tmp_path):
         (("one.npy", "dark.npy"), "one.npy: contains a single frame; a flat field needs 2 or more"),
         (
             ("flat0.npy", "other.npy"),
-            "other.npy: contains frames of 5 × 6 samples, but flat0.npy of 60 × 80: give files "
-            "of one camera",
+            "other.npy: contains frames of 5 × 6 samples, but flat0.npy has 60 × 80: give files "
+            "from one camera",
         ),
         (("flat0.npy", "--offset-dn", "much"), "--offset-dn 'much': give a number"),
         (

@@ -195,8 +195,8 @@ def test_a_node_writes_elsewhere_only_where_that_was_chosen(job, small, tmp_path
     assert code == 2
     assert said == (
         f"imagechain: write: cannot write {elsewhere}: it lies outside the network's folder and "
-        "the output folder; choose the file by Browse… on its control panel, or another output "
-        "folder\n"
+        "the output folder; choose the file with Browse… on its control panel, or choose another "
+        "output folder\n"
     )
     assert not elsewhere.exists()
     code, _, said = finished_job(job("run", network, chosen=(elsewhere,)))

@@ -15,7 +15,7 @@ WRITES = "run writes net-output/final.png, net-output/mtf.csv, net-output/readou
 BAND = (
     "electronics: the picture's radiance is that of 8 to 14 µm and cut_on_um to cut_off_um are 3 "
     "to 5 µm: the bands do not overlap: leave cut_on_um and cut_off_um empty to use the "
-    "picture's band, or give the picture this band"
+    "picture's band, or set the picture's band to this one"
 )
 
 
@@ -172,7 +172,7 @@ def test_a_seed_that_varies_and_is_not_used_is_told(imagechain, tmp_path):
     words = [*CAMERA[:3], vary, "--figure=focal_plane.snr"]
     done = imagechain("study", *words, "--output=a.csv", "--jobs=1")
     line = (
-        "warning: focal_plane: seed varies, and seed_mode is automatic, which does not use it: all "
+        "warning: focal_plane: seed is varied, but seed_mode is automatic and does not use it: all "
         "points have the same noise; set focal_plane.seed_mode to typed (3 points)"
     )
     assert line in done.stdout.splitlines()
@@ -195,8 +195,8 @@ def test_markup_in_a_nodes_name_is_plain_text(lwir, write, imagechain, tmp_path)
 KELVIN = (
     "read: the unit may be wrong: the samples, 290 ± 8, look like temperatures in kelvin but are "
     "read as W/m²/sr, more than a scene below 356 K emits over all wavelengths: give the samples' "
-    "unit, such as K or DN, or the scale that converts them to W/m²/sr; give cut_on_um and "
-    "cut_off_um if it is radiance"
+    "unit, such as K or DN, or the scale that converts them to W/m²/sr; if it is radiance, give "
+    "cut_on_um and cut_off_um"
 )
 
 

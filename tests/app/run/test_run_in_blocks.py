@@ -195,7 +195,7 @@ def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, 
         ),
         (
             ["--save", "back.image=b.npy", "--frames", "2"],
-            "--frames 2: a picture of 99 × 84 samples that is made in blocks is made only once",
+            "--frames 2: a picture of 99 × 84 samples is computed in blocks and can have only one",
         ),
         (
             ["--save", "blur.magnitude=b.npy"],

@@ -167,12 +167,12 @@ def test_from_python(sensor, tmp_path, monkeypatch):
     expected = [mtf(value) for value in columns["blur.sigma_x_mrad (mrad)"]]
     assert columns[MTF_HEAD] == pytest.approx(expected, rel=1e-12)
     assert list(tmp_path.iterdir()) == [tmp_path / sensor]
-    with pytest.raises(UsageError, match="nothing varies"):
+    with pytest.raises(UsageError, match="nothing is varied"):
         run_study(sensor)
 
 
 USAGE = {
-    "nothing varies": ([NER], "nothing varies"),
+    "nothing is varied": ([NER], "nothing is varied"),
     "the same twice": ([SIGMA, SIGMA], "given twice"),
     "unknown node": (["--vary=blurr.sigma_x_mrad=0:1:3"], "did you mean blur?"),
     "unknown parameter": (["--vary=blur.sigma_mrad=0:1:3"], "has no parameter sigma_mrad"),

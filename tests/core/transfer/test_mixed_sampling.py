@@ -71,7 +71,7 @@ def test_a_blend_takes_the_fewest_intervals(law, symmetric, tolerance):
     ("law", "nodes"), [(bands(4096, 0.3), None), (bands(4096, 0.3), 2), (disc(-9000.0), 32)]
 )
 def test_a_blend_that_takes_too_long_to_judge_is_refused(law, nodes):
-    with pytest.raises(DataError, match=r"a blend of \d+ intervals .* terms.*: take .* defocus"):
+    with pytest.raises(DataError, match=r"between \d+ intervals .* terms.*: use .* defocus"):
         filtered(law, nodes=nodes)
 
 

@@ -78,10 +78,10 @@ def refusal(path):
 
 def test_what_is_refused(tmp_path):
     assert refusal(pages(tmp_path / "a.tif", [FRAMES[0], FRAMES[1], FRAMES[2, :4]])) == (
-        "its frames differ: page 3 has 4 × 13 samples of uint16, the first 9 × 13 samples of "
+        "its frames differ: page 3 has 4 × 13 samples of uint16, the first page 9 × 13 samples of "
         "uint16; allowed: frames of one size and type"
     )
-    assert "page 2 has 9 × 13 samples of float32, the first" in refusal(
+    assert "page 2 has 9 × 13 samples of float32, the first page" in refusal(
         pages(tmp_path / "b.tif", [FRAMES[0], FRAMES[1].astype(np.float32)])
     )
     colour = np.zeros((4, 5, 3), np.uint8)

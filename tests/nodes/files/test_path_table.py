@@ -104,7 +104,7 @@ def test_csv_by_names_and_without(tmp_path):
         ("um,tau,L\n8,0.7,0.5\n", "names 0 columns wavelength_um"),
         ("8,1.7,0.5\n9,0.8,0.6\n", "line 1.*transmission from 0 to 1"),
         ("8,0.7,-0.5\n9,0.8,0.6\n", "path radiance of at least 0"),
-        ("9,0.7,0.5\n8,0.8,0.6\n", "line 2.*above the one before, 9"),
+        ("9,0.7,0.5\n8,0.8,0.6\n", "line 2.*above the previous one, 9"),
         ("8,0.7,0.5\n9,0.8,much\n", "line 2.*must be numbers"),
         ("8,0.7,0.5\n", "has 1 points"),
         ("8,0.7,nan\n9,0.8,0.6\n", "path radiance of at least 0"),
