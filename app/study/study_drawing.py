@@ -11,7 +11,14 @@ from typing import Any
 import numpy as np
 
 from app.report.blocks import Block, Drawn, Grid, Heading
-from app.report.drawing.picture_drawing import COLOURS, figure
+from app.report.drawing.picture_drawing import (
+    COLOURS,
+    by_rows,
+    family_colours,
+    figure,
+    legend_columns,
+    legend_height_in,
+)
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
 from app.run.readout_tables import number_text, warned_points
@@ -54,14 +61,18 @@ def _curves(result: StudyRows, axes: Sequence[Axis], shown: Sequence[int]) -> by
     families = others[0].values if others else (None,)
     across, down = _panels(len(shown))
     drawn_families = families[:_MOST_CURVES]
-    with figure(max(4.6, 3.6 * across), 2.4 * down + 0.9) as (drawn, out):
+    width = max(4.6, 3.6 * across)
+    names = [_short(str(others[0].shown(value))) for value in drawn_families if others]
+    legend = legend_height_in(names, width) if names else 0.2
+    with figure(width, 2.4 * down + 0.3 + legend) as (drawn, out):
+        _say_left_out(drawn, result, shown)
         panels = drawn.subplots(down, across, squeeze=False).ravel()
         for panel, number in zip(panels, shown, strict=False):
-            for index, value in enumerate(drawn_families):
+            colours = family_colours(len(drawn_families))
+            for colour, value in zip(colours, drawn_families, strict=True):
                 rows = _where(result, others, value)
                 places, heights = _curve(result, along, rows, number)
                 label = "_" if not others else _short(str(others[0].shown(value)))
-                colour = COLOURS[index % len(COLOURS)]
                 marker = "o" if len(places) <= 40 else ""
                 style = "-" if along.is_numeric else ":"
                 panel.plot(places, heights, style, marker=marker, markersize=3, color=colour,
@@ -77,8 +88,9 @@ def _curves(result: StudyRows, axes: Sequence[Axis], shown: Sequence[int]) -> by
             if len(families) > len(drawn_families):
                 title += f" (the first {len(drawn_families)} of {len(families)})"
             handles = [line for line in panels[0].get_lines() if line.get_label()[0] != "_"]
-            drawn.legend(handles=handles, loc="outside lower center", ncols=4, title=title,
-                         fontsize=8.0)  # fmt: skip
+            columns = legend_columns(names, width)
+            drawn.legend(handles=by_rows(handles, columns), loc="outside lower center",
+                         ncols=columns, title=title, fontsize=8.0)  # fmt: skip
     return out.getvalue()
 
 
@@ -89,6 +101,7 @@ def _maps(result: StudyRows, axes: Sequence[Axis], shown: Sequence[int]) -> byte
     ranks = [_ranks(x), _ranks(y)]
     numbers = [result.study.axes.index(x), result.study.axes.index(y)]
     with figure(max(4.8, 3.9 * across), 3.0 * down + 0.3) as (drawn, out):
+        _say_left_out(drawn, result, shown)
         panels = drawn.subplots(down, across, squeeze=False).ravel()
         for panel, number in zip(panels, shown, strict=False):
             heights = np.full((len(y.values), len(x.values)), np.nan)
@@ -116,6 +129,7 @@ def _scatter(result: StudyRows, axes: Sequence[Axis], shown: Sequence[int]) -> b
     figures = result.study.figures
     wide, high = len(axes), len(shown)
     with figure(max(4.6, 2.4 * wide + 0.6), 1.9 * high + 0.6) as (drawn, out):
+        _say_left_out(drawn, result, shown)
         panels = drawn.subplots(high, wide, squeeze=False, sharex="col", sharey="row")
         for line, number in zip(panels, shown, strict=True):
             for panel, axis in zip(line, axes, strict=True):
@@ -148,13 +162,24 @@ def _nothing(result: StudyRows) -> bytes:
 
 
 def _with_values(result: StudyRows) -> list[int]:
-    """The figures that have a value at some point; the first of many."""
-    numbers = [
-        number
-        for number in range(len(result.study.figures))
-        if any(_finite(row.figures[number]) for row in result.rows)
-    ]
-    return numbers[:MOST_FIGURES]
+    """The figures that have a value at some point; of many the first that vary."""
+    spread: dict[int, bool] = {}
+    for place in range(len(result.study.figures)):
+        values = [row.figures[place] for row in result.rows]
+        finite = [value for value in values if value is not None and math.isfinite(value)]
+        if finite:
+            low, high = min(finite), max(finite)
+            spread[place] = high - low > ROUNDING * max(abs(low), abs(high))
+    if len(spread) <= MOST_FIGURES:
+        return list(spread)
+    return sorted(sorted(spread, key=lambda place: not spread[place])[:MOST_FIGURES])
+
+
+def _say_left_out(drawn: Any, result: StudyRows, shown: Sequence[int]) -> None:
+    every = len(result.study.figures)
+    if len(shown) == MOST_FIGURES < every:
+        text = f"{len(shown)} of {every} figures; choose others with --figure"
+        drawn.suptitle(text, fontsize=8.5, color="#555555")
 
 
 def _is_grid(result: StudyRows) -> bool:
@@ -319,7 +344,10 @@ def write_summary(result: StudyRows, path: Path) -> None:
 def summary_page(result: StudyRows) -> str:
     """The picture, what varied, each figure's spread with its ends' points, and what failed."""
     study = result.study
-    caption = f"Figures of {len(result.rows)} points; a cross marks a point without the figure."
+    caption = (
+        f"Figures of {len(result.rows)} points; a cross, or white on a map, marks a point without "
+        "the figure."
+    )
     blocks: list[Block] = [
         Heading(1, f"{study.name or 'Image chain'}: study"),
         Drawn(study_png(result), caption, caption),

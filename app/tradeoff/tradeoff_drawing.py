@@ -7,7 +7,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from app.report.blocks import Block, Drawn, Grid, Heading
-from app.report.drawing.picture_drawing import COLOURS, figure
+from app.report.drawing.picture_drawing import (
+    by_rows,
+    family_colours,
+    figure,
+    legend_columns,
+    legend_height_in,
+)
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
 from app.run.readout_tables import columns, exact, number_text, without_rounding
@@ -27,7 +33,10 @@ def trade_off_png(results: Results) -> bytes:
     """The picture; gaps where figures have no value, a dashed line at the present value."""
     across = min(_ACROSS, len(results.figures))
     down = -(-len(results.figures) // across)
-    with figure(max(4.6, 3.4 * across), 2.3 * down + 0.7) as (drawn, out):
+    width = max(4.6, 3.4 * across)
+    names = [shown_value(curve.second) for curve in results.curves if results.second is not None]
+    legend = legend_height_in(names, width) if names else 0.0
+    with figure(width, 2.3 * down + 0.3 + legend) as (drawn, out):
         axes = drawn.subplots(down, across, squeeze=False, sharex=True).ravel()
         for place, axis in enumerate(axes):
             if place >= len(results.figures):
@@ -40,10 +49,11 @@ def trade_off_png(results: Results) -> bytes:
         if results.second is not None:
             title = _with_unit(results.second.text, results.second.unit)
             handles = [line for line in axes[0].get_lines() if line.get_label()[0] != "_"]
+            columns_ = legend_columns(names, width)
             drawn.legend(
-                handles=handles,
+                handles=by_rows(handles, columns_),
                 loc="outside lower center",
-                ncols=min(8, len(results.curves)),
+                ncols=columns_,
                 title=title,
                 fontsize=8.5,
             )
@@ -58,14 +68,14 @@ def _panel(axis: Any, results: Results, shown: Figure) -> None:
     if shown.unit:
         axis.set_ylabel(shown.unit, fontsize=8.5)
     finite = []
-    for index, curve in enumerate(results.curves):
+    colours = family_colours(len(results.curves))
+    for colour, curve in zip(colours, results.curves, strict=True):
         heights = [point.figures.get(shown.text, math.nan) for point in curve.points]
         heights = [height if math.isfinite(height) else math.nan for height in heights]
         finite += [height for height in heights if not math.isnan(height)]
         label = "_" if results.second is None else shown_value(curve.second)
         style = "-" if numeric else ":"
         marker = "o" if len(places) <= _MOST_MARKED or not numeric else ""
-        colour = COLOURS[index % len(COLOURS)]
         gaps = [place for place, height in zip(places, heights, strict=True) if math.isnan(height)]
         if gaps:  # at the bottom, so that the axis reaches the values that failed too
             low = axis.get_xaxis_transform()

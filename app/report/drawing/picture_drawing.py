@@ -42,6 +42,8 @@ COLOURS = (
     "#e0a100",
     "#6b6b6b",
 )
+LEGEND_LETTERS = 0.075  # inches of a letter of a legend, about
+_LEGEND_LINE, _LEGEND_ROW = 0.75, 0.2  # of the line before a name with its gaps, and of a row
 _STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
@@ -332,3 +334,32 @@ def drawn_as(network: Network) -> dict[str, str]:
 def named(caption: str, figure: str | None) -> str:
     """The caption, with the publication's figure before it."""
     return f"As {figure}. {caption}" if figure else caption
+
+
+# A family of curves, one for each value of a parameter.
+
+
+def family_colours(count: int) -> list[Any]:
+    """Colours of so many curves: of few each its own, of many from dark to bright."""
+    if count <= len(COLOURS):
+        return list(COLOURS[:count])
+    import matplotlib as mpl
+
+    brightest = 0.92  # beyond it yellow is lost on white
+    return [mpl.colormaps["viridis"](brightest * place / (count - 1)) for place in range(count)]
+
+
+def legend_columns(names: Sequence[str], width_in: float) -> int:
+    """How many columns of names lie side by side in a picture of that width."""
+    widest = _LEGEND_LINE + LEGEND_LETTERS * max(map(len, names))
+    return max(1, min(len(names), int(width_in / widest)))
+
+
+def legend_height_in(names: Sequence[str], width_in: float) -> float:
+    """How much higher a picture is with a legend below it, its title included."""
+    return _LEGEND_ROW * (1 - -len(names) // legend_columns(names, width_in))
+
+
+def by_rows(items: Sequence[Any], columns: int) -> list[Any]:
+    """In the order in which a legend, which goes down its columns, shows them row by row."""
+    return [item for first in range(columns) for item in items[first::columns]]
