@@ -43,6 +43,7 @@ class Canvas(QWidget):
     """Shows the session's network and follows it; gestures become operations on the document."""
 
     activated = Signal(str)  # (name): a node was double-clicked, or Enter pressed on it
+    view_wanted = Signal(str)  # (name): a node was clicked with Ctrl and Shift, and is selected
     # (paths, point): files were dropped at a point of the scene
     files_dropped = Signal(list, QPointF)
     preset_dropped = Signal(str, QPointF)  # (key, point): a preset of the library was dropped there
@@ -201,6 +202,7 @@ class Canvas(QWidget):
         session.selection_changed.connect(self._selection_changed)
         surface = self._surface
         surface.activated.connect(self.activated)
+        surface.view_wanted.connect(self.view_wanted)
         surface.search_wanted.connect(lambda at: self.adding.search((at.x(), at.y())))
         surface.title_wanted.connect(self._edit_title)
         surface.files_dropped.connect(self.files_dropped)

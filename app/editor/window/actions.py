@@ -129,6 +129,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
     _edit("save_preset", "Save as Pre&set",
           "Add the selected macro to the library, for any network", selected=True),
     _view("frame", "&Frame", "Show the selected nodes, or all", "F", scope="canvas"),
+    _view("frame_all", "Frame &All", "Show all nodes", "Home", scope="canvas"),
     _view("arrange", "&Lay Out", "Arrange the selected nodes, or all", "L", scope="canvas"),
     _view("minimap", "&Map", "Show a map if the network is larger than the canvas", "M",
           scope="canvas", checkable=True),

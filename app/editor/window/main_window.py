@@ -315,6 +315,7 @@ class MainWindow(QMainWindow):
             "save_preset": self.shelf.save,
             "leave_macro": self.level.leave,
             "frame": edits.frame,
+            "frame_all": canvas.frame_all,
             "arrange": edits.arrange,
             "zoom_in": partial(canvas.zoom_by, 1.25),
             "zoom_out": partial(canvas.zoom_by, 0.8),
@@ -393,6 +394,7 @@ class MainWindow(QMainWindow):
         self.status.cancel_wanted.connect(evaluator.cancel)
         self.library_view.chosen.connect(self._chosen_in_library)
         self.canvas.activated.connect(self._activated)
+        self.canvas.view_wanted.connect(lambda _: self._view(1))
         self.canvas.files_dropped.connect(self.drops.files)
         requests = self.panels.requests
         requests.view.connect(self._view_requested)

@@ -67,6 +67,7 @@ MOUSE = (
     ("Mouse", "Zoom", "wheel", "Zoom at the pointer"),
     ("Mouse", "Add", "double-click", "Search for a module and add it there"),
     ("Mouse", "Wire", "drag from a port", "On empty canvas: list the modules that fit"),
+    ("Mouse", "View", "Ctrl+Shift and click", "Show the node in viewer 1"),
     ("Mouse", "Insert", "drop a node on a wire", "Insert the node into the wire"),
     ("Mouse", "Bend a wire", "double-click on it", "Add a dot; drag it, Del deletes it"),
     ("Mouse", "Cut wires", "Alt+Shift and drag", "Disconnect the wires that the line crosses"),

@@ -157,6 +157,7 @@ class Surface(QObject):
     """The session of what is shown, the view, its items, and what is shown during a gesture."""
 
     activated = Signal(str)  # (name): a node was double-clicked, or Enter pressed on it
+    view_wanted = Signal(str)  # (name): a node was clicked with Ctrl and Shift
     search_wanted = Signal(QPointF)  # (point): a module is to be added at that point of the scene
     title_wanted = Signal(int)  # (index): a backdrop's title is to be edited
     files_dropped = Signal(list, QPointF)  # (paths, point): as of `Canvas`

@@ -26,6 +26,7 @@ from core.network.network import Link, Network
 _LEFT, _MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton
 _ALT, _SHIFT = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ShiftModifier
 _CTRL = Qt.KeyboardModifier.ControlModifier
+_VIEWING = _CTRL | _SHIFT
 
 
 class Mouse:
@@ -99,7 +100,7 @@ class Mouse:
         if hit.port is not None:
             return DragWire(surface, pos, hit.port, self._dropped)
         if hit.node is not None:
-            return self._on_node(hit.node.id, pos, adding)
+            return self._on_node(hit.node.id, pos, adding, showing=keys == _VIEWING)
         self._marks.choose(hit.wire.link if hit.wire else None, hit.backdrop, hit.dot)
         if hit.wire is not None:
             surface.session.select(())
@@ -112,10 +113,14 @@ class Mouse:
             return DragNodes(surface, pos, names, hit.backdrop)
         return RubberBand(surface, pos, surface.session.selection if adding else ())
 
-    def _on_node(self, name: str, pos: QPoint, adding: bool) -> Gesture | None:
+    def _on_node(self, name: str, pos: QPoint, adding: bool, *, showing: bool) -> Gesture | None:
         session = self._surface.session
         self._marks.choose(None, None)
         selected = session.selection
+        if showing:
+            session.select([name])
+            self._surface.view_wanted.emit(name)
+            return None
         if adding:
             others = tuple(other for other in selected if other != name)
             session.select(others if name in selected else (*selected, name))

@@ -197,3 +197,23 @@ def test_the_keyboard_alone_builds_a_chain(window, hand):
         hand.type(typed)
         hand.key(KEY.Key_Return)
         assert (link in window.session.network.links) == there
+
+
+def test_home_frames_all_whatever_is_selected(window, hand, chain):
+    canvas = window.canvas
+    whole = canvas.view.transform().m11()
+    chain.select([next(iter(chain.network.nodes))])
+    hand.key(KEY.Key_F)
+    assert canvas.view.transform().m11() >= whole
+    canvas.view.zoom_at(3.0, canvas.view.viewport().rect().center())
+    hand.key(KEY.Key_Home)
+    seen = canvas.view.mapToScene(canvas.view.viewport().rect()).boundingRect()
+    assert seen.contains(canvas.content.bounds())
+
+
+def test_ctrl_shift_click_shows_a_node_in_the_first_viewer(window, hand, chain):
+    name = "init"
+    item = window.canvas.content.nodes[name]
+    hand.click(hand.at(*item.sceneBoundingRect().center().toTuple()), CTRL | SHIFT)
+    assert chain.selection == (name,)
+    assert window.viewers.images[1].choices.port.startswith(f"{name}.")
