@@ -15,7 +15,7 @@ from app.editor.viewers.picture.plots_below import ProfileLine, Spectra
 from app.editor.viewers.picture.region_overlay import RegionOverlay
 from app.editor.viewers.pixels.grey_levels import Table, colour_table
 from app.editor.viewers.pixels.picture_query import Picture
-from app.editor.viewers.plot.plot_looks import bare, paint_axes
+from app.editor.viewers.plot.plot_looks import EndingAxis, bare, paint_axes
 
 Zoom = tuple[float, ...]
 Sides = Literal["first left", "second left", "second alone"]
@@ -48,7 +48,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.ci.layout.setContentsMargins(2, 4, 4, 2)
         self.ci.layout.setSpacing(4)
-        self.plot = self.addPlot(row=0, col=0, enableMenu=False)
+        self.axes = {side: EndingAxis(side) for side in ("left", "bottom")}
+        self.plot = self.addPlot(row=0, col=0, enableMenu=False, axisItems=self.axes)
         bare(self.plot)
         self.view: pg.ViewBox = self.plot.getViewBox()
         self.view.invertY(True)
@@ -116,6 +117,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         channels = tuple(channel.spread for channel in picture.channels)
         self.levels.show_spread(picture.spread, picture.levels, channels)
         self.profile.show_picture(picture)
+        self.axes["bottom"].end_at(place.left(), place.right())
+        self.axes["left"].end_at(place.top(), place.bottom())
         if moved:
             self.mark(None)
             self._place_elsewhere(picture)

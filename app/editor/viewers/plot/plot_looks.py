@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import pyqtgraph as pg
-from PySide6.QtCore import Qt
-from PySide6.QtGui import QColor, QPen
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen
 from PySide6.QtWidgets import QGraphicsItem
 
 from app.editor.theme import Theme
@@ -40,6 +41,47 @@ class PlotAxis(pg.AxisItem):  # type: ignore[misc]
             plain = f"{first * 10.0**power:.1g}" if power < 0 else str(first * 10**power)
             labels.append("" if first not in labelled else plain if power in _PLAIN else text)
         return labels
+
+
+class EndingAxis(pg.AxisItem):  # type: ignore[misc]
+    """The axis of a picture, left or bottom: it ends with the picture where the view shows more."""
+
+    ends: tuple[float, float] | None = None
+
+    def end_at(self, low: float, high: float) -> None:
+        if self.ends != (low, high):
+            self.ends = low, high
+            self.picture = None  # the drawing that pyqtgraph keeps
+            self.update()
+
+    def tickValues(self, minVal: float, maxVal: float, size: float) -> list[Any]:
+        levels: list[Any] = super().tickValues(minVal, maxVal, size)
+        if self.ends is None:
+            return levels
+        low, high = self.ends
+        slack = 1e-6 * abs(high - low)
+        return [
+            (spacing, [value for value in values if low - slack <= value <= high + slack])
+            for spacing, values in levels
+        ]
+
+    def generateDrawSpecs(self, p: QPainter) -> Any:
+        specs = super().generateDrawSpecs(p)
+        if specs is None or self.ends is None or self.range[0] == self.range[1]:
+            return specs
+        (pen, start, end), ticks, texts = specs
+        bounds = self.mapRectFromParent(self.geometry())
+        first, last = self.range
+        shares = sorted(min(max((v - first) / (last - first), 0.0), 1.0) for v in self.ends)
+        if self.orientation == "bottom":
+            start, end = (
+                QPointF(bounds.left() + share * bounds.width(), start.y()) for share in shares
+            )
+        else:
+            start, end = (
+                QPointF(start.x(), bounds.bottom() - share * bounds.height()) for share in shares
+            )
+        return (pen, start, end), ticks, texts
 
 
 def bare(plot: pg.PlotItem) -> None:

@@ -231,3 +231,15 @@ def test_what_cannot_be_written_is_told(viewer, tmp_path):
         viewer.save_as(tmp_path / "x.jpg")
     with pytest.raises(ImagechainError, match="cannot write"):
         viewer.save_as(tmp_path / "nowhere" / "x.npy")
+
+
+def test_the_axes_end_with_the_picture(bench, viewer):
+    """The view beside a square picture is wider than it; ticks beyond it would measure nothing."""
+    canvas = viewer.canvas
+    for axis, samples in ((canvas.axes["bottom"], 512), (canvas.axes["left"], 512)):
+        first, last = sorted(axis.range)
+        ticks = [value for _, values in axis.tickValues(first, last, 800.0) for value in values]
+        assert min(ticks) >= 0
+        assert max(ticks) <= samples
+    low, high = sorted(canvas.axes["bottom"].range)
+    assert low < 0 < 512 < high
