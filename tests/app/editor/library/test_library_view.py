@@ -127,6 +127,9 @@ def test_the_groups_wear_the_themes_colours(view):
         ("budget", "noise_budget", set()),
         ("gsd", "camera", {"camera_geometry", "image_quality"}),
         ("niirs", "image_quality", set()),
+        ("blur", "spatial_blur", {"gaussian_mtf", "jitter_mtf", "diffraction_mtf"}),
+        ("gsmtf", "gaussian_mtf", set()),
+        ("fplane", "focal_plane", set()),
     ],
 )
 def test_words_of_the_trade_find_their_module(view, chosen, typed, best, also):
