@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -376,17 +376,22 @@ def continued(
     return None if wiring is None else (name, Together((adding, wiring), adding.text))
 
 
-def wires_behind(network: Network, library: Library, node: str, new: str) -> Operation | None:
+def wires_behind(
+    network: Network, library: Library, node: str, new: str, *, branches: bool = True
+) -> Operation | None:
     """What wires a node without wires on to another one; None where they have none in common.
 
-    As `continued`, for a node that is there already.
+    As `continued`, for a node that is there already; without `branches`, the new node also comes
+    between an output and the several nodes that it leads to.
     """
     known, added = declared(network, library, node), declared(network, library, new)
     if known is None or added is None:
         return None
     for output, entry in _pairs(known.outputs, added.inputs):
         onward = [link for link in network.links if (link.source, link.output) == (node, output)]
-        between = inserted(network, library, onward[0], new) if len(onward) == 1 else None
+        between = None
+        if len(onward) == 1 or not branches:
+            between = _before_all(network, library, onward, new)
         if between is not None:
             return between
         if wiring := _wired(network, library, Link(node, output, new, entry), new):
@@ -397,6 +402,26 @@ def wires_behind(network: Network, library: Library, node: str, new: str) -> Ope
         if wiring := _wired(network, library, Link(new, output, node, entry), new):
             return wiring
     return None
+
+
+def _before_all(
+    network: Network, library: Library, onward: Sequence[Link], new: str
+) -> Operation | None:
+    """Lead all wires of an output through a node; None where it does not fit between."""
+    if not onward:
+        return None
+    # One that leads on first: what runs beside it is led through as well.
+    first, *others = sorted(onward, key=lambda link: not network.followers[link.target])
+    between = inserted(network, library, first, new)
+    if between is None or not others:
+        return between
+    grown = between.apply(network)
+    (out,) = (link for link in grown.links_into(first.target) if link.input == first.input)
+    moved = [(Link(new, out.output, old.target, old.input), old) for old in others]
+    fitting = [pair for pair in moved if misfit(grown, library, pair[0]) is None]
+    rest = Rewire(add=tuple(link for link, _ in fitting), remove=tuple(old for _, old in fitting))
+    both = Together((between, rest), f"Insert {shown(new)}")
+    return both if _sound(network, library, both) else between
 
 
 def wires_from_open_end(

@@ -306,7 +306,7 @@ def added(
     if not wired or not network.nodes or (after is None and not taken.inputs):
         return grown
     if after is not None:
-        wiring = wires_behind(grown, library, after, node.id)
+        wiring = wires_behind(grown, library, after, node.id, branches=False)
     else:
         every = (wires_from_open_end(grown, library, one, node.id) for one in reversed(order))
         wiring = next((found for found in every if found is not None), None)

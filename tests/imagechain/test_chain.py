@@ -575,3 +575,16 @@ def test_figures_are_computed_when_they_are_asked_for():
     with pytest.warns(UserWarning, match="judge is left out: no edge found"):
         assert "judge" not in result.readouts
     assert result.image("back.image").shape == (96, 128)
+
+
+def test_a_module_added_after_a_node_comes_before_all_that_follow_it():
+    chain = ic.open("mwir_camera")
+    chain.add(ic.modules.gaussian_mtf(sigma_x_mrad=0.1), name="soft", after="detector")
+    ends = {end for start, end in chain.links if start == "soft.magnitude"}
+    assert ends == {"back.magnitude", "slices.transfer"}
+    assert {end for start, end in chain.links if start == "detector.magnitude"} == {
+        "soft.magnitude"
+    }
+    chain.add(ic.modules.examine_image(), name="look", after="focal_plane")  # leads to nothing
+    ends = {end for start, end in chain.links if start == "focal_plane.image"}
+    assert ends == {"budget.image", "merit.image", "look.image"}
