@@ -86,6 +86,14 @@ class PictureFile:
         return picture
 
 
+class BandsError(UsageError):
+    """A file with several bands, of which none is named; `what` says so without a remedy."""
+
+    def __init__(self, path: Path, bands: int) -> None:
+        self.what = f"{path} has {bands} bands"
+        super().__init__(f"{self.what}: name the one to measure, --band 0 to {bands - 1}")
+
+
 def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
     """Describe a file to be measured without reading its samples.
 
@@ -160,9 +168,7 @@ def _chosen(path: Path, info: PictureInfo, band: int | None) -> tuple[int | None
         return None, f"luminance, {shares}"
     if info.bands == _WITH_ALPHA and not info.channels and info.kind not in _STACKS:
         return 0, "grey, without its transparency"
-    raise UsageError(
-        f"{path} has {info.bands} bands: name the one to measure, --band 0 to {info.bands - 1}"
-    )
+    raise BandsError(path, info.bands)
 
 
 def _intervals(info: PictureInfo) -> tuple[float | None, float | None]:

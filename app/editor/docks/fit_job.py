@@ -167,15 +167,15 @@ def drawn_edges(patches: tuple[Patch, ...], edges: EdgesAt) -> tuple[DrawnEdge, 
 
 def _pictures(pictures: Pictures) -> FittedPictures:
     from app.fit.picture_fit import FittedPictures, read_pictures
+    from app.measure.picture_loading import BandsError
 
     if not isinstance(pictures, ViewerPicture):
         try:
             return read_pictures(pictures)
-        except ImagechainError as error:
-            text, band, _ = str(error).partition(": choose the band to measure with --band")
-            if not band:
-                raise
-            raise UsageError(f"{text}: show one of them in a viewer and fit to that") from error
+        except BandsError as error:
+            raise UsageError(
+                f"{error.what}: show one of them in a viewer and fit to that"
+            ) from error
     return FittedPictures((pictures.name,), (np.asarray(pictures.samples, np.float64),))
 
 

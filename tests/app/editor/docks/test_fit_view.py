@@ -110,6 +110,26 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert view.table.rowCount() == 0
 
 
+def test_a_file_with_bands_says_how_to_fit_to_one(fitting, files, qtbot):
+    view, session = fitting.fitting, fitting.session
+    session.free.put(FreeNumber("blur", "sigma_x_mrad"))
+    cube = np.stack([np.load(files / "edge.npy")] * 2, axis=-1).astype(np.float32)
+    path = files / "two.img"
+    path.write_bytes(cube.tobytes())
+    rows, columns = cube.shape[:2]
+    path.with_name("two.img.hdr").write_text(
+        f"ENVI\nsamples = {columns}\nlines = {rows}\nbands = 2\ndata type = 4\n"
+        "interleave = bip\nbyte order = 0\nwavelength units = Micrometers\n"
+        "wavelength = {3.5, 4.5}\n"
+    )
+    view.choose_pictures((path,))
+    view.begin()
+    qtbot.waitUntil(lambda: "two.img has 2 bands" in view.status.title.text())
+    text = view.status.title.text()
+    assert text.endswith("show one of them in a viewer and fit to that")
+    assert "--" not in text
+
+
 def test_what_is_hardly_determined_counts_as_not_determined(fitting, files, qtbot):
     view, session = fitting.fitting, fitting.session
     session.free.put(FreeNumber("blur", "sigma_x_mrad"))
