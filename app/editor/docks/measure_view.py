@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
 
 
+_OPTION = re.compile(r" \(--[a-z]+\)")  # of the command
 _KINDS = ";;".join(
     (dialog_filter("Page", HTML), dialog_filter("Everything", JSON), dialog_filter("MTF", CSV))
 )
@@ -398,7 +400,9 @@ class MeasureView(WorkerView):
             from app.measure.measurement_text import figure_rows, frame_rows, remarks
 
             rows = [*figure_rows(measured), *frame_rows(measured)]
-            notes = [f"{line[:1].upper()}{line[1:]}." for line in remarks(measured)]
+            notes = [
+                f"{line[:1].upper()}{_OPTION.sub('', line[1:])}." for line in remarks(measured)
+            ]
             self.figures.show_rows(rows, notes)
         self._show_edge()
 

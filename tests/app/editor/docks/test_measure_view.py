@@ -215,3 +215,13 @@ def test_a_band_of_a_file_is_chosen(view, qtbot, two_edges, tmp_path):
     assert view.band.value() == -1
     qtbot.waitUntil(lambda: not view.worker.busy)
     assert view.source == (two_edges,)
+
+
+def test_no_option_of_the_command_is_named(view, qtbot, two_edges):
+    view.measure_files((two_edges,))
+    qtbot.waitUntil(lambda: view.measured is not None)
+    table = view.figures
+    cells = [table.item(row, 0) for row in range(table.rowCount())]
+    texts = [cell.text() for cell in cells if cell is not None]
+    assert any("frames of flat fields at several levels, and without light" in t for t in texts)
+    assert not any("--" in text for text in texts)
