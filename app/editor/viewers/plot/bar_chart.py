@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from PySide6.QtCore import QRectF, QSize, Qt
@@ -90,20 +90,25 @@ class _Bars(QWidget):
         left = before + 2 * _GAP + (behind if low < zero else 0)
         wide = max(self.width() - left - behind, 1)
         group_height = (self.height() - 2.0 * text) / len(names)
-        thick = min((group_height - _GAP) / max(1, len(lines)), _THICK * text)
+        alone = _each_alone([line.y for line in lines], len(names))
+        beside = 1 if alone else max(1, len(lines))
+        thick = min((group_height - _GAP) / beside, _THICK * text)
 
         def at(value: float) -> float:
             return left + wide * (value - low) / (high - low)
 
         for place, name in enumerate(names):
-            top = place * group_height + (group_height - thick * len(lines)) / 2
+            top = place * group_height + (group_height - thick * beside) / 2
             group = QRectF(_GAP, place * group_height, before, group_height)
             painter.setPen(self.palette().text().color())
             shown = metrics.elidedText(name, Qt.TextElideMode.ElideMiddle, before)
             painter.drawText(group, _RIGHT, shown)
-            for number, (line, heights) in enumerate(zip(lines, drawn, strict=True)):
+            pairs = list(zip(lines, drawn, strict=True))
+            if alone:
+                pairs = sorted(pairs, key=lambda pair: _at(pair[0].y, place) == 0.0)[:1]
+            for number, (line, heights) in enumerate(pairs):
                 box = QRectF(0, top + number * thick, self.width(), thick)
-                value = float(heights[place]) if place < len(heights) else math.nan
+                value = _at(heights, place)
                 end = at(min(max(value, low), high)) if math.isfinite(value) else at(zero)
                 bar = QRectF(at(zero), box.top(), end - at(zero), thick).normalized()
                 if math.isfinite(value):
@@ -143,9 +148,19 @@ def _range(drawn: list[Vector], log: bool) -> tuple[float, float, float]:
     return (low, high, 0.0) if high > low else (0.0, 1.0, 0.0)
 
 
+def _at(heights: Vector, place: int) -> float:
+    return float(heights[place]) if place < len(heights) else math.nan
+
+
+def _each_alone(lines: Sequence[Vector], count: int) -> bool:
+    """Whether each bar belongs to one line, as of temporal and fixed noise a source makes one."""
+    values = [[_at(line, place) for line in lines] for place in range(count)]
+    return len(lines) > 1 and all(sum(value != 0.0 for value in group) <= 1 for group in values)
+
+
 def _text(heights: Vector, place: int) -> str:
     """A value as people read it; of no value, a dash."""
-    value = float(heights[place]) if place < len(heights) else math.nan
+    value = _at(heights, place)
     if math.isnan(value):
         return "–"
     if math.isinf(value):

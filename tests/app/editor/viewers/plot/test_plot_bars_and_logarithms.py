@@ -105,6 +105,16 @@ def test_a_set_of_bars_is_switched_off(shown):
     assert painted(viewer, DARK.curves[0])
 
 
+def test_where_each_bar_belongs_to_one_set_no_gap_is_left_for_the_others(shown):
+    """Each source of noise is temporal or fixed: its other bar would be a 0 beside it."""
+    viewer = shown(bars([10.0, 20.0, 40.0]))
+    thick = [len({y for y, _ in painted(viewer, DARK.curves[0])})]
+    viewer = shown(bars([10.0, 0.0, 40.0], [0.0, 20.0, 0.0]))
+    one, other = (len({y for y, _ in painted(viewer, DARK.curves[n])}) for n in (0, 1))
+    assert one + other == thick[0]
+    assert one == 2 * other
+
+
 def test_many_bars_scroll(shown):
     many = tuple(f"stage {number}" for number in range(60))
     data = CurveData("", "", "", (Series("a", np.arange(60.0), np.arange(60.0)),), many)
