@@ -6,10 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 
 from PySide6.QtCore import QEvent, QMimeData, QModelIndex, QObject, Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QKeyEvent, QPixmap
+from PySide6.QtGui import QColor, QFontMetrics, QIcon, QKeyEvent, QPixmap
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QLineEdit,
+    QStyle,
     QTreeWidget,
     QTreeWidgetItem,
     QVBoxLayout,
@@ -24,6 +25,7 @@ from nodes.files.formats import readable_formats
 
 PRESETS, OWN_PRESETS = "Presets", "Own presets"
 MIME_TYPE = "application/x-imagechain-module"
+_MARGIN = 4
 _KEY = Qt.ItemDataRole.UserRole
 
 
@@ -145,7 +147,7 @@ class LibraryView(QWidget):
         self.tree = ModuleTree(library, self)
         self.tree.show_presets(presets)
         layout = QVBoxLayout(self)
-        layout.setContentsMargins(4, 4, 4, 4)
+        layout.setContentsMargins(_MARGIN, _MARGIN, _MARGIN, _MARGIN)
         layout.setSpacing(4)
         layout.addWidget(self.filter)
         layout.addWidget(self.tree)
@@ -155,6 +157,15 @@ class LibraryView(QWidget):
         self.filter.installEventFilter(self)
         self.tree.itemActivated.connect(self._choose_item)
         self._colour_groups()
+
+    def headings_width(self) -> int:
+        """The width in which every heading is read in full."""
+        tree = self.tree
+        room = 3 * tree.indentation() + self.fontMetrics().height()  # the arrow and the mark
+        room += self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent) + 2 * _MARGIN
+        metrics = [QFontMetrics(item.font(0)) for item in tree.groups.values()]
+        texts = [item.text(0) for item in tree.groups.values()]
+        return room + max(m.horizontalAdvance(t) for m, t in zip(metrics, texts, strict=True))
 
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.gestures import SecondClick
+from app.editor.library_view import LibraryView
 from app.editor.viewers.picture.image_viewer import ImageViewer
 
 _PREFERRED = QSize(1600, 900)  # of a first window, where the screen has room for it
@@ -215,6 +216,12 @@ def place(window: QMainWindow, layout: LayoutName) -> None:
     docks.curves.raise_()
 
 
+def _headings_width(library: QDockWidget) -> int:
+    """Of the library, as narrow as it is read without an ellipsis in its headings."""
+    view = library.widget()
+    return view.headings_width() if isinstance(view, LibraryView) else library.width()
+
+
 def size(window: QMainWindow, layout: LayoutName) -> None:
     """Give each dock the layout's share of the window as large as it is now."""
     docks = Docks(window)
@@ -222,11 +229,12 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     width, height = window.width(), window.height()
     viewer = docks.viewers[0]
     picture = PICTURE_SHARE * width * height
+    headings = _headings_width(docks.library)
     bars = _height_of_bars(viewer, window.findChild(ImageViewer, "image_viewer.1"))
     room = height - window.menuBar().height() - window.statusBar().height()
     if layout == "picture_beside":
         tall = max(1, room - bars)
-        window.resizeDocks([viewer, docks.library], [round(picture / tall), 22 * unit], _Across)
+        window.resizeDocks([viewer, docks.library], [round(picture / tall), headings], _Across)
         below = round(0.52 * room)
         window.resizeDocks([docks.curves, docks.panels], [below, below], _Along)
         left = width - round(picture / tall)
@@ -237,12 +245,12 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     ]
     side = max(round(min(max(45 * unit, 0.235 * width), 90 * unit)), *needed, 0)
     if layout == "canvas_first":
-        window.resizeDocks([docks.library, docks.panels], [26 * unit, 52 * unit], _Across)
+        window.resizeDocks([docks.library, docks.panels], [headings, 52 * unit], _Across)
         window.resizeDocks([viewer, docks.curves], [24 * line] * 2, _Along)
         window.resizeDocks([viewer, docks.curves], [62 * unit, 75 * unit], _Across)
         return
     tall = round(picture / (width - side)) + bars
-    window.resizeDocks([docks.library, docks.panels], [26 * unit, side], _Across)
+    window.resizeDocks([docks.library, docks.panels], [headings, side], _Across)
     window.resizeDocks([viewer], [max(tall, round(0.62 * room))], _Along)
     shares = [round(0.55 * room), round(0.45 * room)]
     window.resizeDocks([docks.panels, docks.curves], shares, _Along)
