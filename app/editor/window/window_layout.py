@@ -162,6 +162,7 @@ class WindowLayout(QObject):
 
 LayoutName = Literal["picture_below", "picture_beside", "canvas_first"]
 DEFAULT: LayoutName = "picture_below"
+_LEAST_PANELS = 40  # letters that a control panel is wide at least
 PICTURE_SHARE = 0.42  # of the window's area, for the picture with its axes; 0.4 is promised
 _Area, _Across, _Along = Qt.DockWidgetArea, Qt.Orientation.Horizontal, Qt.Orientation.Vertical
 
@@ -195,16 +196,21 @@ def place(window: QMainWindow, layout: LayoutName) -> None:
         window.addDockWidget(_Area.LeftDockWidgetArea, first)
         window.addDockWidget(_Area.RightDockWidgetArea, docks.library)
         window.addDockWidget(_Area.BottomDockWidgetArea, docks.curves)
-        window.splitDockWidget(docks.curves, docks.panels, _Across)
+        if _is_narrow(window, docks):
+            window.tabifyDockWidget(docks.curves, docks.panels)
+        else:
+            window.splitDockWidget(docks.curves, docks.panels, _Across)
     else:
         _corners(window, left=_Area.BottomDockWidgetArea, right=_Area.RightDockWidgetArea)
         window.addDockWidget(_Area.LeftDockWidgetArea, docks.library)
         window.addDockWidget(_Area.RightDockWidgetArea, docks.panels)
         window.addDockWidget(_Area.BottomDockWidgetArea, first)
-        way = (first, docks.curves, _Across)
         if layout == "picture_below":
-            way = (docks.panels, docks.curves, _Along)
-        window.splitDockWidget(*way)
+            window.splitDockWidget(docks.panels, docks.curves, _Along)
+        elif _is_narrow(window, docks):
+            window.tabifyDockWidget(first, docks.curves)
+        else:
+            window.splitDockWidget(first, docks.curves, _Across)
     for before, dock in zip(docks.beside, docks.beside[1:], strict=False):
         window.tabifyDockWidget(before, dock)
     pictures = (*docks.viewers, *docks.tools)
@@ -212,8 +218,16 @@ def place(window: QMainWindow, layout: LayoutName) -> None:
         window.tabifyDockWidget(before, dock)
     for dock in (docks.library, docks.panels, first, docks.curves, *was_open):
         dock.show()
-    first.raise_()
-    docks.curves.raise_()
+    for dock in (docks.curves, docks.panels, first):
+        dock.raise_()
+
+
+def _is_narrow(window: QMainWindow, docks: Docks) -> bool:
+    """Whether picture, curves and panels do not fit side by side: Qt would let them overlap."""
+    unit = window.fontMetrics().averageCharWidth()
+    beside = (docks.viewers[0], docks.curves)
+    least = sum(dock.minimumSizeHint().width() for dock in beside)
+    return least + _LEAST_PANELS * unit > window.width()
 
 
 def _headings_width(library: QDockWidget) -> int:

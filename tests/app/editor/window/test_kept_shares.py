@@ -1,11 +1,14 @@
 """Docks keep the shares of the window that the user gives them, and only those."""
 
+import itertools
 import json
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QDockWidget
 
+from app.editor.window.part_focus import in_sight
 from app.editor.window.recent_files import Settings
 
 LEFT, PLAIN = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
@@ -101,3 +104,18 @@ def test_a_damaged_record_counts_as_none(window, make_window, settings):
         assert again.panel_dock.isVisible(), stored
         assert json.loads(again.layout_in_use.state())["name"] == "picture_below", stored
         again.close()
+
+
+@pytest.mark.parametrize("layout", ["canvas_first", "picture_below", "picture_beside"])
+def test_at_the_least_size_no_part_covers_another(window, qtbot, layout):
+    window.files.open_now("first_steps")
+    window.resize(704, 463)
+    window.choose_layout(layout)
+    qtbot.wait(100)
+    docks = [dock for dock in window.findChildren(QDockWidget) if in_sight(dock)]
+    assert len(docks) >= 3
+    for one, other in itertools.combinations(docks, 2):
+        assert not one.geometry().intersects(other.geometry()), (
+            one.objectName(),
+            other.objectName(),
+        )
