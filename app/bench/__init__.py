@@ -48,7 +48,7 @@ def measured(
     versions = ", ".join(f"{name} {release}" for name, release in machine["versions"].items())
     say(
         f"{machine['processor']}, {machine['usable_cores']} of {machine['cores']} cores, load "
-        f"{machine['load']:.1f}; {versions}; periodic frames by {machine['fft']}\\nT0 = "
+        f"{machine['load']:.1f}; {versions}; periodic frames by {machine['fft']}\nT0 = "
         "scipy.fft.irfft2(scipy.fft.rfft2(image)), on the same image, type and threads, timed "
         "in turn with the subject"
     )

@@ -88,4 +88,4 @@ def of_many(count: int, what: str = "stages") -> str:
     if count <= MOST_DRAWN:
         return ""
     where = "the table contains" if count <= MOST_ROWS else f"{IN_FILES} contain"
-    return f"Only the {MOST_DRAWN} strongest of {count:,} {what} are drawn; {where} all of them."
+    return f" Only the {MOST_DRAWN} strongest of {count:,} {what} are drawn; {where} all of them."

@@ -61,7 +61,7 @@ def _caption(published: str | None) -> str:
     )
     if published:
         text += (
-            "The row average is the method of the thesis. Its curves for pictures of real "
+            " The row average is the method of the thesis. Its curves for pictures of real "
             "cameras are printed without numbers, so they are not drawn here."
         )
     return named(text, published)

@@ -190,7 +190,7 @@ def _transformed_table(facts: Fact) -> list[Block]:
         "largest change, relative to the contrast",
     )
     words = (
-        "Wavelengths that are not transformed are interpolated from the others, where the "
+        "Wavelengths that are not transformed are computed from the others, where the "
         "optics allow it."
     )
     return [Text(words), Grid(heads, rows, numbers=(1, 2))]

@@ -388,7 +388,7 @@ def filter_caution(picture: Band, passed: Band, *, in_bands: bool) -> Caution | 
         return None
     return Caution(
         f"the cold filter passes {low:g} to {high:g} µm, but the picture's radiance covers "
-        f"{picture[0]:g} to {picture[1]:g} µm: the light outside is"
+        f"{picture[0]:g} to {picture[1]:g} µm: the light outside is "
         + ("not counted" if in_bands else "extrapolated by a black body"),
         "use a picture that covers the filter's whole band, or a narrower filter",
     )

@@ -117,7 +117,7 @@ class TradeOffBar(QWidget):
         if not low < high or (log and low <= 0):
             self.low.mark()
             self.refused.emit(
-                f"from {shown_number(low)} to {shown_number(high)}: the first number must be"
+                f"from {shown_number(low)} to {shown_number(high)}: the first number must be "
                 + ("above 0 for equal factors" if low < high else "below the second")
             )
             return

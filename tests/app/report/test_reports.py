@@ -298,7 +298,7 @@ def test_a_total_over_its_only_stage_lets_it_through():
 
 def test_a_caption_says_where_all_stages_are():
     assert of_many(MOST_ROWS).endswith(
-        "strongest of 500 stages are drawn; the table contains all of them."
+        " Only the 24 strongest of 500 stages are drawn; the table contains all of them."
     )
     assert of_many(5000).endswith(
         "24 strongest of 5,000 stages are drawn; readouts.json and mtf.csv contain all of them."
