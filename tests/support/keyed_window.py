@@ -9,20 +9,25 @@ import subprocess
 import sys
 from pathlib import Path
 
+from PySide6.QtCore import QRect, Qt
 from PySide6.QtWidgets import (
     QApplication,
     QDockWidget,
     QLineEdit,
     QStyle,
     QStyleOptionSlider,
+    QTabBar,
 )
 
 from app.editor.dialogs import SaveDialog
 from app.editor.panels.fields.number import NumberField
+from app.editor.window.main_window import MainWindow
 from app.editor.window.part_focus import in_sight
+from app.editor.window.recent_files import Settings
 from child_process import PATIENCE_S
 from hands import centre, process_events, wait_until
 from managed_window import Managed
+from nodes.library import standard_library
 
 TABS = 50  # more than there are widgets to visit
 
@@ -92,9 +97,29 @@ def saved_into_proc(made):
     return found
 
 
+def stray_tabs(folder):
+    """Tab bars of a single tab that Qt leaves in a window that opens with a network."""
+    window = MainWindow(
+        library=standard_library(),
+        settings=Settings(folder / "other.ini"),
+        recovery=folder / "recovery",
+    )
+    window.open_first("first_steps")
+    window.show()
+    wait_until(window.isActiveWindow, "the window has the focus")
+    process_events(0.5)
+    bars = window.findChildren(QTabBar, options=Qt.FindChildOption.FindDirectChildrenOnly)
+    found = [bar.geometry().getRect() for bar in bars if bar.count() < 2]
+    seen = [place for place in found if QRect(*place).intersects(window.rect())]
+    window.close_for_good()
+    process_events(0.2)
+    return {"found": len(found), "seen": seen}
+
+
 def main(folder):
     made = Managed(folder)
-    window, hands, seen = made.window, made.hands, {}
+    window, hands, seen = made.window, made.hands, {"tabs": stray_tabs(folder)}
+    window.activateWindow()
     window.files.open_now("mwir_camera")
     made.settle()
 

@@ -29,7 +29,7 @@ from core.errors import FileError, ImagechainError, UsageError
 from nodes.library import standard_library
 from nodes.plug_ins import missing_modules
 
-FIRST = "first_steps"  # opened at the very first start
+FIRST = "mwir_camera"  # opened at the very first start: a whole camera at work
 
 _WAKE_MS = 200  # Python handles a signal only while its code runs
 

@@ -9,11 +9,13 @@ from itertools import pairwise
 from typing import Literal, get_args
 
 from PySide6.QtCore import QByteArray, QEvent, QObject, QSize, Qt, QTimer
+from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QDockWidget,
     QMainWindow,
     QStackedWidget,
     QStyle,
+    QTabBar,
     QWidget,
 )
 
@@ -301,6 +303,8 @@ class Pages(QStackedWidget):
         self._docks: QByteArray | None = None  # as they were before the first page hid them
         self._second_click = SecondClick(self)
         self._sized = False
+        self._tidying = QTimer(self, singleShot=True, interval=0)
+        self._tidying.timeout.connect(self._put_away_tab_bars)
         self.sizes_remembered = False
         """Whether the docks have the sizes of the last window, to be kept."""
         self.addWidget(first)
@@ -328,6 +332,18 @@ class Pages(QStackedWidget):
         if docks is not None:
             with self._layout.placing():
                 self._window.restoreState(docks)
+        self._tidying.start()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        self._tidying.start()
+
+    def _put_away_tab_bars(self) -> None:
+        """Qt forgets bars of a single tab in the window's corner when docks come back."""
+        direct = Qt.FindChildOption.FindDirectChildrenOnly
+        for bar in self._window.findChildren(QTabBar, options=direct):
+            if bar.count() <= 1:
+                bar.move(-bar.width(), -bar.height())
 
     def _hide_docks(self) -> None:
         if self._docks is None:

@@ -62,3 +62,8 @@ def test_enter_in_the_name_gives_the_keyboard_back_to_the_canvas(seen):
 
 def test_a_dialog_lists_files_without_opening_them(seen):
     assert Path("/proc", seen["in /proc"]).exists()
+
+
+def test_no_bar_of_a_single_tab_is_left_in_the_window(seen):
+    assert seen["tabs"]["found"]
+    assert seen["tabs"]["seen"] == []
