@@ -287,23 +287,27 @@ class Camera:
     focal_length_mm: float
     f_number: float
     plane: dict[str, Any]
+    obscuration_ratio: float = 0.0
 
 
+_COOLED = {
+    "integration_time_s": 4e-3, "quantum_efficiency": 0.7, "optics_transmission": 0.765,
+    "dark_current_e_per_s": 0.0, "read_noise_e": 400.0, "full_well_e": 7e6, "bits": 14,
+}  # fmt: skip
 CAMERAS = (
-    Camera("cooled, 3.7 to 4.8 µm", (3.7, 4.8), (294.15, 293.15), 15.0, 100.0, 4.0, {
-        "integration_time_s": 4e-3, "quantum_efficiency": 0.7, "optics_transmission": 0.765,
-        "dark_current_e_per_s": 0.0, "read_noise_e": 400.0, "full_well_e": 7e6, "bits": 14,
-    }),
+    Camera("cooled, 3.7 to 4.8 µm", (3.7, 4.8), (294.15, 293.15), 15.0, 100.0, 4.0, _COOLED),
+    Camera("the same with a mirror lens, obscuration 0.6", (3.7, 4.8), (294.15, 293.15), 15.0,
+           100.0, 4.0, _COOLED, 0.6),
     Camera("cooled, 8 to 10 µm, warm optics", (8.0, 10.0), (301.0, 300.0), 20.0, 100.0, 2.0, {
         "integration_time_s": 5e-5, "quantum_efficiency": 0.6, "optics_transmission": 0.8,
         "dark_current_e_per_s": 1e8, "read_noise_e": 800.0, "full_well_e": 3e7, "bits": 14,
         "optics_K": 300.0,
     }),
-    Camera("satellite with TDI, 0.5 to 0.8 µm", (0.5, 0.8), (1288.0, 1270.0), 8.0, 1e4, 14.3, {
+    Camera("satellite with TDI, obscuration 0.35", (0.5, 0.8), (1288.0, 1270.0), 8.0, 1e4, 14.3, {
         "integration_time_s": 6.94e-5, "quantum_efficiency": 0.6, "optics_transmission": 0.7,
         "dark_current_e_per_s": 1e4, "read_noise_e": 20.0, "full_well_e": 3e4, "bits": 12,
         "tdi_stages": 32, "photon_weighting": "source", "source_K": 5800.0,
-    }),
+    }, 0.35),
 )  # fmt: skip
 
 
@@ -341,7 +345,7 @@ def of_ours(camera: Camera) -> dict[str, float]:
     sensor = {
         "detector_x_um": camera.pitch_um, "detector_y_um": camera.pitch_um,
         "focal_length_mm": camera.focal_length_mm, "f_number": camera.f_number,
-        "platform": "array",
+        "obscuration_ratio": camera.obscuration_ratio, "platform": "array",
     }  # fmt: skip
     engine = Engine(standard_library())
     found = []
@@ -372,6 +376,7 @@ def of_pybsm(camera: Camera) -> dict[str, Any]:
         optics_temperature=warm_K or 70.0,
         optics_emissivity=1.0 - plane["optics_transmission"] if warm_K else 0.0,
     )  # fmt: skip
+    sensor.eta = camera.obscuration_ratio
     sensor.optics_transmission = np.full(2, plane["optics_transmission"])
 
     def spectral(kelvin: float) -> Any:
