@@ -253,6 +253,7 @@ def init_trans(
     detector_y_um: float | Expression | None = None,
     focal_length_mm: float | Expression | None = None,
     f_number: float | Expression | None = None,
+    obscuration_ratio: float | Expression | None = None,
     range_m: float | Expression | None = None,
     fill_x: float | Expression | None = 1.0,
     fill_y: float | Expression | None = 1.0,
@@ -279,6 +280,9 @@ def init_trans(
         effective focal length [mm]: a number of at least 0 or empty; default empty
     f_number : float | Expression | None
         F number: a number of at least 0 or empty; default empty
+    obscuration_ratio : float | Expression | None
+        obscuration: inner diameter of the aperture divided by the outer; empty: from Camera, or
+        none: a number from 0 below 1 or empty; default empty
     range_m : float | Expression | None
         altitude or distance [m]: a number of at least 0 or empty; default empty
     fill_x : float | Expression | None
@@ -748,6 +752,8 @@ def camera(
     f_number: float | Expression | None = None,
     aperture_mm: float | Expression | None = None,
     obscuration_ratio: float | Expression = 0.0,
+    t_number: float | Expression | None = None,
+    irradiance: Literal['disc', 'sine'] = 'disc',
     range_m: float | Expression | None = None,
 ) -> Part:
     """Enter a camera's data once, for Init & Trans and all modules behind it.
@@ -756,9 +762,18 @@ def camera(
     for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
     pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
     focal length, F-number and aperture give the third. An image without a sampling interval gets
-    one from the camera's field of view (pixels times pitch, divided by focal length). A warning
-    names values that disagree; nothing is corrected. Source: Holst 2008, Electro-Optical Imaging
-    System Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
+    one from the pixels' angle on the axis. So does an image whose field of view is that of the
+    lens, 2·atan(Np/2f), where a wide field would otherwise be divided into equal angles. A warning
+    names values that disagree; nothing is corrected.
+
+    The obscuration blocks light: electrons, NETD and SNR count an open share of 1 − ε² of the
+    aperture, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
+    transmission in radiometry; diffraction keeps the F-number. `irradiance` says how light depends
+    on either: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from the axis and usual in
+    infrared work, `sine` (π/(4F²)) for a lens corrected for coma, as fast photographic and
+    infrared lenses are. They differ by 25 % at F/1 and by 1.6 % at F/4. Sources: Holst 2008,
+    Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD);
+    Kingslake 1983, Optical System Design, chapter 6 (sine condition, T-number).
 
     Parameters
     ----------
@@ -786,6 +801,12 @@ def camera(
     obscuration_ratio : float | Expression
         obscuration: inner diameter of the aperture divided by the outer: a number from 0 below 1;
         default 0.0
+    t_number : float | Expression | None
+        T-number: F-number of a clear lens without losses that gives the same light; empty: from
+        F-number, obscuration and transmission: a number of at least 0 or empty; default empty
+    irradiance : Literal['disc', 'sine']
+        how light depends on the F-number: π/(4F² + 1) or, for a lens that obeys the sine condition,
+        π/(4F²): one of disc, sine; default 'disc'
     range_m : float | Expression | None
         distance of the scene [m]: a number of at least 0 or empty; default empty
 
@@ -1669,8 +1690,9 @@ def focal_plane(
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
-    pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² + 1) the
-    projected solid angle of the optics at F-number F; τ optics_transmission; η
+    pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² +
+    1)·(1 − ε²) the projected solid angle of the optics at F-number F and obscuration ε (Camera also
+    takes a T-number, which includes τ, and the sine condition); τ optics_transmission; η
     cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
     and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07.
 
@@ -1772,6 +1794,7 @@ def microbolometer(
     seed: int | Expression = 0,
     netd_mK: float | Expression = 50.0,
     reference_f_number: float | Expression = 1.0,
+    reference_transmission: float | Expression = 1.0,
     reference_K: float | Expression = 300.0,
     reference_integration_time_s: float | Expression | None = None,
     f_number: float | Expression | None = None,
@@ -1788,8 +1811,10 @@ def microbolometer(
 ) -> Part:
     """Add an uncooled detector's noise, from its data sheet, and its thermal lag.
 
-    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ·√(t₀/t),
-    with the data sheet's F₀ (1), background and, if both are given, integration time t₀. A
+    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t), with
+    the data sheet's F₀ (1), transmission τ₀, background and, if both are given, integration time
+    t₀. The NETD of a bare detector has τ₀ = 1; that of a camera already contains its lens: give
+    its F-number and transmission as the reference too. Ω is as in Focal Plane. A
     bolometer's noise does not depend on the scene, so the NETD at another background goes as
     1/(dL/dT). From frame to frame exp(−1/(rate·time constant)) of a change remains: if frames
     differ, each still shows part of the earlier ones. With a scan velocity on Init & Trans the lag
@@ -1808,6 +1833,9 @@ def microbolometer(
         NETD from the data sheet [mK]: a number from 0 to 1e+06; default 50.0
     reference_f_number : float | Expression
         F-number at which that NETD was measured: a number from 0.1 to 1000; default 1.0
+    reference_transmission : float | Expression
+        transmission of the optics behind which that NETD was measured; 1: a bare detector: a number
+        above 0 to 1; default 1.0
     reference_K : float | Expression
         background temperature at which that NETD was measured [K]: a number from 1 to 10000;
         default 300.0

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from core.chain.band_stack import BandStack, Row, Rows, stacked
 from core.evaluation.recipes import Recipe
+from core.physics.detector.focal_plane_array import Irradiance
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,10 @@ class CameraSheet:
         Diameter of the entrance pupil, as diffraction takes it.
     obscuration_ratio : float
         Inner over outer diameter of the aperture, 0 where it is clear.
+    t_number : float or None
+        F-number of a clear, lossless lens that gives the same light.
+    irradiance : {"disc", "sine"}
+        How the light goes with F-number and T-number.
     fill_x, fill_y : float or None
         Sensitive share of the pitch.
     range_m : float or None
@@ -114,6 +119,8 @@ class CameraSheet:
     f_number: float | None = None
     aperture_mm: float | None = None
     obscuration_ratio: float = 0.0
+    t_number: float | None = None
+    irradiance: Irradiance = "disc"
     fill_x: float | None = None
     fill_y: float | None = None
     range_m: float | None = None

@@ -13,6 +13,7 @@ from core.errors import DataError, NetworkError
 from core.evaluation.recipes import Recipe, content_key
 from core.physics.atmosphere.air_path import AirPath
 from core.physics.detector.detectivity import ResponseCurve
+from core.physics.detector.focal_plane_array import Irradiance
 from core.physics.optics.pupil_shapes import PupilShape
 from core.transfer.factors import Edges, Factor, Grid
 
@@ -274,6 +275,8 @@ class Context:
     band_um: tuple[float, float] | None = None
     aperture_mm: float | None = None
     obscuration_ratio: float = 0.0
+    t_number: float | None = None
+    irradiance: Irradiance = "disc"
 
     @cached_property
     def key(self) -> str:

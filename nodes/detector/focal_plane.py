@@ -16,6 +16,7 @@ from core.modules.parameters import Formula
 from core.modules.preview import Preview
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.detector.spectral_photons import QuantumEfficiency
+from core.physics.optics.diffraction_otf import Aperture
 from core.transfer.factors import Factor
 from nodes.detector import focal_plane_steps as steps
 from nodes.detector.focal_plane_figures import (
@@ -36,6 +37,7 @@ from nodes.detector.spectral_response import (
     radiance_per_photon,
     response_preview,
 )
+from nodes.shared.context_defaults import t_number_caution
 from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import table_figure
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, Band, alike, unit_caution
@@ -78,8 +80,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
-    pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² + 1) the
-    projected solid angle of the optics at F-number F; τ optics_transmission; η
+    pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² +
+    1)·(1 − ε²) the projected solid angle of the optics at F-number F and obscuration ε (Camera also
+    takes a T-number, which includes τ, and the sine condition); τ optics_transmission; η
     cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
     and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07.
 
@@ -100,8 +103,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             "the dark current i",
         ),
         Formula(
-            r"\Omega=\frac{\pi}{4F^2+1}",
-            where="projected solid angle of the optics at F-number F, sr",
+            r"\Omega=\frac{\pi}{4F^2+1}\left(1-\varepsilon^2\right)",
+            where="projected solid angle of the optics at F-number F and obscuration ε, sr; "
+            "π/(4F²) instead of the fraction if irradiance on Camera is sine",
         ),
         Formula(
             r"\sigma_t=\sqrt{N+\sigma_{read}^2+K^2/12},\quad\sigma_f=\sqrt{(pN)^2+\sigma_{"
@@ -240,6 +244,16 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         if known is None or self.response is not None:
             return None
         return material_caution(self._passed(known), self.material_cutoff_um)
+
+    @warning
+    def obscuration(self, image: Image, context: Context) -> Caution | None:
+        """Diffraction at an obscuration whose light is counted."""
+        return obscuration_caution(image, context)
+
+    @warning
+    def transmission(self, context: Context) -> Caution | None:
+        """A transmission beside a T-number."""
+        return t_number_caution(context, self.optics_transmission)
 
     @warning
     def dark_current(self) -> Caution | None:
@@ -424,6 +438,26 @@ def optics_caution(image: Image, passed: Band) -> Caution | None:
             f"set cut_on_um = {passed[0]:g} and cut_off_um = {passed[1]:g} on {factor.node} "
             "too, or use a picture of the filter's band",
         )
+    return None
+
+
+def obscuration_caution(image: Image, context: Context) -> Caution | None:
+    """Diffraction at another obscuration than the one that blocks the light."""
+    if context.t_number is not None:
+        return None
+    for factor in passed_factors(image):
+        for law in factor.laws:
+            aperture = dict(law.parameters).get("aperture")
+            if not isinstance(aperture, Aperture):
+                continue
+            blurs, blocks = aperture.obscuration_ratio, context.obscuration_ratio
+            if abs(blurs - blocks) > NEAR:
+                return Caution(
+                    "electrons are counted for the wrong aperture: obscuration_ratio = "
+                    f"{blurs:.4g} on {factor.node} shapes the blur, but the light is that of "
+                    f"{blocks:.4g} on Camera or Init & Trans",
+                    f"enter the obscuration on Camera and leave it empty on {factor.node}",
+                )
     return None
 
 

@@ -11,7 +11,6 @@ from core.modules.declaration import NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.detector.focal_plane_array import (
-    cone_sr,
     dark_electrons,
     exposure_m2_s,
     gain_to_fill_e_per_dn,
@@ -24,7 +23,7 @@ from core.physics.noise.noise_equivalent import detector_area_cm2
 from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.detector.spectral_response import lit_windows
 from nodes.files.spectrum_tables import read_wavelengths
-from nodes.shared.context_defaults import given_band, of_context
+from nodes.shared.context_defaults import given_band, lens, of_context
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 
 _NEEDED_BY = {
@@ -275,17 +274,20 @@ class FocalPlanePanel(SeededModule):
             integration_time_s=self.integration_time_s,
             tdi_stages=self.tdi_stages,
         )
-        f_number = of_context("f_number", context, unit="")
-        housing = housing_sr(f_number=f_number, cold_shield_efficiency=self.cold_shield_efficiency)
+        optics = lens(context, optics_transmission=self.optics_transmission)
+        housing = housing_sr(
+            solid_angle_sr=optics.solid_angle_sr,
+            cold_shield_efficiency=self.cold_shield_efficiency,
+        )
         light = self.photon_weighting, band or (low, high), efficiency, self.source_K
         weights = PhotonWeights(*light, image.responses)
         if image.bands is not None:
             weights = CountedPhotons(*light, image.responses, lit_windows(image.bands))
         return Collection(
             weights=weights,
-            scene_m2_s_sr=exposure * cone_sr(f_number=f_number),
+            scene_m2_s_sr=exposure * optics.solid_angle_sr,
             housing_m2_s_sr=exposure * housing,
-            optics_transmission=self.optics_transmission,
+            optics_transmission=optics.transmission,
             optics_K=self.optics_K,
             housing_K=self.housing_K,
             dark_e=dark_electrons(

@@ -26,7 +26,7 @@ from core.physics.detector.filters import lowpass_mtf, lowpass_ptf
 from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
 from core.transfer.factors import Separable
-from nodes.shared.context_defaults import given, given_band, with_interval
+from nodes.shared.context_defaults import Lens, given_band, lens, t_number_caution, with_interval
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates, waves_of_all_frames
 from nodes.shared.factors import separable, transfers
 from nodes.shared.module_ports import CutOff, CutOn, LongestPeriod, table_figure
@@ -47,8 +47,10 @@ class BolometerOutputs(NamedTuple):
 class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer", group="Detector"):
     """Add an uncooled detector's noise, from its data sheet, and its thermal lag.
 
-    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ·√(t₀/t),
-    with the data sheet's F₀ (1), background and, if both are given, integration time t₀. A
+    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t), with
+    the data sheet's F₀ (1), transmission τ₀, background and, if both are given, integration time
+    t₀. The NETD of a bare detector has τ₀ = 1; that of a camera already contains its lens: give
+    its F-number and transmission as the reference too. Ω is as in Focal Plane. A
     bolometer's noise does not depend on the scene, so the NETD at another background goes as
     1/(dL/dT). From frame to frame exp(−1/(rate·time constant)) of a change remains: if frames
     differ, each still shows part of the earlier ones. With a scan velocity on Init & Trans the lag
@@ -59,10 +61,11 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     formulas = (
         Formula(
-            r"\sigma_L=\mathrm{NETD}\;\frac{\partial L}{\partial T}\;\frac{4F^2+1}{4F_0^2+1}\;"
-            r"\frac{1}{\tau}\sqrt{\frac{t_0}{t}}",
-            where="NETD: data sheet value, at F₀, its background and integration time t₀; F, "
-            "τ, t: of this camera",
+            r"\sigma_L=\mathrm{NETD}\;\frac{\partial L}{\partial T}\;\frac{\tau_0\Omega_0}{\tau\;"
+            r"\Omega}\sqrt{\frac{t_0}{t}},\quad\Omega=\frac{\pi}{4F^2+1}"
+            r"\left(1-\varepsilon^2\right)",
+            where="NETD: data sheet value, at F₀, transmission τ₀, its background and "
+            "integration time t₀; F, ε, τ, t: of this camera",
         ),
         Formula(
             r"s_k=(1-q)\,q^k,\quad q=e^{-1/(r\,\tau_{th})}",
@@ -83,6 +86,13 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         float,
         Param("F-number at which that NETD was measured", low=0.1, high=1000, slider=(0.5, 4)),
     ] = 1.0
+    reference_transmission: Annotated[
+        float,
+        Param(
+            "transmission of the optics behind which that NETD was measured; 1: a bare detector",
+            low=0, high=1, above=True,
+        ),
+    ] = 1.0  # fmt: skip
     reference_K: Annotated[
         float,
         Param(
@@ -144,7 +154,10 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     panel = (
         Section(
             "Data sheet",
-            ("netd_mK", "reference_f_number", "reference_K", "reference_integration_time_s"),
+            (
+                "netd_mK", "reference_f_number", "reference_transmission", "reference_K",
+                "reference_integration_time_s",
+            ),
         ),
         Section(
             "Camera",
@@ -202,12 +215,13 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         )
 
     def _white(self, context: Context, band: tuple[float, float]) -> float:
+        optics = lens(context, optics_transmission=self.optics_transmission, f_number=self.f_number)
+        reference = Lens(self.reference_f_number, 0.0, context.irradiance, 1.0)
         noise = netd_noise_radiance(
             netd_K=self.netd_mK / 1000.0,
-            reference_f_number=self.reference_f_number,
             reference_K=self.reference_K,
-            f_number=given("f_number", self.f_number, context, unit=""),
-            optics_transmission=self.optics_transmission,
+            reference_sr=self.reference_transmission * reference.solid_angle_sr,
+            lens_sr=optics.transmission * optics.solid_angle_sr,
             cut_on_um=band[0],
             cut_off_um=band[1],
         )
@@ -312,6 +326,11 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     def aperture(self, context: Context) -> Caution | None:
         """An F-number that is not the one of Init & Trans."""
         return apart_from_context(self, context, "f_number")
+
+    @warning
+    def transmission(self, context: Context) -> Caution | None:
+        """A transmission beside a T-number."""
+        return t_number_caution(context, self.optics_transmission)
 
     @warning
     def settling(self) -> Caution | None:

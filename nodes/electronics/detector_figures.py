@@ -24,6 +24,7 @@ from core.physics.noise.noise_equivalent import (
 )
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import find_material
+from nodes.shared.context_defaults import Lens
 from nodes.shared.steps import PictureRange
 
 Array = NDArray[Any]
@@ -38,8 +39,7 @@ class Detector:
     region: str
     material: str
     d_star: float | None
-    f_number: float
-    optics_transmission: float
+    lens: Lens
     filter_transmission: float
     area_cm2: float
     bandwidth_Hz: float
@@ -71,9 +71,11 @@ def detector_figures(work: Work, seen: PictureRange, *, detector: Detector) -> D
         background = float(brightness_temperature(radiance=seen.mean, **band))
     d_star = detector.d_star or _band_d_star(detector, background)
     throughput = g_number(
-        f_number=detector.f_number,
+        f_number=detector.lens.f_number,
         filter_transmission=detector.filter_transmission,
-        optics_transmission=detector.optics_transmission,
+        optics_transmission=detector.lens.transmission,
+        obscuration_ratio=detector.lens.obscuration_ratio,
+        irradiance=detector.lens.irradiance,
     )
     nep = nep_W(area_cm2=detector.area_cm2, bandwidth_Hz=detector.bandwidth_Hz, d_star=d_star)
     ner = ner_W_m2_sr(nep_W=nep, area_cm2=detector.area_cm2, g_number=throughput)
@@ -150,7 +152,7 @@ def _band_d_star(detector: Detector, background_K: float) -> float:
         cut_on_um=detector.cut_on_um,
         cut_off_um=detector.cut_off_um,
         background_K=background_K,
-        half_angle_deg=cold_shield_half_angle_deg(f_number=detector.f_number),
+        half_angle_deg=cold_shield_half_angle_deg(f_number=detector.lens.f_number),
     )
     if d_star <= 0:
         raise ParameterError(

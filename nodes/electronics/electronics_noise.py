@@ -51,7 +51,13 @@ from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import Detector, detector_figures, figures
 from nodes.input_output.sample_unit import radiance_caution
-from nodes.shared.context_defaults import given_band, of_context, with_interval
+from nodes.shared.context_defaults import (
+    given_band,
+    lens,
+    of_context,
+    t_number_caution,
+    with_interval,
+)
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.factors import separable, transfers
 from nodes.shared.module_ports import CutOff, CutOn, table_figure
@@ -94,7 +100,7 @@ class ElectronicsNoise(
     formulas = (
         Formula(
             r"\mathrm{NEP}=\frac{\sqrt{A\,\Delta f}}{D^*},\quad\mathrm{NER}=\frac{\mathrm{NEP}"
-            r"\;G_\#}{A},\quad G_\#=\frac{1+4F^2}{\pi\,\tau_o\,\tau_f}",
+            r"\;G_\#}{A},\quad G_\#=\frac{1+4F^2}{\pi\,\tau_o\,\tau_f\left(1-\varepsilon^2\right)}",
             where="A: sensitive area of the detector; Δf: bandwidth; D*: detectivity over the "
             "band; τ: transmissions of optics and filter",
         ),
@@ -426,6 +432,11 @@ class ElectronicsNoise(
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
+    def transmission(self, context: Context) -> Caution | None:
+        """A transmission beside a T-number."""
+        return t_number_caution(context, self.optics_transmission)
+
+    @warning
     def unit(self, image: Image) -> Caution | None:
         """A picture that is no radiance."""
         return unit_caution(image.unit, meant="NER, NETD and D*")
@@ -493,8 +504,7 @@ class ElectronicsNoise(
             region=self.region,
             material=self.material,
             d_star=self.d_star,
-            f_number=of_context("f_number", context, unit=""),
-            optics_transmission=self.optics_transmission,
+            lens=lens(context, optics_transmission=self.optics_transmission),
             filter_transmission=self.filter_transmission,
             area_cm2=detector_area_cm2(
                 pitch_x_um=of_context("detector_x_um", context, unit="µm"),

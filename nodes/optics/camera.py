@@ -14,6 +14,8 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
+from core.physics.detector.focal_plane_array import Irradiance, solid_angle
+from core.physics.sampling.detector_sampling import field_of_view_deg
 from nodes.shared.module_ports import table_figure
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart_caution, first
 
@@ -37,17 +39,32 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
     pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
     focal length, F-number and aperture give the third. An image without a sampling interval gets
-    one from the camera's field of view (pixels times pitch, divided by focal length). A warning
-    names values that disagree; nothing is corrected. Source: Holst 2008, Electro-Optical Imaging
-    System Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
+    one from the pixels' angle on the axis. So does an image whose field of view is that of the
+    lens, 2·atan(Np/2f), where a wide field would otherwise be divided into equal angles. A warning
+    names values that disagree; nothing is corrected.
+
+    The obscuration blocks light: electrons, NETD and SNR count an open share of 1 − ε² of the
+    aperture, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
+    transmission in radiometry; diffraction keeps the F-number. `irradiance` says how light depends
+    on either: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from the axis and usual in
+    infrared work, `sine` (π/(4F²)) for a lens corrected for coma, as fast photographic and
+    infrared lenses are. They differ by 25 % at F/1 and by 1.6 % at F/4. Sources: Holst 2008,
+    Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD);
+    Kingslake 1983, Optical System Design, chapter 6 (sine condition, T-number).
     """
 
     formulas = (
         Formula(
-            r"F=\frac{f}{D},\quad\mathrm{IFOV}=\frac{p}{f},\quad\mathrm{FOV}=\frac{Np}{f}",
-            where="f: focal length, D: aperture, mm; p: pitch, µm; N: pixels; angles in mrad",
+            r"F=\frac{f}{D},\quad\mathrm{IFOV}=\frac{p}{f},\quad\mathrm{FOV}=2\arctan\frac{Np}{2f}",
+            where="f: focal length, D: aperture, mm; p: pitch, µm; N: pixels; IFOV on the axis",
         ),
         Formula(r"\mathrm{GSD}=\frac{p}{f}\,R", where="R: range"),
+        Formula(
+            r"\Omega=\frac{\pi}{4F^2+1}\left(1-\varepsilon^2\right)\ \mathrm{(disc)},\quad"
+            r"\Omega=\frac{\pi}{4F^2}\left(1-\varepsilon^2\right)\ \mathrm{(sine)},\quad"
+            r"\tau\,\Omega=\Omega(T,\varepsilon=0)",
+            where="Ω: solid angle of the light, sr; ε: obscuration; T: T-number; τ: transmission",
+        ),
     )
 
     pixels_x: Annotated[
@@ -83,6 +100,16 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         Param("obscuration: inner diameter of the aperture divided by the outer", low=0, high=1,
               below=True, slider=(0, 0.6)),
     ] = 0.0  # fmt: skip
+    t_number: Annotated[
+        float | None,
+        Param("T-number: F-number of a clear lens without losses that gives the same light; empty: "
+              "from F-number, obscuration and transmission", low=0, slider=(0.5, 32)),
+    ] = None  # fmt: skip
+    irradiance: Annotated[
+        Irradiance,
+        Param("how light depends on the F-number: π/(4F² + 1) or, for a lens that obeys the sine "
+              "condition, π/(4F²)"),
+    ] = "disc"  # fmt: skip
     range_m: Annotated[
         float | None, Param("distance of the scene", unit="m", low=0, slider=(10, 10000))
     ] = None
@@ -91,16 +118,13 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         Section("Pixels", ("pixels_x", "pixels_y", "pitch_um", "pitch_y_um")),
         Section("Fill factors", ("fill_x", "fill_y")),
         Section("Optics", ("focal_length_mm", "f_number", "aperture_mm", "obscuration_ratio")),
+        Section("Light", ("t_number", "irradiance")),
         Section("Scene", ("range_m",)),
     )
 
     def run(self, image: Image, here: NodeContext) -> CameraOutputs:
         sheet = self.sheet()
-        x, y = image.interval_x_mrad, image.interval_y_mrad
-        if x is None and sheet.pixels_x and sheet.pitch_x_mrad:
-            x = sheet.pixels_x * sheet.pitch_x_mrad / image.columns
-        if y is None and sheet.pixels_y and sheet.pitch_y_mrad:
-            y = sheet.pixels_y * sheet.pitch_y_mrad / image.rows
+        x, y = intervals_mrad(sheet, image)
         image = replace(
             image,
             camera=sheet,
@@ -131,6 +155,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             f_number=f_number,
             aperture_mm=aperture,
             obscuration_ratio=self.obscuration_ratio,
+            t_number=self.t_number,
+            irradiance=self.irradiance,
             fill_x=self.fill_x,
             fill_y=self.fill_y,
             range_m=self.range_m,
@@ -150,6 +176,28 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             near=F_NUMBER_NEAR,
             remedy="leave one of the three empty; otherwise diffraction uses the aperture and "
             "radiometry the F-number",
+        )
+
+    @warning
+    def light(self) -> Caution | None:
+        """More light by the T-number than a lens of that F-number passes."""
+        sheet = self.sheet()
+        if not (sheet.t_number and sheet.f_number):
+            return None
+        clear = solid_angle(f_number=sheet.t_number, irradiance=sheet.irradiance)
+        most = solid_angle(
+            f_number=sheet.f_number,
+            obscuration_ratio=sheet.obscuration_ratio,
+            irradiance=sheet.irradiance,
+        )
+        if clear <= most * (1 + NEAR):
+            return None
+        obscured = f" and obscuration_ratio = {sheet.obscuration_ratio:g}"
+        return Caution(
+            f"t_number = {sheet.t_number:g} means more light than a lens without losses of "
+            f"f_number = {sheet.f_number:.4g}{obscured if sheet.obscuration_ratio else ''} gives "
+            f"({clear:.4g} sr, {most:.4g} sr): the T-number is used",
+            "correct one of them; a T-number is larger than the F-number",
         )
 
     @warning
@@ -239,6 +287,42 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     gsd_y_m = _figure("gsd_y_m", "m", "Height of the scene that a pixel sees along.")
 
 
+def intervals_mrad(sheet: CameraSheet, image: Image) -> tuple[float | None, float | None]:
+    """Angles from sample to sample on the axis, horizontal and vertical.
+
+    They are the picture's own, or the pixels' where it has none. A wide picture whose typed field
+    is that of the lens is flat, as the lens pictures it: its samples are not equal angles.
+    """
+    own = (image.interval_x_mrad, image.interval_y_mrad)
+    samples = (image.columns, image.rows)
+    pixels = (
+        _times(sheet.pixels_x, sheet.pitch_x_mrad),
+        _times(sheet.pixels_y, sheet.pitch_y_mrad),
+    )
+    flat = any(
+        interval and width and _is_flat(interval * count, width)
+        for interval, width, count in zip(own, pixels, samples, strict=True)
+    )
+    x, y = (
+        width / count if interval is None and width
+        else _flattened(interval, count) if interval and flat
+        else interval
+        for interval, width, count in zip(own, pixels, samples, strict=True)
+    )  # fmt: skip
+    return x, y
+
+
+def _is_flat(picture_mrad: float, pixels_mrad: float) -> bool:
+    """Whether a field is that of the lens, 2·atan, and not the sum of its pixels' angles."""
+    lens = 2000.0 * math.atan(pixels_mrad / 2000.0)
+    return alike(picture_mrad, lens) and not alike(picture_mrad, pixels_mrad)
+
+
+def _flattened(interval_mrad: float, samples: int) -> float:
+    half = interval_mrad * samples / 2000.0
+    return 2000.0 * math.tan(half) / samples if half < math.pi / 2 else interval_mrad
+
+
 def _field_caution(
     name: str,
     pixels: int | None,
@@ -250,11 +334,12 @@ def _field_caution(
     if not (pixels and pitch_mrad and interval_mrad):
         return None
     picture, camera = interval_mrad * samples, pixels * pitch_mrad
-    if alike(picture, camera) or alike(picture, 2000 * math.atan(camera / 2000)):
+    flat = field_of_view_deg(pixels=pixels, pixel_mrad=pitch_mrad)
+    if alike(picture, camera) or alike(math.degrees(picture / 1000), flat):
         return None
     return Caution(
         f"the picture's field of view, {_deg(picture)}, is used, but {name} = {pixels} of "
-        f"{pitch_mrad:.4g} mrad give {_deg(camera)}",
+        f"{pitch_mrad:.4g} mrad give {flat:.4g}°",
         "correct pixels, pitch, focal length or the picture's field of view, unless the picture "
         "covers more or less than the camera's field",
     )
@@ -302,10 +387,8 @@ def camera_figures(
             TableRow("range_m", sheet.range_m, "m", "distance of the scene"),
             TableRow("pixel_x_mrad", x, "mrad", "pixel angle across"),
             TableRow("pixel_y_mrad", y, "mrad", "pixel angle along"),
-            TableRow(
-                "fov_x_deg", _in_deg(_times(sheet.pixels_x, x)), "deg", "field of view across"
-            ),
-            TableRow("fov_y_deg", _in_deg(_times(sheet.pixels_y, y)), "deg", "field of view along"),
+            TableRow("fov_x_deg", _field_deg(sheet.pixels_x, x), "deg", "field of view across"),
+            TableRow("fov_y_deg", _field_deg(sheet.pixels_y, y), "deg", "field of view along"),
             TableRow("nyquist_x", _over(0.5, x), "cyc/mrad", "Nyquist frequency across"),
             TableRow("nyquist_y", _over(0.5, y), "cyc/mrad", "Nyquist frequency along"),
             TableRow("samples_per_pixel_x", _over(x, interval_x_mrad), "samples", "across"),
@@ -326,8 +409,10 @@ def _over(a: float | None, b: float | None) -> float | None:
     return None if a is None or not b else a / b
 
 
-def _in_deg(mrad: float | None) -> float | None:
-    return None if mrad is None else math.degrees(mrad / 1000.0)
+def _field_deg(pixels: int | None, pitch_mrad: float | None) -> float | None:
+    if pixels is None or pitch_mrad is None:
+        return None
+    return field_of_view_deg(pixels=pixels, pixel_mrad=pitch_mrad)
 
 
 def _km(mrad_m: float | None) -> float | None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from core.chain.wires import Context, Image, Magnitude, Phase
 from core.errors import DataError, ParameterError
+from core.modules.panel_sections import Caution
+from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 
 Band = tuple[float, float]
 
@@ -26,6 +28,60 @@ def of_context(name: str, context: Context, *, unit: str) -> float:
     if value is None:
         raise ParameterError(name, None, "give it on Init & Trans", unit=unit)
     return float(value)
+
+
+@dataclass(frozen=True)
+class Lens:
+    """The light of a lens: transmission times the solid angle of this cone.
+
+    A T-number is the F-number of a clear, lossless lens; where the F-number is known too, the cone
+    is that of the F-number and the transmission follows.
+    """
+
+    f_number: float
+    obscuration_ratio: float
+    irradiance: Irradiance
+    transmission: float
+
+    @property
+    def solid_angle_sr(self) -> float:
+        """Of the exit pupil, seen from a pixel."""
+        return solid_angle(
+            f_number=self.f_number,
+            obscuration_ratio=self.obscuration_ratio,
+            irradiance=self.irradiance,
+        )
+
+
+def lens(context: Context, *, optics_transmission: float, f_number: float | None = None) -> Lens:
+    """The lens of Camera and Init & Trans; a module's own F-number counts before theirs."""
+    number = f_number or context.f_number
+    obscured = context.obscuration_ratio
+    if context.t_number is None:
+        if number is None:
+            raise ParameterError("f_number", None, "give it on Init & Trans")
+        return Lens(number, obscured, context.irradiance, optics_transmission)
+    clear = Lens(context.t_number, 0.0, context.irradiance, 1.0)
+    if number is None:
+        return clear
+    lossless = Lens(number, obscured, context.irradiance, 1.0)
+    share = clear.solid_angle_sr / lossless.solid_angle_sr
+    return replace(lossless, transmission=share) if share <= 1.0 else clear
+
+
+def t_number_caution(context: Context, optics_transmission: float) -> Caution | None:
+    """A transmission beside a T-number, which holds one already."""
+    if context.t_number is None or optics_transmission == 1.0:
+        return None
+    own = lens(context, optics_transmission=1.0).transmission
+    if abs(own - optics_transmission) <= 0.01 * optics_transmission:
+        return None
+    return Caution(
+        f"optics_transmission = {optics_transmission:g} is not used: t_number = "
+        f"{context.t_number:g} on Camera already includes the transmission"
+        + (f", {own:.4g}" if own != 1.0 else ""),
+        "set optics_transmission to 1, or leave t_number on Camera empty",
+    )
 
 
 def given_band(

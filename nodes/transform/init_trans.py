@@ -72,6 +72,11 @@ class InitTrans(
         float | None, Param("effective focal length", unit="mm", low=0, slider=(10, 1000))
     ] = None
     f_number: Annotated[float | None, Param("F number", low=0, slider=(0.5, 32))] = None
+    obscuration_ratio: Annotated[
+        float | None,
+        Param("obscuration: inner diameter of the aperture divided by the outer; empty: from "
+              "Camera, or none", low=0, high=1, below=True, slider=(0, 0.6)),
+    ] = None  # fmt: skip
     range_m: Annotated[
         float | None, Param("altitude or distance", unit="m", low=0, slider=(10, 10000))
     ] = None
@@ -109,6 +114,7 @@ class InitTrans(
                 "detector_y_um",
                 "focal_length_mm",
                 "f_number",
+                "obscuration_ratio",
                 "range_m",
                 "fill_x",
                 "fill_y",
@@ -145,7 +151,9 @@ class InitTrans(
             scan_velocity_mrad_per_s=self.scan_velocity_mrad_per_s,
             band_um=image.band_um,
             aperture_mm=None if own_optics else camera.aperture_mm,
-            obscuration_ratio=camera.obscuration_ratio,
+            obscuration_ratio=self.obscuration_ratio or camera.obscuration_ratio,
+            t_number=camera.t_number,
+            irradiance=camera.irradiance,
         )
         focal_length_mm = context.focal_length_mm
         pitches = context.detector_x_um, context.detector_y_um
@@ -205,6 +213,7 @@ class InitTrans(
                     ("detector_y_um", sheet.pitch_y_um, "µm"),
                     ("focal_length_mm", sheet.focal_length_mm, "mm"),
                     ("f_number", sheet.f_number, ""),
+                    ("obscuration_ratio", sheet.obscuration_ratio, ""),
                     ("range_m", sheet.range_m, "m"),
                     ("fill_x", sheet.fill_x if self.fill_x != 1.0 else None, ""),
                     ("fill_y", sheet.fill_y if self.fill_y != 1.0 else None, ""),

@@ -19,10 +19,9 @@ SETTLED = 1e-6
 def netd_noise_radiance(
     *,
     netd_K: float,
-    reference_f_number: float,
     reference_K: float,
-    f_number: float,
-    optics_transmission: float,
+    reference_sr: float,
+    lens_sr: float,
     cut_on_um: float,
     cut_off_um: float,
 ) -> float:
@@ -31,33 +30,31 @@ def netd_noise_radiance(
     Parameters
     ----------
     netd_K : float
-        Of a data sheet, behind lossless optics of `reference_f_number` on a scene of `reference_K`.
-    reference_f_number, f_number : float
-        Of the data sheet and of the camera; above 0.
+        Of a data sheet.
     reference_K : float
         Background of the data sheet.
-    optics_transmission : float
-        Of the camera's optics, above 0 and at most 1.
+    reference_sr, lens_sr : float
+        Light of the data sheet's optics and of the camera's: transmission times solid angle, sr,
+        above 0.
     cut_on_um, cut_off_um : float
         The band.
 
     Returns
     -------
     float
-        In W/m²/sr: NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ. A bolometer's own noise does not
-        depend on the scene, so that over dL/dT of another background it is the NETD there.
+        In W/m²/sr: NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ). A bolometer's own noise does not depend on
+        the scene, so that over dL/dT of another background it is the NETD there.
     """
     netd = non_negative("netd", netd_K, unit="K")
-    reference = positive("reference_f_number", reference_f_number)
-    own = positive("f_number", f_number)
-    share = positive("optics_transmission", optics_transmission)
+    light = positive("reference_sr", reference_sr, unit="sr") / positive(
+        "lens_sr", lens_sr, unit="sr"
+    )
     slope = float(
         band_radiance_derivative(
             cut_on_um=cut_on_um, cut_off_um=cut_off_um, temperature_K=reference_K
         )
     )
-    light = (4.0 * own**2 + 1.0) / (4.0 * reference**2 + 1.0)
-    return netd * slope * light / share
+    return netd * slope * light
 
 
 def share_kept(*, time_constant_s: float, frame_rate_Hz: float) -> float:

@@ -7,10 +7,22 @@ from collections.abc import Sequence
 from math import hypot, inf, pi, sqrt
 
 from core.errors import DataError, ParameterError
+from core.physics.detector.focal_plane_array import (
+    Irradiance,
+    inverse_sin_squared,
+    open_share,
+)
 from core.physics.radiometry.planck import band_radiance_derivative
 
 
-def g_number(*, f_number: float, filter_transmission: float, optics_transmission: float) -> float:
+def g_number(
+    *,
+    f_number: float,
+    filter_transmission: float,
+    optics_transmission: float,
+    obscuration_ratio: float = 0.0,
+    irradiance: Irradiance = "disc",
+) -> float:
     """Throughput number G#: radiance of the scene per irradiance of the detector.
 
     Parameters
@@ -19,12 +31,15 @@ def g_number(*, f_number: float, filter_transmission: float, optics_transmission
         Focal length over aperture, above 0.
     filter_transmission, optics_transmission
         Above 0, at most 1.
+    obscuration_ratio, irradiance
+        As of `solid_angle`.
 
     Returns
     -------
-    (1 + 4F²)/(τ_f·τ_o·π), sr⁻¹.
+    1/(τ_f·τ_o·Ω), sr⁻¹: (1 + 4F²)/(τ_f·τ_o·π) for a clear aperture and `disc`.
 
-    Source: Tantalo 1996, eq. 4.54 (F/1.75 with 0.9 and 0.9 gives the published 5.20692).
+    Source: Tantalo 1996, eq. 4.54 (F/1.75 with 0.9 and 0.9 gives the published 5.20692); there the
+    aperture is clear.
     """
     _require_positive("f_number", f_number)
     for name, value in (
@@ -33,7 +48,9 @@ def g_number(*, f_number: float, filter_transmission: float, optics_transmission
     ):
         if not 0.0 < value <= 1.0:
             raise ParameterError(name, value, "must be above 0 and at most 1")
-    return (1.0 + 4.0 * f_number**2) / (filter_transmission * optics_transmission * pi)
+    cone = inverse_sin_squared(f_number=f_number, irradiance=irradiance)
+    light = filter_transmission * optics_transmission * pi
+    return cone / (light * open_share(obscuration_ratio=obscuration_ratio))
 
 
 def detector_area_cm2(

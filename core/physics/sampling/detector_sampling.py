@@ -41,6 +41,27 @@ def interval_mrad(*, fov_deg: float, samples: int, name: str = "fov_deg") -> flo
     return angle * (math.pi / 180.0) * 1000.0 / _count(samples)
 
 
+def field_of_view_deg(*, pixels: int, pixel_mrad: float) -> float:
+    """Field of view of a row or column of pixels behind a rectilinear lens.
+
+    Parameters
+    ----------
+    pixels : int
+        Above 0.
+    pixel_mrad : float
+        Pitch over focal length, the angle of a pixel on the axis, mrad, above 0.
+
+    Returns
+    -------
+    float
+        2·atan(N·p/(2f)), degrees. N·p/f itself is 5° too wide at 57°.
+
+    Source: Holst 2008, Electro-Optical Imaging System Performance, chapter 2.
+    """
+    half = 0.5 * _count(pixels) * positive("pixel_mrad", pixel_mrad, unit="mrad") / 1000.0
+    return math.degrees(2.0 * math.atan(half))
+
+
 def nyquist_cyc_per_mrad(*, interval_mrad: float) -> float:
     """Highest frequency the samples carry: 1/(2·interval) (Tantalo 1996, eq. 4.2).
 

@@ -70,7 +70,8 @@ def test_entered_once(planned):
     work = engine.work(Policy())
     found = engine.readouts(plan, "camera", work)
     expected = {
-        "pixel_x_mrad": 0.15, "fov_x_deg": math.degrees(0.096), "fov_y_deg": math.degrees(0.0768),
+        "pixel_x_mrad": 0.15, "fov_x_deg": math.degrees(2 * math.atan(0.048)),
+        "fov_y_deg": math.degrees(2 * math.atan(0.0384)),
         "nyquist_x": 10 / 3, "f_number": 4.0, "aperture_mm": 25.0, "samples_per_pixel_y": 2.0,
         "gsd_x_m": 0.3,
     }  # fmt: skip
@@ -131,7 +132,7 @@ def test_wide_fields_by_the_tangent_are_no_disagreement(planned):
     """60° of 2·atan(n·p/2f): its pixels' angles add up to 66°."""
     focal = 640 * 0.015 / (2 * math.tan(math.radians(30)))
     camera = {"pixels_x": 640, "pitch_um": 15, "focal_length_mm": focal}
-    _, plan = planned(camera, read={"fov_x_deg": 60, "fov_y_deg": 48})
+    _, plan = planned(camera, read={"fov_x_deg": 60, "fov_y_deg": 49.6})
     assert not [text for text in texts(plan) if "field of view" in text]
 
 

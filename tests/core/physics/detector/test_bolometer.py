@@ -10,8 +10,8 @@ from core.errors import ParameterError
 from core.physics.detector.bolometer import lag_weights, netd_noise_radiance, share_kept
 
 SHEET = {
-    "netd_K": 0.05, "reference_f_number": 1.0, "reference_K": 300.0, "f_number": 1.0,
-    "optics_transmission": 1.0, "cut_on_um": 8.0, "cut_off_um": 14.0,
+    "netd_K": 0.05, "reference_K": 300.0, "reference_sr": math.pi / 5, "lens_sr": math.pi / 5,
+    "cut_on_um": 8.0, "cut_off_um": 14.0,
 }  # fmt: skip
 
 
@@ -34,9 +34,9 @@ def test_noise_is_netd_times_the_slope_at_the_reference():
 @pytest.mark.parametrize(
     ("changed", "factor"),
     [
-        ({"f_number": 1.6}, (4 * 1.6**2 + 1) / 5),  # π/(4F² + 1) of solid angle
-        ({"reference_f_number": 2.0}, 5 / 17),
-        ({"optics_transmission": 0.8}, 1.25),
+        ({"lens_sr": math.pi / (4 * 1.6**2 + 1)}, (4 * 1.6**2 + 1) / 5),
+        ({"reference_sr": math.pi / 17}, 5 / 17),
+        ({"lens_sr": 0.8 * math.pi / 5}, 1.25),
         ({"netd_K": 0.1}, 2.0),
     ],
 )
@@ -74,7 +74,7 @@ def test_a_long_lag_is_cut_and_still_adds_to_one():
     assert math.fsum(weights) == pytest.approx(1.0, abs=1e-14)
 
 
-@pytest.mark.parametrize("wrong", [{"f_number": 0.0}, {"optics_transmission": 0.0},
+@pytest.mark.parametrize("wrong", [{"lens_sr": 0.0}, {"reference_sr": 0.0},
                                    {"netd_K": -1.0}])  # fmt: skip
 def test_faults(wrong):
     with pytest.raises(ParameterError):

@@ -68,9 +68,11 @@ def counted(temperature_K, low, high, points=None):
         )
 
 
-@pytest.mark.parametrize("case", reference_cases("focal_plane", file=CAMERA))
+@pytest.mark.parametrize("case", reference_cases("focal_plane", "focal_plane_lens", file=CAMERA))
 def test_a_focal_plane_of_the_reference(case):
-    given = {name: float(value) for name, value in case["inputs"].items()}
+    given = dict(case["inputs"])
+    irradiance = given.pop("irradiance", "disc")
+    given = {name: float(value) for name, value in given.items()}
     expected = case["expected"]
     efficiency = QuantumEfficiency(
         given["cut_on_um"], given["cut_off_um"], given["quantum_efficiency"]
@@ -84,8 +86,12 @@ def test_a_focal_plane_of_the_reference(case):
         integration_time_s=given["integration_time_s"],
         tdi_stages=tdi,
     )
-    cone = collection.cone_sr(f_number=given["f_number"])
-    through = given["optics_transmission"]
+    cone = collection.solid_angle(
+        f_number=given.get("f_number", given.get("t_number")),
+        obscuration_ratio=given.get("obscuration_ratio", 0.0),
+        irradiance=irradiance,
+    )
+    through = given.get("optics_transmission", 1.0)
     signal = exposed * cone * through * efficiency.photon_radiance(given["scene_K"])
     optics = 0.0
     if "optics_K" in given:
@@ -93,7 +99,7 @@ def test_a_focal_plane_of_the_reference(case):
     housing = 0.0
     if "housing_K" in given:
         seen = collection.housing_sr(
-            f_number=given["f_number"], cold_shield_efficiency=given["cold_shield_efficiency"]
+            solid_angle_sr=cone, cold_shield_efficiency=given["cold_shield_efficiency"]
         )
         housing = exposed * seen * efficiency.photon_radiance(given["housing_K"])
     dark = collection.dark_electrons(
@@ -272,9 +278,41 @@ def test_figures_by_hand():
         temporal_e=30.0, quantum_efficiency=0.5, area_cm2=2e-6
     ) == pytest.approx(3e7)
     # the half space is shared by cone and housing
-    assert collection.cone_sr(f_number=2.0) + collection.housing_sr(
-        f_number=2.0, cold_shield_efficiency=0.0
+    cone = collection.solid_angle(f_number=2.0, obscuration_ratio=0.4)
+    assert cone + collection.housing_sr(
+        solid_angle_sr=cone, cold_shield_efficiency=0.0
     ) == pytest.approx(np.pi, rel=1e-15)
+
+
+@pytest.mark.parametrize("f_number", [0.5, 0.7, 1.0, 4.0, 12.0])
+@pytest.mark.parametrize("inner", [0.0, 0.35, 0.9])
+def test_the_solid_angle_is_the_flux_of_a_cone_of_even_radiance(f_number, inner):
+    """E = ∫ L·cos θ dΩ over the pupil, by angle (sine condition) and by its area (flat disc)."""
+    sine = collection.solid_angle(f_number=f_number, obscuration_ratio=inner, irradiance="sine")
+    most, least = mpmath.asin(1 / (2 * mpf(f_number))), mpmath.asin(inner / (2 * mpf(f_number)))
+    by_angle = 2 * mpmath.pi * mpmath.quad(lambda t: mpmath.cos(t) * mpmath.sin(t), [least, most])
+    assert sine == pytest.approx(float(by_angle), rel=1e-13)
+    disc = collection.solid_angle(f_number=f_number)
+    rim = 1 / (2 * mpf(f_number))
+    by_area = 2 * mpmath.pi * mpmath.quad(lambda r: r / (1 + r * r) ** 2, [0, rim])
+    assert disc == pytest.approx(float(by_area), rel=1e-13)
+    obscured = collection.solid_angle(f_number=f_number, obscuration_ratio=inner)
+    assert obscured == pytest.approx(disc * (1 - inner**2), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "name"),
+    [
+        ({"f_number": 0.0}, "f_number"),
+        ({"f_number": 0.4, "irradiance": "sine"}, "f_number"),
+        ({"f_number": 2.0, "obscuration_ratio": 1.0}, "obscuration_ratio"),
+        ({"f_number": 2.0, "obscuration_ratio": -0.1}, "obscuration_ratio"),
+        ({"f_number": 2.0, "obscuration_ratio": float("nan")}, "obscuration_ratio"),
+    ],
+)
+def test_what_no_lens_can_be(wrong, name):
+    with pytest.raises(ParameterError, match=name):
+        collection.solid_angle(**wrong)
 
 
 def test_photons_of_a_scene_whose_temperature_is_known():
