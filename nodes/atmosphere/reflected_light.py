@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,12 +44,14 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
     band. h is the sun's elevation, τ the air's optical depth from the zenith, and m the air mass.
-    E_sun is a number, a CSV by wavelength, or the irradiance from a black body of 5800 K, 1388 W/m²
-    in all. The sky has the same radiance everywhere. The picture's unit must be a reflectance (1,
-    %, reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
+    E_sun is the standard solar spectrum (ASTM G173, beyond 4 µm continued by a black body), a black
+    body of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a CSV by wavelength.
+    The sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
+    reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
     `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
     Atmospheric Path for the path from the surface to the camera. Sources: Lambert 1760; Kasten and
-    Young 1989 (air mass); nominal solar radius of the IAU, 2015.
+    Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar Energy 76, 423); nominal solar radius
+    of the IAU, 2015 (black body).
     """
 
     formulas = (
@@ -65,10 +67,16 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         ),
     )
 
+    sun: Annotated[
+        Literal["standard", "black_body"],
+        Param(
+            "spectrum of the sun above the air: the standard ASTM G173, or a black body of 5800 K"
+        ),
+    ] = "standard"
     solar_irradiance: Annotated[
         float | None,
-        Param("solar irradiance above the air, normal to the sun; empty: a black body of 5800 "
-              "K", unit="W/m²/µm", low=0, high=1e12,
+        Param("solar irradiance above the air, normal to the sun, used instead of the spectrum; "
+              "empty: by sun", unit="W/m²/µm", low=0, high=1e12,
               slider=(0, 2500)),
     ] = None  # fmt: skip
     path: Annotated[
@@ -96,7 +104,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     ] = 1
 
     panel = (
-        Section("Sun", ("solar_irradiance", "path", "sun_elevation_deg", "optical_depth")),
+        Section("Sun", ("sun", "solar_irradiance", "path", "sun_elevation_deg", "optical_depth")),
         Section("Sky", ("sky",)),
         Section("Band", ("cut_on_um", "cut_off_um", "bands")),
     )
@@ -118,13 +126,13 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         low, high = band
         if self.bands == 1:
             white = share * light.over_band(low, high) / math.pi
-            made: Recipe = here.step(reflected, image.recipe, white=white)
+            made: Recipe = here.step(reflected, image.recipe, white=white, reflectance=share)
             return image.with_recipe(made, unit="W/m²/sr", band_um=band)
         ends = np.linspace(low, high, self.bands + 1).tolist()
         centres = tuple((a + b) / 2.0 for a, b in pairwise(ends))
         widths = (float((high - low) / self.bands),) * self.bands
         stack = GreyBands(
-            centres, widths, image.recipe, _white(light, centres, widths, share), here.node
+            centres, widths, image.recipe, _white(light, centres, widths, share), share, here.node
         )
         made = stack.picture(stack.whole)
         return image.with_recipe(made, unit="W/m²/sr", band_um=band, bands=stack)
@@ -149,6 +157,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
             elevation_deg=self.sun_elevation_deg,
             irradiance=self.solar_irradiance,
             points=points,
+            standard=self.sun == "standard",
             sky=self.sky,
             optical_depth=self.optical_depth,
         )
@@ -226,23 +235,29 @@ class Lit(Linear):
     """Every sample times the radiance of a white surface."""
 
     white: float
+    reflectance: float = 1.0
+    """Of one unit of the samples."""
 
     @property
     def gain(self) -> float:
         return self.white
 
+    @property
+    def of_reflectance(self) -> float:
+        return self.reflectance
+
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         return power.scaled(self.white)
 
 
-def _lit(image: Recipe, *, white: float) -> Lit:
-    return Lit(white)
+def _lit(image: Recipe, *, white: float, reflectance: float) -> Lit:
+    return Lit(white, reflectance)
 
 
 @picture_step(linear=_lit)
 @pointwise
-def reflected(work: Work, image: Array, *, white: float) -> Array:
-    """Radiance of reflectances; `white` is that of a surface that reflects everything."""
+def reflected(work: Work, image: Array, *, white: float, reflectance: float) -> Array:
+    """Radiance of reflectances; `white` is that of a sample of 1, whose reflectance is told."""
     least = float(image.min())
     if not least >= 0.0:
         raise DataError(f"reflectance: the smallest sample is {least:g}; samples must be 0 to 1")
@@ -253,23 +268,28 @@ def reflected(work: Work, image: Array, *, white: float) -> Array:
 class GreyBands(BandStack):
     """Bands of surfaces that reflect all wavelengths alike.
 
-    `image` makes the reflectances; `white` is the radiance of a white surface in every band,
-    W/m²/sr/µm.
+    `image` makes the reflectances, of which `reflectance` is a sample of 1; `white` is the radiance
+    of such a sample in every band, W/m²/sr/µm.
     """
 
     image: Recipe
     white: Row
+    reflectance: float
     node: str | None = field(default=None, compare=False)
 
     def _content(self) -> tuple[object, ...]:
-        return self.image.key, self.white
+        return self.image.key, self.white, self.reflectance
 
     def sums(self, weights: Rows) -> Recipe:
         return stacked(tuple(self.picture(row) for row in weights))
 
     def picture(self, weights: Row) -> Recipe:
         return Step.of(
-            reflected, self.image, node=self.node, white=float(np.dot(weights, self.white))
+            reflected,
+            self.image,
+            node=self.node,
+            white=float(np.dot(weights, self.white)),
+            reflectance=self.reflectance,
         )
 
     def means(self) -> Recipe:

@@ -49,7 +49,9 @@ def test_a_number(lit):
 
 
 def test_the_sun_as_a_black_body_and_a_unit_of_percent(lit):
-    bench = lit({"sun_elevation_deg": 90}, samples=100 * SHARES, read={"unit": "%"})
+    bench = lit(
+        {"sun_elevation_deg": 90, "sun": "black_body"}, samples=100 * SHARES, read={"unit": "%"}
+    )
     expected = SHARES * SUN_SR * band_radiance(0.5, 0.9, 5800) / math.pi
     np.testing.assert_allclose(bench.value("light.image"), expected, rtol=1e-12)
 
@@ -91,7 +93,7 @@ def test_a_cube_of_reflectances(tmp_path):
     write_cube(tmp_path, cube, wavelengths, width, unit="reflectance")
     nodes = {
         "read": ("read_image", {"path": "cube.img", "bands": "all"}),
-        "light": ("reflected_light", {"sun_elevation_deg": 50, "bands": 9}),
+        "light": ("reflected_light", {"sun_elevation_deg": 50, "bands": 9, "sun": "black_body"}),
     }
     bench = NodeBench(standard_library(), tmp_path, nodes, [("read.image", "light.image")])
     assert bench.plan.errors() == []

@@ -8,7 +8,12 @@ import mpmath
 import pytest
 
 from core.errors import ParameterError
-from core.physics.atmosphere.sun_and_sky import SUN_SR, Sunlight, relative_air_mass
+from core.physics.atmosphere.sun_and_sky import (
+    SUN_SR,
+    Sunlight,
+    relative_air_mass,
+    standard_sun_irradiance,
+)
 from planck_truth import band_radiance
 
 
@@ -24,13 +29,33 @@ def test_the_sun_at_all_wavelengths():
     """σT⁴·(R/d)² = 1388 W/m²."""
     whole = 5.670374419e-8 * 5800**4 * (6.957e8 / 1.495978707e11) ** 2
     assert whole == pytest.approx(1387.8, abs=0.1)
-    assert Sunlight(90).over_band(0.05, 500) == pytest.approx(whole, rel=1e-6)
+    assert Sunlight(90, standard=False).over_band(0.05, 500) == pytest.approx(whole, rel=1e-6)
     assert pytest.approx(6.794e-5, rel=1e-4) == SUN_SR
+
+
+def test_the_standard_spectrum():
+    """Of Gueymard's 1366.1 W/m² 1.0 % lie below 0.28 µm (ASTM E490: 0.6 %) and beyond 4 µm."""
+    whole = Sunlight(90).over_band(0.28, 4.0)
+    assert whole == pytest.approx(1347.9, abs=0.1)  # NREL's own sum of the column
+    assert 0.98 < whole / 1366.1 < 0.99
+    # the photosphere is seen deepest near 1.6 µm, where a black body of 5800 K is 16 % too low
+    black = float(SUN_SR * mpmath.mpf(band_radiance(1.6, 1.62, 5800)))
+    assert Sunlight(90).over_band(1.6, 1.62) / black == pytest.approx(1.196, abs=0.001)
+    # two lines of the printed table: 0.28 µm 0.082 and 4 µm 0.00868 W/m²/nm
+    assert standard_sun_irradiance([0.28, 4.0]).tolist() == [82.0, 8.68]
+
+
+def test_the_standard_spectrum_goes_on_as_a_black_body():
+    at, on = standard_sun_irradiance([4.0, 10.0])
+    ratio = band_radiance(9.99, 10.01, 5800) / band_radiance(3.99, 4.01, 5800)
+    assert on / at == pytest.approx(ratio, rel=1e-4)
+    with pytest.raises(ParameterError, match=r"at least 0.28, where the standard solar spectrum"):
+        Sunlight(30).over_band(0.2, 0.4)
 
 
 def test_a_black_body_in_a_band():
     """Ω·L(5800 K)·exp(−0.3·m)·sin 40° + π·12·0.4, the band's radiance by mpmath."""
-    light = Sunlight(40, sky=12.0, optical_depth=0.3)
+    light = Sunlight(40, standard=False, sky=12.0, optical_depth=0.3)
     passed = math.exp(-0.3 * relative_air_mass(elevation_deg=40))
     direct = SUN_SR * band_radiance(0.5, 0.9, 5800) * passed * math.sin(math.radians(40))
     assert light.over_band(0.5, 0.9) == pytest.approx(direct + math.pi * 12 * 0.4, rel=1e-12)
