@@ -534,6 +534,7 @@ def to_temperature(
 
 def reflected_light(
     *,
+    sun: Literal['standard', 'black_body'] = 'standard',
     solar_irradiance: float | Expression | None = None,
     path: str | PathLike[str] | None = None,
     sun_elevation_deg: float | Expression = 45.0,
@@ -547,18 +548,23 @@ def reflected_light(
 
     For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
     band. h is the sun's elevation, τ the air's optical depth from the zenith, and m the air mass.
-    E_sun is a number, a CSV by wavelength, or the irradiance from a black body of 5800 K, 1388 W/m²
-    in all. The sky has the same radiance everywhere. The picture's unit must be a reflectance (1,
-    %, reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
+    E_sun is the standard solar spectrum (ASTM G173, beyond 4 µm continued by a black body), a black
+    body of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a CSV by wavelength.
+    The sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
+    reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
     `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
     Atmospheric Path for the path from the surface to the camera. Sources: Lambert 1760; Kasten and
-    Young 1989 (air mass); nominal solar radius of the IAU, 2015.
+    Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar Energy 76, 423); nominal solar radius
+    of the IAU, 2015 (black body).
 
     Parameters
     ----------
+    sun : Literal['standard', 'black_body']
+        spectrum of the sun above the air: the standard ASTM G173, or a black body of 5800 K: one of
+        standard, black_body; default 'standard'
     solar_irradiance : float | Expression | None
-        solar irradiance above the air, normal to the sun; empty: a black body of 5800 K [W/m²/µm]:
-        a number from 0 to 1e+12 or empty; default empty
+        solar irradiance above the air, normal to the sun, used instead of the spectrum; empty: by
+        sun [W/m²/µm]: a number from 0 to 1e+12 or empty; default empty
     path : str | PathLike[str] | None
         CSV of µm and W/m²/µm, used instead of the number, or empty: a file name or empty; default
         empty
@@ -2806,19 +2812,32 @@ def camera_geometry(
 def image_quality(
     *,
     range_m: float | Expression | None = None,
+    gsd_m: float | Expression | None = None,
+    elevation_deg: float | Expression | None = None,
     off_nadir_deg: float | Expression = 0.0,
     snr: float | Expression | None = None,
+    snr_of: Literal['contrast', 'mean'] = 'contrast',
+    rer_x: float | Expression | None = None,
+    rer_y: float | Expression | None = None,
     overshoot: float | Expression | None = None,
     noise_gain: float | Expression = 1.0,
 ) -> Part:
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
-    The ground sample distance is the picture's interval times the range; along the track it is also
-    divided by the cosine of the angle off nadir. The relative edge response (how far an edge rises
-    within one sample around it) and the overshoot H (its height 1 to 3 samples beside it) follow
-    from the chain's transfer functions, and the SNR from its mean signal and temporal noise; no
-    noise is drawn or measured. All are geometric means across and along. Connect the picture as the
-    sensor samples it, before a frame grabber interpolates it.
+    The ground sample distance is the picture's interval times the range, in the plane normal to the
+    line of sight. GIQE 3 takes it as it is, GIQE 4 on the ground (divided by √sin e, e the
+    elevation of the line of sight seen from the target), and GIQE 5 between both (by sin e to the
+    power ¼). The relative edge response (how far an edge rises within one sample around it) and the
+    overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer functions,
+    and the SNR from its signal and temporal noise; no noise is drawn or measured. GSD, RER and H
+    are geometric means of both directions; in GIQE 5 the worse RER counts twice. Connect the
+    picture as the sensor samples it, before a frame grabber interpolates it.
+
+    The SNR of the equations is that of a contrast: the difference between surfaces of 15 % and 7 %
+    reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance and
+    Reflected Light gives its radiance, the difference follows from its light and air. Otherwise the
+    scene's mean radiance counts as that of 15 %, so the SNR is 8/15 of the mean signal over the
+    noise, and a warning says so. `mean` takes the whole mean signal.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
@@ -2828,20 +2847,35 @@ def image_quality(
     (version 4; the limits of the others could not be checked); a warning names values beyond these
     limits.
 
-    Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4); Harrington et al. 2015
-    (GIQE 5).
+    Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
+    2015, GIQE version 5.0, NGA, 16 September 2015 (eqs. 2, 5 and 7).
 
     Parameters
     ----------
     range_m : float | Expression | None
-        range to the ground; empty: from Init & Trans [m]: a number of at least 0 or empty; default
-        empty
+        range to the ground along the line of sight; empty: from Init & Trans [m]: a number of at
+        least 0 or empty; default empty
+    gsd_m : float | Expression | None
+        ground sample distance normal to the line of sight, if you know it; empty: from the
+        picture's interval and the range [m]: a number of at least 0 or empty; default empty
+    elevation_deg : float | Expression | None
+        elevation of the line of sight above the horizon, seen from the target; empty: 90° less
+        off_nadir_deg [deg]: a number from 0 to 90 or empty; default empty
     off_nadir_deg : float | Expression
-        look angle off nadir along the track, which enlarges the ground sample [deg]: a number from
-        0 to 89; default 0.0
+        look angle off nadir along the track over flat ground, if elevation_deg is empty [deg]: a
+        number from 0 to 89; default 0.0
     snr : float | Expression | None
-        SNR, if you know it; empty: mean signal divided by temporal noise: a number of at least 0 or
+        SNR, if you know it; empty: signal divided by temporal noise: a number of at least 0 or
         empty; default empty
+    snr_of : Literal['contrast', 'mean']
+        signal of the SNR: the contrast of 15 % and 7 % reflectance, or the mean: one of contrast,
+        mean; default 'contrast'
+    rer_x : float | Expression | None
+        RER across, if you know it; empty: from the chain: a number of at least 0 or empty; default
+        empty
+    rer_y : float | Expression | None
+        RER along, if you know it; empty: from the chain: a number of at least 0 or empty; default
+        empty
     overshoot : float | Expression | None
         overshoot H, if you know it; empty: from the chain: a number of at least 0 or empty; default
         empty
@@ -2853,5 +2887,6 @@ def image_quality(
     Image Quality, in the group Analysis.
     Inputs: context, image.
     Outputs: edge, table.
-    Read-outs: giqe5 (NIIRS), giqe4 (NIIRS), giqe3 (NIIRS), gsd_m (m), rer, overshoot, snr.
+    Read-outs: giqe5 (NIIRS), giqe4 (NIIRS), giqe3 (NIIRS), gsd_m (m), gsd_ground_m (m), rer,
+    overshoot, snr.
     """

@@ -39,12 +39,15 @@ class LevelChange:
         What the mean becomes, less what is there without any scene.
     reason : str
         Why the gain is 0, where it is.
+    per_sample : float or None
+        The gain of the picture's own samples, where `gain` is of a radiance that they stand for.
     """
 
     gain: float
     mean: float
     signal: float
     reason: str = ""
+    per_sample: float | None = None
 
 
 class Linear:
@@ -78,6 +81,11 @@ class Linear:
     @property
     def combines_pixels(self) -> bool:
         return False
+
+    @property
+    def of_reflectance(self) -> float | None:
+        """Reflectance of a sample of 1 before it, where it is the light on surfaces."""
+        return None
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:
         """Size of the picture that it is applied to, of the one that it makes."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,10 @@ from core.physics.acquisition.giqe import (
     giqe_3,
     giqe_4,
     giqe_5,
+    ground_gsd,
     relative_edge_response,
+    weighted_gsd,
+    weighted_rer,
 )
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.factors import Grid
@@ -50,12 +53,20 @@ def typed_snr(work: Work, *, snr: float) -> float:
 class ImageQuality(Module, key="image_quality", title="Image Quality", group="Analysis"):
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
-    The ground sample distance is the picture's interval times the range; along the track it is also
-    divided by the cosine of the angle off nadir. The relative edge response (how far an edge rises
-    within one sample around it) and the overshoot H (its height 1 to 3 samples beside it) follow
-    from the chain's transfer functions, and the SNR from its mean signal and temporal noise; no
-    noise is drawn or measured. All are geometric means across and along. Connect the picture as the
-    sensor samples it, before a frame grabber interpolates it.
+    The ground sample distance is the picture's interval times the range, in the plane normal to the
+    line of sight. GIQE 3 takes it as it is, GIQE 4 on the ground (divided by √sin e, e the
+    elevation of the line of sight seen from the target), and GIQE 5 between both (by sin e to the
+    power ¼). The relative edge response (how far an edge rises within one sample around it) and the
+    overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer functions,
+    and the SNR from its signal and temporal noise; no noise is drawn or measured. GSD, RER and H
+    are geometric means of both directions; in GIQE 5 the worse RER counts twice. Connect the
+    picture as the sensor samples it, before a frame grabber interpolates it.
+
+    The SNR of the equations is that of a contrast: the difference between surfaces of 15 % and 7 %
+    reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance and
+    Reflected Light gives its radiance, the difference follows from its light and air. Otherwise the
+    scene's mean radiance counts as that of 15 %, so the SNR is 8/15 of the mean signal over the
+    noise, and a warning says so. `mean` takes the whole mean signal.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
@@ -65,8 +76,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     (version 4; the limits of the others could not be checked); a warning names values beyond these
     limits.
 
-    Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4); Harrington et al. 2015
-    (GIQE 5).
+    Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
+    2015, GIQE version 5.0, NGA, 16 September 2015 (eqs. 2, 5 and 7).
     """
 
     formulas = (
@@ -89,6 +100,12 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
             when="GIQE 5",
         ),
         Formula(
+            r"\mathrm{GSD}_4=\frac{\mathrm{GSD}}{\sqrt{\sin e}},\quad\mathrm{GSD}_5=\frac{"
+            r"\mathrm{GSD}}{\sqrt[4]{\sin e}},\quad\mathrm{RER}_5=\sqrt[3]{\mathrm{RER}_{better}"
+            r"\,\mathrm{RER}_{worse}^2}",
+            where="GSD: normal to the line of sight; e: its elevation seen from the target",
+        ),
+        Formula(
             r"E(d)=\frac{1}{2}+\frac{1}{\pi}\int_0^\infty\frac{H(\xi)\,\sin(2\pi\xi d)}{\xi}\,d"
             r"\xi",
             where="edge response at distance d; RER = E(½) − E(−½) in samples",
@@ -96,18 +113,42 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
 
     range_m: Annotated[
-        float | None, Param("range to the ground; empty: from Init & Trans", unit="m", low=0)
-    ] = None
+        float | None,
+        Param("range to the ground along the line of sight; empty: from Init & Trans", unit="m",
+              low=0),
+    ] = None  # fmt: skip
+    gsd_m: Annotated[
+        float | None,
+        Param("ground sample distance normal to the line of sight, if you know it; empty: from the "
+              "picture's interval and the range", unit="m", low=0, slider=(0.1, 10)),
+    ] = None  # fmt: skip
+    elevation_deg: Annotated[
+        float | None,
+        Param("elevation of the line of sight above the horizon, seen from the target; empty: 90° "
+              "less off_nadir_deg", unit="deg", low=0, high=90, slider=(5, 90)),
+    ] = None  # fmt: skip
     off_nadir_deg: Annotated[
         float,
         Param(
-            "look angle off nadir along the track, which enlarges the ground sample",
+            "look angle off nadir along the track over flat ground, if elevation_deg is empty",
             unit="deg", low=0, high=89, slider=(0, 60),
         ),
     ] = 0.0  # fmt: skip
     snr: Annotated[
         float | None,
-        Param("SNR, if you know it; empty: mean signal divided by temporal noise", low=0),
+        Param("SNR, if you know it; empty: signal divided by temporal noise", low=0),
+    ] = None
+    snr_of: Annotated[
+        Literal["contrast", "mean"],
+        Param("signal of the SNR: the contrast of 15 % and 7 % reflectance, or the mean"),
+    ] = "contrast"
+    rer_x: Annotated[
+        float | None,
+        Param("RER across, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)),
+    ] = None
+    rer_y: Annotated[
+        float | None,
+        Param("RER along, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)),
     ] = None
     overshoot: Annotated[
         float | None,
@@ -118,8 +159,9 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     ] = 1.0
 
     panel = (
-        Section("View", ("range_m", "off_nadir_deg")),
-        Section("Noise", ("snr",)),
+        Section("View", ("range_m", "gsd_m", "elevation_deg", "off_nadir_deg")),
+        Section("Edge", ("rer_x", "rer_y")),
+        Section("Noise", ("snr", "snr_of")),
         Section("Sharpening", ("overshoot", "noise_gain")),
     )
 
@@ -136,15 +178,56 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
                 *passed.levels,
                 gain=passed.gain,
                 gain_before=passed.gain_before,
+                snr_of=self.snr_of,
+                reflectance=passed.reflectance,
             )
-        view = View(
-            given("range_m", self.range_m, context, unit="m"),
-            self.off_nadir_deg,
-            self.noise_gain,
-            self.overshoot,
-        )
-        table = here.step(quality_table, edge, snr, grid=grid, view=view)
+        table = here.step(quality_table, edge, snr, view=self._view(context, grid))
         return QualityOutputs(Curve(here.step(edge_curve, edge)), Table(table))
+
+    def _view(self, context: Context, grid: Grid) -> View:
+        elevation = self.elevation_deg
+        if elevation is None:
+            elevation = 90.0 - self.off_nadir_deg
+        if self.gsd_m is not None:
+            across = along = self.gsd_m
+        else:
+            km = given("range_m", self.range_m, context, unit="m") / 1000.0
+            across, along = grid.interval_x_mrad * km, grid.interval_y_mrad * km
+        rer = (self.rer_x, self.rer_y)
+        what = (
+            "contrast of 15 % and 7 % reflectance" if self.snr_of == "contrast" else "mean signal"
+        )
+        words = "as typed" if self.snr is not None else f"{what} divided by temporal noise"
+        return View(across, along, elevation, rer, self.noise_gain, self.overshoot, words)
+
+    @warning
+    def contrast(self, image: Image) -> Caution | None:
+        """A contrast of a scene whose reflectance is not known."""
+        if self.snr is not None or self.snr_of == "mean":
+            return None
+        if transfer_of(image).reflectance is not None:
+            return None
+        return Caution(
+            "the SNR is an estimate: the scene is not in reflectance, so its mean radiance counts "
+            "as that of a surface of 15 %, and the contrast of 15 % and 7 % as 8/15 of it",
+            "give the scene in reflectance with Reflected Light, type snr, or set snr_of to mean",
+        )
+
+    @warning
+    def view(self, given: frozenset[str]) -> Caution | None:
+        """A look angle beside an elevation, or a range beside a typed distance."""
+        if self.elevation_deg is not None and self.off_nadir_deg:
+            return Caution(
+                f"off_nadir_deg = {self.off_nadir_deg:g}° is not used: elevation_deg = "
+                f"{self.elevation_deg:g}° is given",
+                "leave one of the two empty",
+            )
+        if self.gsd_m is not None and self.range_m is not None:
+            return Caution(
+                f"range_m = {self.range_m:g} m is not used: gsd_m = {self.gsd_m:g} m is given",
+                "leave one of the two empty",
+            )
+        return None
 
     @warning
     def band(self, image: Image, context: Context) -> Caution | None:
@@ -166,17 +249,24 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     giqe5 = table_figure("giqe5", "NIIRS", "Interpretability by GIQE 5.")
     giqe4 = table_figure("giqe4", "NIIRS", "Interpretability by GIQE 4.")
     giqe3 = table_figure("giqe3", "NIIRS", "Interpretability by GIQE 3.")
-    gsd_m = table_figure("gsd_m", "m", "Ground sample distance, geometric mean.")
+    gsd_figure = table_figure(
+        "gsd_m", "m", "Ground sample distance normal to the line of sight, geometric mean."
+    )
+    gsd_ground_m = table_figure(
+        "gsd_ground_m", "m", "Ground sample distance on the ground, geometric mean."
+    )
     rer = table_figure("rer", "", "Relative edge response, geometric mean.")
     overshoot_figure = table_figure("overshoot", "", "Edge overshoot, geometric mean.")
     snr_figure = table_figure(
-        "snr", "", "Mean signal divided by temporal noise; left out if there is no noise."
+        "snr", "", "Signal divided by temporal noise; left out if there is no noise."
     )
 
 
 # What image quality equations take of a chain: its edge response, its signal over noise.
 
 Vector = NDArray[np.float64]
+BRIGHT, DARK = 0.15, 0.07
+"""Reflectances whose contrast is the signal of the equations (Leachtenauer et al. 1997)."""
 _DRAWN = np.linspace(-4.0, 4.0, 129)  # samples beside the edge
 
 
@@ -211,74 +301,94 @@ def edge_quality(work: Work, *, stages: tuple[Stage, ...], grid: Grid) -> EdgeQu
 
 @ends_lineage
 def signal_over_noise(
-    work: Work, seen: ImageNoise, *levels: LevelChange, gain: float | None, gain_before: float
+    work: Work,
+    seen: ImageNoise,
+    *levels: LevelChange,
+    gain: float | None,
+    gain_before: float,
+    snr_of: str,
+    reflectance: float | None,
 ) -> float | Unseen:
-    """Mean of the scene's share of the picture over the temporal noise; infinite without noise."""
+    """Signal over the temporal noise; infinite without noise.
+
+    The signal is the mean of the scene's share of the picture, or the contrast of 15 % and 7 %
+    reflectance; `reflectance` is that of a sample of 1 of the scene.
+    """
     seen.require_known()
     if gain is None:
         raise DataError("gain_model literal scales the picture by the gain error; use per_pixel")
+    of_sample = gain * math.prod(level.per_sample or level.gain for level in levels)
     gain *= math.prod(level.gain for level in levels)
     clipped = unseen(gain, levels, "the picture has no signal")
     if clipped is not None:
         return clipped
-    mean = levels[0].signal / levels[0].gain / gain_before if levels else seen.mean / gain
-    if not mean > 0.0:
-        raise DataError(
-            f"the picture's mean signal is {mean:.6g}: its SNR needs a signal above zero"
-        )
+    if snr_of == "contrast" and reflectance is not None:
+        signal = (BRIGHT - DARK) / reflectance * of_sample / gain
+    else:
+        signal = levels[0].signal / levels[0].gain / gain_before if levels else seen.mean / gain
+        if not signal > 0.0:
+            raise DataError(
+                f"the picture's mean signal is {signal:.6g}: its SNR needs a signal above zero"
+            )
+        if snr_of == "contrast":
+            signal *= (BRIGHT - DARK) / BRIGHT
     noise = math.sqrt(max(seen.total.variances.temporal, 0.0)) / gain
-    return mean / noise if noise > 0.0 else math.inf
+    return signal / noise if noise > 0.0 else math.inf
 
 
 @dataclass(frozen=True)
 class View:
-    """How the ground is seen: range, angle off nadir, and what the sharpening does.
+    """How the ground is seen, and what is typed of the chain's figures.
 
-    `overshoot` is None where the chain's own counts.
+    `across_m` and `along_m` are ground sample distances normal to the line of sight; an RER or
+    overshoot of None is the chain's own. `snr_words` say what the SNR is.
     """
 
-    range_m: float
-    off_nadir_deg: float
+    across_m: float
+    along_m: float
+    elevation_deg: float
+    rer: tuple[float | None, float | None]
     noise_gain: float
     overshoot: float | None
+    snr_words: str
 
 
 @ends_lineage
-def quality_table(
-    work: Work, edge: EdgeQuality, snr: float | Unseen, *, grid: Grid, view: View
-) -> TableData:
+def quality_table(work: Work, edge: EdgeQuality, snr: float | Unseen, *, view: View) -> TableData:
     """The equations and what they are made of; those of the noise are empty without a signal."""
-    across = grid.interval_x_mrad * view.range_m / 1000.0
-    along = (
-        grid.interval_y_mrad * view.range_m / 1000.0 / math.cos(math.radians(view.off_nadir_deg))
-    )
-    gsd_m, rer = math.sqrt(across * along), _mean("relative edge response", edge.rer)
+    gsd_m = math.sqrt(view.across_m * view.along_m)
+    at = {"gsd": gsd_m, "elevation_deg": view.elevation_deg}
+    ground, weighted = float(ground_gsd(**at)), float(weighted_gsd(**at))
+    rer_x, rer_y = (typed or own for typed, own in zip(view.rer, edge.rer, strict=True))
+    rer = _mean("relative edge response", (rer_x, rer_y))
+    worse_twice = float(weighted_rer(rer_x=rer_x, rer_y=rer_y))
     overshoot = view.overshoot
     if overshoot is None:
         overshoot = _mean("largest height of the edge response near the edge", edge.overshoot)
-    gsd_inch = gsd_m / INCH_M
     why = snr.reason if isinstance(snr, Unseen) else ""
     fifth = fourth = third = shown_snr = None
     if not isinstance(snr, Unseen):
-        known = {"gsd_inch": gsd_inch, "rer": rer, "snr": snr}
-        sharpened = {"overshoot": overshoot, "noise_gain": view.noise_gain}
-        fifth = float(giqe_5(**known))
-        fourth, third = (float(giqe(**known, **sharpened)) for giqe in (giqe_4, giqe_3))
+        known = {"rer": rer, "snr": snr, "overshoot": overshoot, "noise_gain": view.noise_gain}
+        fifth = float(giqe_5(gsd_inch=weighted / INCH_M, rer=worse_twice, snr=snr))
+        fourth = float(giqe_4(gsd_inch=ground / INCH_M, **known))
+        third = float(giqe_3(gsd_inch=gsd_m / INCH_M, **known))
         shown_snr = snr if math.isfinite(snr) else None
     rows: tuple[tuple[Any, ...], ...] = (
         ("giqe5", fifth, "NIIRS", "GIQE 5, for the picture as it is", why),
         ("giqe4", fourth, "NIIRS", "GIQE 4, with overshoot H and noise gain G", why),
         ("giqe3", third, "NIIRS", "GIQE 3, with overshoot H and noise gain G", why),
-        ("gsd_m", gsd_m, "m", "ground sample distance, geometric mean"),
-        ("gsd_across_m", across, "m", "across"),
-        ("gsd_along_m", along, "m", "along"),
-        ("gsd_inch", gsd_inch, "in", "geometric mean"),
-        ("rer", rer, "", "relative edge response, geometric mean"),
-        ("rer_x", edge.rer[0], "", "across"),
-        ("rer_y", edge.rer[1], "", "along"),
+        ("gsd_m", gsd_m, "m", "ground sample distance normal to the line of sight (GIQE 3)"),
+        ("gsd_ground_m", ground, "m", "the same on the ground (GIQE 4)"),
+        ("gsd_weighted_m", weighted, "m", "geometric mean of both (GIQE 5)"),
+        ("gsd_inch", gsd_m / INCH_M, "in", "normal to the line of sight"),
+        ("elevation_deg", view.elevation_deg, "deg", "of the line of sight, seen from the target"),
+        ("rer", rer, "", "relative edge response, geometric mean (GIQE 3 and 4)"),
+        ("rer_weighted", worse_twice, "", "the worse direction counts twice (GIQE 5)"),
+        ("rer_x", rer_x, "", "across"),
+        ("rer_y", rer_y, "", "along"),
         ("overshoot", overshoot, "", "edge overshoot H, geometric mean"),
         ("noise_gain", view.noise_gain, "", "noise gain G of the sharpening"),
-        ("snr", shown_snr, "", "mean signal divided by temporal noise", why),
+        ("snr", shown_snr, "", view.snr_words, why),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
 

@@ -188,12 +188,17 @@ def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
         return LevelChange(levels.slope, levels.seen.mean, levels.signal_e)
     if kelvin is None or levels.electrons_per_K is None:
         return LevelChange(
-            levels.slope / per_photon, levels.seen.mean * per_photon, levels.signal_e
+            levels.slope / per_photon,
+            levels.seen.mean * per_photon,
+            levels.signal_e,
+            per_sample=levels.slope,
         )
     low, high = levels.band_um
     radiance = float(band_radiance(temperature_K=kelvin, cut_on_um=low, cut_off_um=high))
     slope = float(band_radiance_derivative(temperature_K=kelvin, cut_on_um=low, cut_off_um=high))
-    return LevelChange(levels.electrons_per_K / slope, radiance, levels.signal_e)
+    return LevelChange(
+        levels.electrons_per_K / slope, radiance, levels.signal_e, per_sample=levels.slope
+    )
 
 
 @ends_lineage

@@ -2,18 +2,22 @@
 
 NIIRS is the interpretability scale of visible pictures, from 0 to 9; a step up halves what can be
 told apart. Versions 3 and 4 are of sharpened pictures, and take overshoot H and noise gain G of the
-sharpening; version 5 is of pictures before it. Ground sample distances are in inches.
+sharpening; version 5 is of pictures before it. Ground sample distances are in inches, and each
+version has its own: version 3 in the plane normal to the line of sight, version 4 on the ground,
+version 5 between both.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.physics.checks import all_above_zero, all_from_zero, broadcast
+from core.errors import ParameterError
+from core.physics.checks import all_above_zero, all_from_zero, broadcast, positive
 from core.physics.numerics import gauss_legendre
 
 INCH_M = 0.0254
@@ -96,13 +100,117 @@ def giqe_5(*, gsd_inch: ArrayLike, rer: ArrayLike, snr: ArrayLike) -> Any:
     float or ndarray
         9.57 − 3.32·lg(GSD) + 3.32·(1 − e^(−1.9/SNR))·lg(RER) − 2·lg(RER)⁴ − 1.8/SNR.
 
-    Source: Harrington, Tanner, Valliant and Gillin 2015, General image quality equation, GIQE
-    version 5, National Geospatial-Intelligence Agency.
+    Source: Harrington, Tanner, Valliant and Gillin 2015, General Image Quality Equation (GIQE),
+    version 5.0, National Geospatial-Intelligence Agency, 16 September 2015, eq. 2. RER and GSD are
+    those of `weighted_rer` and `weighted_gsd`.
     """
     gsd, edge, signal, _, _ = _checked(gsd_inch, rer, snr, 1.0, 1.0)
     log_edge = np.log10(edge)
     steps = 9.57 - 3.32 * np.log10(gsd) - 3.32 * np.expm1(-1.9 / signal) * log_edge
     return (steps - 2.0 * log_edge**4 - 1.8 / signal)[()]
+
+
+def ground_gsd(*, gsd: ArrayLike, elevation_deg: float) -> Any:
+    """Geometric mean of the ground sample distance on the ground: GSD/√sin(elevation).
+
+    Parameters
+    ----------
+    gsd : array_like
+        Normal to the line of sight: pitch times range over focal length, any unit of length.
+    elevation_deg : float
+        Of the line of sight above the horizon, seen from the target, above 0 and at most 90.
+
+    Returns
+    -------
+    float or ndarray
+        In the unit of `gsd`.
+
+    Source: GIQE version 5.0 (NGA, 16 September 2015), section 2.3; used by version 4.
+    """
+    return all_above_zero("gsd", gsd) / _sine(elevation_deg) ** 0.5
+
+
+def weighted_gsd(*, gsd: ArrayLike, elevation_deg: float) -> Any:
+    """Ground sample distance of version 5, GSD/sin(elevation)^¼; parameters as of `ground_gsd`.
+
+    Source: GIQE version 5.0 (NGA, 16 September 2015), eq. 5.
+    """
+    return all_above_zero("gsd", gsd) / _sine(elevation_deg) ** 0.25
+
+
+def _sine(elevation_deg: float) -> float:
+    height = float(elevation_deg)
+    if not 0.0 < height <= 90.0:
+        raise ParameterError("elevation_deg", height, "above 0 and at most 90", unit="deg")
+    return math.sin(math.radians(height))
+
+
+def weighted_rer(*, rer_x: ArrayLike, rer_y: ArrayLike) -> Any:
+    """Relative edge response of version 5: the worse direction counts twice, (better·worse²)^⅓.
+
+    Source: GIQE version 5.0 (NGA, 16 September 2015), eq. 7.
+    """
+    one, other = all_above_zero("rer_x", rer_x), all_above_zero("rer_y", rer_y)
+    return np.cbrt(np.maximum(one, other) * np.minimum(one, other) ** 2)[()]
+
+
+class ObliqueQuality(NamedTuple):
+    """NIIRS of a camera by each version, and its ground sample distance."""
+
+    gsd_normal_inch: float
+    giqe3: float
+    giqe4: float
+    giqe5: float
+
+
+def giqe_oblique(
+    *,
+    pitch_um: float,
+    focal_length_mm: float,
+    slant_range_m: float,
+    elevation_deg: float = 90.0,
+    rer_x: float,
+    rer_y: float,
+    snr: float,
+    overshoot: float = 1.0,
+    noise_gain: float = 1.0,
+) -> ObliqueQuality:
+    """NIIRS of a camera that looks down at an angle.
+
+    Parameters
+    ----------
+    pitch_um, focal_length_mm, slant_range_m : float
+        Pixel pitch, focal length and distance along the line of sight, above 0.
+    elevation_deg : float
+        Of the line of sight above the horizon, seen from the target, above 0 and at most 90.
+    rer_x, rer_y : float
+        Relative edge response in both directions, above 0.
+    snr : float
+        Signal to noise ratio of the contrast between 15 % and 7 % reflectance, above 0.
+    overshoot, noise_gain : float
+        Of the sharpening, for versions 3 and 4.
+
+    Returns
+    -------
+    ObliqueQuality
+        Ground sample distance normal to the line of sight, and NIIRS by versions 3, 4 and 5.
+
+    Source: GIQE version 5.0 (NGA, 16 September 2015), eqs. 1, 2, 5 and 7; Leachtenauer et al. 1997.
+    """
+    pitch_m = positive("pitch_um", pitch_um, unit="µm") * 1e-6
+    focal_m = positive("focal_length_mm", focal_length_mm, unit="mm") * 1e-3
+    gsd = pitch_m / focal_m * positive("slant_range_m", slant_range_m, unit="m") / INCH_M
+    sharpened = {"snr": snr, "overshoot": overshoot, "noise_gain": noise_gain}
+    mean = float(np.sqrt(all_above_zero("rer_x", rer_x) * all_above_zero("rer_y", rer_y)))
+    at = {"gsd": gsd, "elevation_deg": elevation_deg}
+    return ObliqueQuality(
+        gsd,
+        float(giqe_3(gsd_inch=gsd, rer=mean, **sharpened)),
+        float(giqe_4(gsd_inch=ground_gsd(**at), rer=mean, **sharpened)),
+        float(
+            giqe_5(gsd_inch=weighted_gsd(**at), rer=weighted_rer(rer_x=rer_x, rer_y=rer_y), snr=snr)
+        ),
+    )
 
 
 def beyond_limits(**values: float) -> tuple[str, ...]:

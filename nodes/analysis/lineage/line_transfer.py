@@ -161,7 +161,8 @@ class ImageTransfer:
     known; `area_means`: its samples are known to be means over their area, which blurs too. `gain`
     is what a uniform scene is multiplied by, None where that is left to chance (a gain error as
     printed); `levels` are recipes of the `LevelChange` of each stage whose gain depends on the
-    picture, and `gain_before` the gain up to the first of these.
+    picture, and `gain_before` the gain up to the first of these. `reflectance` is that of a sample
+    of 1 of the source, where the scene is lit surfaces.
     """
 
     stages: tuple[Stage, ...]
@@ -172,6 +173,7 @@ class ImageTransfer:
     area_means: bool = False
     levels: tuple[Recipe, ...] = ()
     gain_before: float = 1.0
+    reflectance: float | None = None
 
     @property
     def factors(self) -> tuple[Factor, ...]:
@@ -197,10 +199,12 @@ def transfer_of(image: Image, *, of_camera: bool = False) -> ImageTransfer:
     recipe, here, gain, known = image.recipe, grid, 1.0, True
     levels: list[Recipe] = []
     gain_before, counted = 1.0, True
+    reflectance: float | None = None
     while (lineage := lineage_of(recipe)) is not None and lineage.picture is not None:
         change = lineage.linear
         before = change.grid_before(here)
         factors = [*change.transfer(before, here, recipe.node), *factors]
+        reflectance = change.of_reflectance
         counted = counted and not (of_camera and change.before_camera)
         if counted:
             gain *= change.gain
@@ -219,4 +223,5 @@ def transfer_of(image: Image, *, of_camera: bool = False) -> ImageTransfer:
         area_means=lineage is not None and lineage.area_means,
         levels=tuple(levels),
         gain_before=gain_before,
+        reflectance=reflectance,
     )

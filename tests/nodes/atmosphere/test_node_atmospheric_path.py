@@ -360,7 +360,7 @@ def test_light_of_the_air_is_no_signal(tmp_path):
         "air": ("atmospheric_path", {"model": "modtran", "path": "lut.csv", "range_m": 3000}),
         "init": ("init_trans", {"range_m": 3000}),
         "noise": ("noise_3d_source", {"sigma_tvh": 0.1}),
-        "quality": ("image_quality", {}),
+        "quality": ("image_quality", {"snr_of": "mean"}),
     }
     links = [
         ("read.image", "air.image"),

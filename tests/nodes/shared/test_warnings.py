@@ -135,7 +135,17 @@ CASES = {
     ("image_quality", "band"): (
         {},
         ("8 to 12 µm", "visible", "Figures of Merit"),
+        {"snr_of": "mean", "scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}},
+    ),
+    ("image_quality", "contrast"): (
         {"scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}},
+        ("15 %", "8/15", "snr_of"),
+        {"snr": 50, "scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}},
+    ),
+    ("image_quality", "view"): (
+        {"elevation_deg": 40, "off_nadir_deg": 20, "snr": 50},
+        ("off_nadir_deg = 20°", "elevation_deg = 40°"),
+        {"elevation_deg": 40, "snr": 50, "scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}},
     ),
     ("poisson_noise", "unit"): (
         {"mode": "photon", "photons_per_unit": 1e3, "scene": {"unit": "K"}},

@@ -17,7 +17,11 @@ from core.physics.acquisition.giqe import (
     giqe_3,
     giqe_4,
     giqe_5,
+    giqe_oblique,
+    ground_gsd,
     relative_edge_response,
+    weighted_gsd,
+    weighted_rer,
 )
 from reference_cases import CAMERA, reference_cases
 
@@ -28,6 +32,62 @@ def test_the_reference(case):
     assert giqe_4(**given) == pytest.approx(float(case["expected"]["giqe4"]), rel=1e-9)
     del given["overshoot"], given["noise_gain"]
     assert giqe_5(**given) == pytest.approx(float(case["expected"]["giqe5"]), rel=1e-9)
+
+
+@pytest.mark.parametrize("case", reference_cases("giqe_oblique", file=CAMERA))
+def test_a_view_at_an_angle_of_the_reference(case):
+    given = {name: float(value) for name, value in case["inputs"].items()}
+    found = giqe_oblique(**given)._asdict()
+    assert found == {
+        name: pytest.approx(float(value), rel=1e-9) for name, value in case["expected"].items()
+    }
+
+
+# GIQE version 5.0 (NGA, 16 September 2015): smear in pixels, RER along and across the scan, and the
+# loss of NIIRS, printed to three and two digits (tables 3, 5 and 6).
+SMEARED = [(0, 0.329, 0.329, 0.329), (1, 0.302, 0.315, 0.311), (2, 0.247, 0.285, 0.272),
+           (4, 0.169, 0.236, 0.211), (8, 0.100, 0.181, 0.149)]  # fmt: skip
+LOSSES = {  # by SNR and Q: the RER of every smear, the loss
+    (50, 1): [(0.329, 0.00), (0.302, -0.03), (0.247, -0.11), (0.169, -0.33), (0.100, -0.87)],
+    (50, 2): [(0.220, 0.00), (0.211, -0.03), (0.187, -0.12), (0.138, -0.43), (0.095, -0.97)],
+    (5, 1): [(0.329, 0.00), (0.302, -0.05), (0.247, -0.19), (0.169, -0.51), (0.100, -1.19)],
+    (5, 2): [(0.220, 0.00), (0.211, -0.04), (0.187, -0.17), (0.138, -0.56), (0.095, -1.20)],
+}
+
+
+@pytest.mark.parametrize(("smear", "along", "mean", "weighted"), SMEARED)
+def test_published_edge_responses_of_a_smeared_picture(smear, along, mean, weighted):
+    assert math.sqrt(0.329 * along) == pytest.approx(mean, abs=1.1e-3)  # of three digits each
+    assert weighted_rer(rer_x=0.329, rer_y=along) == pytest.approx(weighted, abs=1.1e-3)
+    assert weighted_rer(rer_x=along, rer_y=0.329) == weighted_rer(rer_x=0.329, rer_y=along)
+
+
+@pytest.mark.parametrize(("snr", "q"), LOSSES)
+def test_published_losses_of_niirs_by_smear(snr, q):
+    rows = LOSSES[snr, q]
+    across = rows[0][0]
+
+    def niirs(along):
+        rer = weighted_rer(rer_x=across, rer_y=along)
+        return giqe_5(gsd_inch=20.8, rer=rer, snr=snr)
+
+    for along, loss in rows:
+        # RER to three digits and the loss to two
+        assert niirs(along) - niirs(across) == pytest.approx(loss, abs=0.02)
+
+
+def test_the_published_camera_of_niirs_5():
+    """Figure 1 of the same paper: RER 0.35, 20.8 inches, SNR 50."""
+    assert giqe_5(gsd_inch=20.8, rer=0.35, snr=50) == pytest.approx(5.0, abs=0.1)
+
+
+def test_distances_on_the_ground():
+    assert ground_gsd(gsd=0.5, elevation_deg=30) == pytest.approx(0.5 * math.sqrt(2), rel=1e-14)
+    both = math.sqrt(0.5 * ground_gsd(gsd=0.5, elevation_deg=30))
+    assert weighted_gsd(gsd=0.5, elevation_deg=30) == pytest.approx(both, rel=1e-14)
+    for wrong in (0.0, 91.0, math.nan):
+        with pytest.raises(ParameterError, match="elevation_deg"):
+            weighted_gsd(gsd=0.5, elevation_deg=wrong)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,8 @@ from scipy.special import ndtr
 from core.errors import ImagechainError
 from node_bench import NodeBench
 from nodes.library import standard_library
+from reference_cases import CAMERA as CAMERA_VALUES
+from reference_cases import reference_cases
 
 LIBRARY = standard_library()
 SIZE, FOV_DEG, RANGE_M = 40, 0.02, 600e3
@@ -62,10 +64,14 @@ def test_figures_of_the_chain(tmp_path):
     assert (table["rer_x"], table["rer_y"]) == pytest.approx((rer(SIGMA_X), rer(SIGMA_Y)))
     assert found["rer"] == pytest.approx(edge, rel=1e-7)
     assert found["overshoot"] == pytest.approx(height, rel=1e-7)
-    assert found["snr"] == pytest.approx(camera["snr"], rel=1e-6)
-    snr, inch, log = camera["snr"], gsd / 0.0254, math.log10(edge)
-    fifth = 9.57 - 3.32 * math.log10(inch) + 3.32 * (1 - math.exp(-1.9 / snr)) * log
-    assert found["giqe5"] == pytest.approx(fifth - 2 * log**4 - 1.8 / snr, rel=1e-6)
+    # a radiance counts as that of 15 % reflectance, and the contrast to 7 % is 8/15 of it
+    assert found["snr"] == pytest.approx(camera["snr"] * 8 / 15, rel=1e-6)
+    whole = bench_of(tmp_path, {"snr_of": "mean"}).readouts("merit")
+    assert whole["snr"] == pytest.approx(camera["snr"], rel=1e-6)
+    snr, inch, log = camera["snr"] * 8 / 15, gsd / 0.0254, math.log10(edge)
+    worse = math.log10(rer(SIGMA_X) * rer(SIGMA_Y) ** 2) / 3
+    fifth = 9.57 - 3.32 * math.log10(inch) + 3.32 * (1 - math.exp(-1.9 / snr)) * worse
+    assert found["giqe5"] == pytest.approx(fifth - 2 * worse**4 - 1.8 / snr, rel=1e-6)
     fourth = 10.251 - 3.16 * math.log10(inch) + 2.817 * log - 0.656 * height - 0.344 / snr
     assert found["giqe4"] == pytest.approx(fourth, rel=1e-6)
     third = 11.81 + 3.32 * (log - math.log10(inch)) - 1.48 * height - 1 / snr
@@ -79,8 +85,9 @@ def test_what_is_typed_counts(tmp_path):
     typed = {"range_m": 300e3, "off_nadir_deg": 60.0, "snr": 50.0, "overshoot": 1.2,
              "noise_gain": 4.0}  # fmt: skip
     found = bench_of(tmp_path, typed).readouts("merit")
-    gsd = SAMPLE_MRAD * 300 * math.sqrt(2)
-    assert found["gsd_m"] == pytest.approx(gsd, rel=1e-7)
+    gsd = SAMPLE_MRAD * 300 * math.sqrt(2)  # on the ground, 30° above the horizon
+    assert found["gsd_m"] == pytest.approx(SAMPLE_MRAD * 300, rel=1e-7)
+    assert found["gsd_ground_m"] == pytest.approx(gsd, rel=1e-7)
     assert (found["snr"], found["overshoot"]) == (50.0, 1.2)
     log = math.log10(math.sqrt(rer(SIGMA_X) * rer(SIGMA_Y)))
     fourth = 10.251 - 3.16 * math.log10(gsd / 0.0254) + 2.817 * log - 0.656 * 1.2
@@ -117,3 +124,63 @@ def test_an_edge_that_is_no_edge_any_more_is_refused(tmp_path):
     bench = bench_of(tmp_path, blur=("crosstrack_mtf", smear))
     with pytest.raises(ImagechainError, match=r"edge response is -\d.* both must be above zero"):
         bench.value("merit.table")
+
+
+@pytest.mark.parametrize("case", reference_cases("giqe_oblique", file=CAMERA_VALUES))
+def test_a_view_at_an_angle_of_the_reference(case, tmp_path):
+    given = {name: float(value) for name, value in case["inputs"].items()}
+    pixel = given.pop("pitch_um") / given.pop("focal_length_mm")  # mrad
+    given["range_m"] = given.pop("slant_range_m")
+    fov = math.degrees(pixel * SIZE / 1000)
+    bench = bench_of(tmp_path, given, scene={"fov_x_deg": fov, "fov_y_deg": fov})
+    found = bench.readouts("merit") | bench.value("merit.table").as_dict()
+    for name, value in case["expected"].items():
+        assert found[name.replace("normal_", "")] == pytest.approx(float(value), rel=1e-9), name
+
+
+def cautions(bench, check):
+    return [one.text for one in bench.engine.warnings(bench.plan, bench.work)
+            if (one.node, one.check) == ("merit", check)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("unit", "mean"), [("1", 0.4), ("%", 40.0)])
+@pytest.mark.parametrize("bands", [1, 3])
+def test_the_contrast_of_a_scene_in_reflectance(tmp_path, unit, mean, bands):
+    """15 % less 7 % under its own light: 0.08/0.4 of the electrons of a scene of 40 %."""
+    np.save(tmp_path / "ground.npy", np.full((SIZE, SIZE), mean))
+    nodes = {
+        "scene": ("read_image", {"path": "ground.npy", "unit": unit, "fov_x_deg": FOV_DEG,
+                                 "fov_y_deg": FOV_DEG}),
+        "light": ("reflected_light", {"cut_on_um": 0.5, "cut_off_um": 0.8, "bands": bands}),
+        "air": ("atmospheric_path", {"model": "transmission", "transmission": 0.7}),
+        "init": ("init_trans", INIT),
+        "fpa": ("focal_plane", {**CAMERA, "integration_time_s": 1e-3}),
+        "merit": ("image_quality", {}),
+    }  # fmt: skip
+    links = [
+        ("scene.image", "light.image"), ("light.image", "air.image"), ("air.image", "init.image"),
+        ("air.image", "fpa.image"), ("init.context", "fpa.context"), ("fpa.image", "merit.image"),
+        ("init.context", "merit.context"),
+    ]  # fmt: skip
+    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    camera = bench.readouts("fpa")
+    expected = 0.08 / 0.4 * camera["signal_e"] / camera["temporal_noise_e"]
+    assert bench.readouts("merit")["snr"] == pytest.approx(expected, rel=1e-6)
+    assert not cautions(bench, "contrast")
+
+
+def test_a_contrast_of_unknown_reflectances_is_warned_of(tmp_path):
+    (said,) = cautions(bench_of(tmp_path), "contrast")
+    assert "its mean radiance counts as that of a surface of 15 %" in said
+    assert not cautions(bench_of(tmp_path, {"snr": 50.0}), "contrast")
+    assert not cautions(bench_of(tmp_path, {"snr_of": "mean"}), "contrast")
+
+
+def test_two_views_at_once_are_warned_of(tmp_path):
+    (said,) = cautions(bench_of(tmp_path, {"elevation_deg": 40, "off_nadir_deg": 20}), "view")
+    assert "off_nadir_deg = 20° is not used: elevation_deg = 40°" in said
+    (said,) = cautions(bench_of(tmp_path, {"gsd_m": 0.5, "range_m": 2e3}), "view")
+    assert "range_m = 2000 m is not used: gsd_m = 0.5 m" in said
+    typed = bench_of(tmp_path, {"gsd_m": 0.5, "rer_x": 0.45, "rer_y": 0.31}).readouts("merit")
+    assert typed["gsd_m"] == 0.5
+    assert typed["rer"] == pytest.approx(math.sqrt(0.45 * 0.31), rel=1e-14)
