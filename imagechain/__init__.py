@@ -17,7 +17,7 @@ or build your own chain:
     chain.add(ic.modules.back_transform())
 
 `ic.modules` has every module, with the units and ranges of its parameters. `ic.measure` measures a
-camera's pictures, and `ic.fit` fits a chain's parameters to them.
+camera's pictures, and `ic.fit` fits a chain's parameters to them. `ic.physics` has single formulas.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
         UsageError,
     )
     from core.modules.panel_sections import Caution
-    from imagechain import modules
+    from imagechain import modules, physics
     from imagechain.building.camera import Camera
     from imagechain.building.chain import Chain, ChainNode, networks, open
     from imagechain.building.chain_study import study
@@ -99,6 +99,7 @@ __all__ = [
     "networks",
     "open",
     "part",
+    "physics",
     "preset",
     "presets",
     "scene",
@@ -153,8 +154,8 @@ def _version() -> str:
 if not TYPE_CHECKING:  # so that a name that is not there is an error of the types
 
     def __getattr__(name: str) -> object:
-        if name == "modules":
-            return import_module("imagechain.modules")
+        if name in ("modules", "physics"):
+            return import_module(f"imagechain.{name}")
         if name == "expression":
             value = import_module("imagechain.parts.module_part").Expression
         elif name == "__version__":

@@ -1478,6 +1478,62 @@ def detector_mtf(
     ifov_x_mrad (mrad), ifov_y_mrad (mrad), first_zero_x (cyc/mrad), first_zero_y (cyc/mrad).
     """
 
+def charge_diffusion_mtf(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    depletion_um: float | Expression = 5.0,
+    diffusion_length_um: float | Expression = 50.0,
+    absorption_per_um: float | Expression | None = None,
+    side: Literal['front', 'back'] = 'front',
+    thickness_um: float | Expression | None = None,
+    cut_on_um: float | Expression | None = None,
+    cut_off_um: float | Expression | None = None,
+) -> Part:
+    """Blur by charge diffusion: carriers born outside the depletion region wander to it.
+
+    Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²); α
+    is the absorption coefficient, d depletion_um, L₀ diffusion_length_um, and f the frequency on
+    the detector. The back side is a thinned detector with a passivated surface: carriers are born
+    mostly at the back and cross the undepleted silicon, thickness_um less depletion_um. If
+    absorption_per_um is empty, it is that of silicon at 295 K over the band (the cold filter's or
+    the picture's), and each wavelength counts by the carriers that it gives, with the same number
+    of photons per wavelength. Red and near-infrared light goes deep and blurs most from the front;
+    blue light blurs most from the back. Sources: Seib 1974; Crowell and Labuda 1969; Holst and
+    Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or output the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    depletion_um : float | Expression
+        depth of the depletion region [µm]: a number from 0 to 10000; default 5.0
+    diffusion_length_um : float | Expression
+        diffusion length outside the depletion region [µm]: a number above 0 to 1e+06; default 50.0
+    absorption_per_um : float | Expression | None
+        absorption coefficient; empty: silicon's, over the band [1/µm]: a number from 0 to 1e+06 or
+        empty; default empty
+    side : Literal['front', 'back']
+        side that the light enters: one of front, back; default 'front'
+    thickness_um : float | Expression | None
+        thickness of a detector lit from the back [µm]: a number from 0 to 10000 or empty; default
+        empty
+    cut_on_um : float | Expression | None
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    cut_off_um : float | Expression | None
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+
+    Notes
+    -----
+    Charge Diffusion MTF, in the group Detector.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    absorption_per_um (1/µm).
+    """
+
 def charge_eff_mtf(
     *,
     apply: Literal['multiply', 'filter_only'] = 'multiply',

@@ -40,6 +40,7 @@ _FILES = (
     "motion.vibration_mtf",
     "motion.line_of_sight",
     "detector.detector_mtf",
+    "detector.charge_diffusion_mtf",
     "detector.charge_eff_mtf",
     "detector.charge_eff_phase",
     "detector.tdi_mtf",

@@ -61,6 +61,7 @@ class TestDeclared:
         endings = {
             "_mrad": "mrad", "_um": "µm", "_mm": "mm", "_m": "m", "_cm": "cm", "_K": "K",
             "_mK": "mK", "_Hz": "Hz", "_s": "s", "_deg": "deg", "_percent": "%", "_per_km": "1/km",
+            "_per_um": "1/µm",
             "_m_per_s": "m/s", "_mrad_per_s": "mrad/s", "_cyc_per_mrad": "cyc/mrad", "_px": "px",
             "_waves": None, "_e": "e-", "_e_per_s": "e-/s", "_e_per_dn": "e-/DN", "_dn": "DN",
             "_dB": "dB", "_e_per_K": "e-/K",

@@ -52,6 +52,8 @@ def standard_sun_irradiance(wavelength_um: ArrayLike) -> FloatArray:
     ------
     ParameterError
         For a wavelength below the table.
+
+    Source: ASTM G173-03, as of `standard_sun`.
     """
     wavelength = np.asarray(wavelength_um, np.float64)
     known, values = standard_sun()

@@ -132,6 +132,8 @@ def brightness_temperature(
         than 1e30 K would give.
     ParameterError
         For a band out of range.
+
+    Source: the inverse of Planck's integral, by bracketed Newton steps.
     """
     return _brightness(radiance, cut_on_um, cut_off_um, fitted=False)
 

@@ -1,0 +1,128 @@
+"""Charge Diffusion MTF: carriers wander before they are collected."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from core.chain.wires import Context, Magnitude
+from core.errors import ParameterError
+from core.modules.declaration import NodeContext, readout
+from core.modules.panel_sections import Section
+from core.modules.parameters import Formula, Param
+from core.physics.detector.charge_diffusion import (
+    Side,
+    band_diffusion_mtf,
+    silicon_absorption_per_um,
+)
+from core.physics.radiometry.planck import band_nodes
+from nodes.shared.context_defaults import given_band, of_context
+from nodes.shared.factors import radial
+from nodes.shared.module_ports import CutOff, CutOn, MtfModule, MtfOutputs
+
+_SILICON_UM = (0.25, 1.2)
+
+
+class ChargeDiffusionMTF(
+    MtfModule, key="charge_diffusion_mtf", title="Charge Diffusion MTF", group="Detector"
+):
+    """Blur by charge diffusion: carriers born outside the depletion region wander to it.
+
+    Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²); α
+    is the absorption coefficient, d depletion_um, L₀ diffusion_length_um, and f the frequency on
+    the detector. The back side is a thinned detector with a passivated surface: carriers are born
+    mostly at the back and cross the undepleted silicon, thickness_um less depletion_um. If
+    absorption_per_um is empty, it is that of silicon at 295 K over the band (the cold filter's or
+    the picture's), and each wavelength counts by the carriers that it gives, with the same number
+    of photons per wavelength. Red and near-infrared light goes deep and blurs most from the front;
+    blue light blurs most from the back. Sources: Seib 1974; Crowell and Labuda 1969; Holst and
+    Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
+    """
+
+    formulas = (
+        Formula(
+            r"H(f)=\frac{1-\dfrac{e^{-\alpha d}}{1+\alpha L_f}}{1-\dfrac{e^{-\alpha d}}{1+\alpha "
+            r"L_0}},\quad L_f=\frac{L_0}{\sqrt{1+(2\pi L_0 f)^2}}",
+            where="α: absorption coefficient; d: depth of the depletion region; L₀: diffusion "
+            "length; f: radial frequency on the detector",
+            when="front",
+        ),
+        Formula(
+            r"\eta(k)=\int_0^{b}\alpha e^{-\alpha x}\,\frac{\cosh kx}{\cosh kb}\,dx+e^{-\alpha b}"
+            r"\left(1-e^{-\alpha d}\right),\quad H=\frac{\eta(1/L_f)}{\eta(1/L_0)}",
+            where="b: thickness less d; x: depth from the back",
+            when="back",
+        ),
+    )
+
+    depletion_um: Annotated[
+        float, Param("depth of the depletion region", unit="µm", low=0, high=1e4, slider=(0, 50))
+    ] = 5.0
+    diffusion_length_um: Annotated[
+        float,
+        Param("diffusion length outside the depletion region", unit="µm", low=0, high=1e6,
+              above=True, slider=(1, 200)),
+    ] = 50.0  # fmt: skip
+    absorption_per_um: Annotated[
+        float | None,
+        Param("absorption coefficient; empty: silicon's, over the band", unit="1/µm", low=0,
+              high=1e6, slider=(0.005, 1)),
+    ] = None  # fmt: skip
+    side: Annotated[Side, Param("side that the light enters")] = "front"
+    thickness_um: Annotated[
+        float | None,
+        Param("thickness of a detector lit from the back", unit="µm", low=0, high=1e4,
+              slider=(5, 300)),
+    ] = None  # fmt: skip
+    cut_on_um: CutOn = None
+    cut_off_um: CutOff = None
+
+    panel = (
+        Section("", ("apply",)),
+        Section("Detector", ("depletion_um", "diffusion_length_um", "side")),
+        Section("", ("thickness_um",), shown_when=("side", ("back",))),
+        Section("Absorption", ("absorption_per_um", "cut_on_um", "cut_off_um")),
+    )
+
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
+        factors = radial(band_diffusion_mtf, label=self.title, node=here.node, **self.law(context))
+        return self.mtf_outputs(magnitude, *factors)
+
+    def law(self, context: Context) -> dict[str, Any]:
+        """What the transfer function is made of."""
+        absorptions, weights = self._absorptions(context)
+        law: dict[str, Any] = {
+            "focal_length_mm": of_context("focal_length_mm", context, unit="mm"),
+            "absorptions_per_um": absorptions,
+            "weights": weights,
+            "depletion_um": self.depletion_um,
+            "diffusion_length_um": self.diffusion_length_um,
+            "side": self.side,
+            "thickness_um": self.thickness_um if self.side == "back" else None,
+        }
+        band_diffusion_mtf(rho=0.0, **law)  # refuses a thickness at once
+        return law
+
+    def _absorptions(self, context: Context) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        if self.absorption_per_um is not None:
+            return (self.absorption_per_um,), (1.0,)
+        low, high = given_band(self.cut_on_um, self.cut_off_um, context.band_um)
+        for name, end in (("cut_on_um", low), ("cut_off_um", high)):
+            if not _SILICON_UM[0] <= end <= _SILICON_UM[1]:
+                raise ParameterError(
+                    name,
+                    end,
+                    f"{_SILICON_UM[0]:g} to {_SILICON_UM[1]:g}, where silicon absorbs, or give "
+                    "absorption_per_um",
+                    unit="µm",
+                )
+        if low == high:
+            return tuple(silicon_absorption_per_um(wavelength_um=[low]).tolist()), (1.0,)
+        wavelength, width = band_nodes(low, high, ())
+        absorption = silicon_absorption_per_um(wavelength_um=wavelength)
+        return tuple(absorption.tolist()), tuple(width.tolist())
+
+    @readout("1/µm", name="absorption_per_um")
+    def mean_absorption(self, context: Context) -> float:
+        """Absorption coefficient, mean over the band."""
+        absorptions, weights = self._absorptions(context)
+        return sum(a * w for a, w in zip(absorptions, weights, strict=True)) / sum(weights)
