@@ -218,11 +218,11 @@ def radiance_level(work: Work, levels: ElectronLevels) -> LevelChange:
     return LevelChange(gain, levels.total_e, levels.signal_e * gain)
 
 
-def _bent_mean(levels: ElectronLevels, reading: ReadOut) -> float:
+def _bent(electrons: float, reading: ReadOut) -> float:
     if reading.full_well_e is None:
-        return levels.total_e
+        return electrons
     return bent_response(
-        electrons=levels.total_e,
+        electrons=electrons,
         full_well_e=reading.full_well_e,
         nonlinearity_percent=reading.nonlinearity_percent,
     )
@@ -230,9 +230,9 @@ def _bent_mean(levels: ElectronLevels, reading: ReadOut) -> float:
 
 def mean_clipped(levels: ElectronLevels, reading: ReadOut) -> Caution | None:
     """Why the read-out's mean does not follow the scene, and what to change; None where it does."""
-    mean_e, well = _bent_mean(levels, reading), reading.full_well_e
+    mean_e, well = _bent(levels.total_e, reading), reading.full_well_e
     number, top_dn = mean_e / reading.gain_e_per_dn + reading.offset_dn, reading.top_dn
-    if well is not None and (mean_e > well or _flat(levels.total_e, reading)):
+    if well is not None and (mean_e > well or _bent_slope(levels.total_e, reading) == 0.0):
         return Caution(
             f"the picture's mean is {100.0 * mean_e / well:.4g} % of the full well and is clipped",
             "lower integration_time_s, tdi_stages or the picture's radiance, or raise full_well_e",
@@ -252,15 +252,14 @@ def mean_clipped(levels: ElectronLevels, reading: ReadOut) -> Caution | None:
     return None
 
 
-def _flat(electrons: float, reading: ReadOut) -> bool:
-    """Whether the response has been bent until it no longer rises: at the full well, by 25 %."""
-    return (
-        bent_slope(
-            electrons=electrons,
-            full_well_e=reading.full_well_e or np.inf,
-            nonlinearity_percent=reading.nonlinearity_percent,
-        )
-        == 0.0
+def _bent_slope(electrons: float, reading: ReadOut) -> float:
+    """Rise of the response there; 0 where it has been bent until it is flat."""
+    if reading.full_well_e is None:
+        return 1.0
+    return bent_slope(
+        electrons=electrons,
+        full_well_e=reading.full_well_e,
+        nonlinearity_percent=reading.nonlinearity_percent,
     )
 
 
@@ -277,15 +276,22 @@ def clipping_level(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> L
 def figures(
     work: Work, levels: ElectronLevels, *, collection: Collection, reading: ReadOut, area_cm2: float
 ) -> TableData:
-    """All figures at the mean of the picture, in the order of the panel."""
+    """All figures at the mean of the picture, in the order of the panel.
+
+    Signal, well fill and dark current are of the electrons collected. What the nonlinearity bends
+    is bent: shot noise, fixed pattern and responsivity are those behind it.
+    """
     total, frames = levels.total_e, reading.frames
-    shot = shot_noise_e(electrons=total, frames_averaged=frames)
+    slope = _bent_slope(total, reading)
+    shot = shot_noise_e(electrons=total, frames_averaged=frames) * slope
     read = reading.read_noise_e / frames**0.5
     rounding = quantization_noise_e(gain_e_per_dn=reading.gain_e_per_dn) if reading.bits else 0.0
     temporal = temporal_noise_e(shot_e=shot, read_e=read, quantization_e=rounding)
     clipped = mean_clipped(levels, reading)
     why = "" if clipped is None else clipped.message
     responsivity = levels.electrons_per_K if clipped is None else None
+    if responsivity is not None:
+        responsivity *= slope
     netd = None
     if responsivity is not None:
         netd = _finite(netd_of_electrons_K(temporal_e=temporal, responsivity_e_per_K=responsivity))
@@ -297,12 +303,15 @@ def figures(
     elif 0.0 < saturation < np.inf:
         dark_noise = math.hypot(read, rounding, shot_noise_e(electrons=levels.dark_e / frames))
         decibels = _finite(dynamic_range_dB(full_well_e=saturation, dark_noise_e=dark_noise))
-    snr = levels.signal_e / temporal if temporal and clipped is None else None
+    signal = levels.signal_e
+    if reading.nonlinearity_percent:
+        signal = _bent(total, reading) - _bent(levels.pedestal_e, reading)
+    snr = signal / temporal if temporal and clipped is None else None
     efficiency = _efficiency(levels, collection)
     nei = None
     if efficiency > 0.0 and clipped is None:
         nei = nei_photons_per_cm2(
-            temporal_e=temporal, quantum_efficiency=efficiency, area_cm2=area_cm2
+            temporal_e=temporal / slope, quantum_efficiency=efficiency, area_cm2=area_cm2
         )
     rows: tuple[tuple[Any, ...], ...] = (
         ("signal_e", levels.signal_e, "e-", "electrons from the scene"),
@@ -316,7 +325,8 @@ def figures(
         ("temporal_noise_e", temporal, "e-", "all noise that changes from frame to frame"),
         (
             "fixed_pattern_e",
-            fixed_pattern_e(
+            slope
+            * fixed_pattern_e(
                 electrons=total, prnu_percent=reading.prnu_percent, dsnu_e=reading.dsnu_e
             ),
             "e-",
@@ -336,7 +346,7 @@ def figures(
         ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons per digital number"),
         (
             "mean_dn",
-            _bent_mean(levels, reading) / reading.gain_e_per_dn + reading.offset_dn,
+            _bent(total, reading) / reading.gain_e_per_dn + reading.offset_dn,
             "DN",
             "digital number of the mean",
         ),

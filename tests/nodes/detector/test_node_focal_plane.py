@@ -110,6 +110,24 @@ def test_the_noise_is_what_differs_from_the_expected_electrons(tmp_path):
     assert bench.readouts("it")["mean_dn"] == pytest.approx(expected * 16383 / 7e6)
 
 
+def test_noise_and_responsivity_are_those_behind_the_nonlinearity(tmp_path):
+    """At 70 % of the well, bent by 10 %: measured in a picture, and between two scenes."""
+    params = {**CAMERA_SHEET, "nonlinearity_percent": 10.0, "prnu_percent": 0.1, "bits": 0}
+    params["integration_time_s"] = 0.7 * 7e6 / (584765.21021844287024 / 0.004)
+    bench = focal_plane_bench(tmp_path, params, size=(256, 256))
+    found, electrons = bench.readouts("it"), bench.value("it.electrons")
+    slope = 1 - 2 * 0.1 * found["well_fill_percent"] / 100
+    assert found["shot_noise_e"] == pytest.approx(slope * math.sqrt(found["signal_e"]), rel=1e-12)
+    spread = math.hypot(found["temporal_noise_e"], found["fixed_pattern_e"])
+    assert electrons.std() == pytest.approx(spread, rel=0.01)
+    warmer = focal_plane_bench(tmp_path, params, size=(256, 256), scene={"temperature_K": 300.2})
+    rise = (warmer.value("it.electrons").mean() - electrons.mean()) / 0.2
+    assert found["responsivity_e_per_K"] == pytest.approx(rise, rel=0.01)
+    assert found["netd_K"] == pytest.approx(
+        found["temporal_noise_e"] / found["responsivity_e_per_K"], rel=1e-12
+    )
+
+
 def test_frames_averaged_lower_shot_and_read_noise_by_their_root(tmp_path):
     one, many = (
         focal_plane_bench(
