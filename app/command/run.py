@@ -14,12 +14,12 @@ from typing import Any
 from app.command.results import say, show
 from app.options.command_options import Options
 from app.options.option_values import Save
-from app.options.overrides import with_final, with_settings
+from app.options.overrides import with_disabled, with_final, with_settings
 from app.options.progress import Progress
 from app.options.stopping import too_late
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
 from app.run.figures import Figure, figure_rows, main_figures
-from app.run.output import find_output, how_to_choose
+from app.run.output import ANALYSIS, find_output, how_to_choose
 from app.run.readout_tables import columns, json_text, readout_rows, warning_lines
 from app.run.responses import mtf_csv
 from app.run.saving import (
@@ -56,7 +56,7 @@ from core.errors import ImagechainError, NetworkError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 from core.evaluation.store import Store
-from core.modules.declaration import Library, NodeContext
+from core.modules.declaration import Library, NodeContext, declaration
 from core.modules.panel_sections import Caution
 from core.names import close, in_line, shown
 from core.network.file import read_network
@@ -84,32 +84,49 @@ def carry_out(options: Options, stop: threading.Event) -> None:
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)
+    left_out: tuple[str, ...] = ()
     while True:
         try:
-            return _run(network, place, options, stop)
+            return _run(network, place, options, stop, left_out)
         except ImagechainError as error:
             smaller = _without_judges(network, error, options, library)
             if smaller is None:
                 raise
-            network = smaller
+            network, more = smaller
+            say(options, *map(in_line, more))
+            left_out += more
 
 
 def _without_judges(
     network: Network, error: ImagechainError, options: Options, library: Library
-) -> Network | None:
-    """The network without the judges that cannot judge a picture put in place of its scene."""
-    if not options.scenes:
-        return None
+) -> tuple[Network, tuple[str, ...]] | None:
+    """The network without the judges that cannot judge its picture; None for any other error."""
     from app.run.own_scene import without_judges
 
-    left = without_judges(network, error, library, [save.node for save in options.saves])
-    if left is None:
+    if not options.scenes and not _judges_only(network, error, library):
         return None
-    say(options, *map(in_line, left[1]))
-    return left[0]
+    return without_judges(network, error, library, [save.node for save in options.saves])
 
 
-def _run(network: Network, place: Place, options: Options, stop: threading.Event) -> None:
+def _judges_only(network: Network, error: ImagechainError, library: Library) -> bool:
+    """Whether every error is one of a module that gives figures of a picture, and no picture."""
+    problems = error.problems if isinstance(error, NetworkProblems) else (error,)
+    for problem in problems:
+        node = network.nodes.get(problem.node or "")
+        module = None if node is None else library.get(node.module)
+        declared = None if module is None else declaration(module)
+        if declared is None or declared.group != ANALYSIS:
+            return False
+    return True
+
+
+def _run(
+    network: Network,
+    place: Place,
+    options: Options,
+    stop: threading.Event,
+    left_out: tuple[str, ...],
+) -> None:
     start = time.perf_counter()
     library = standard_library()
     policy = policy_of(options)
@@ -143,6 +160,7 @@ def _run(network: Network, place: Place, options: Options, stop: threading.Event
             "readouts": evaluation.readouts,
             "warnings": [asdict(caution) for caution in evaluation.cautions],
             "skipped": [asdict(skip) for skip in skipped],
+            "left_out": list(left_out),
             "way": evaluation.way,
             "files": [*map(str, own_files(plan, folder)), *others],
         }
@@ -260,6 +278,7 @@ def with_options(network: Network, place: Place, options: Options, library: Libr
     for text in options.scenes:
         network = _with_scene(network, text, place, options, library)
     network = with_settings(network, options.settings, library=library)
+    network = with_disabled(network, options.disabled, library=library)
     if options.final is not None:
         network = with_final(network, options.final, library=library)
     if options.seed is not None:

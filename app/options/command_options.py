@@ -37,6 +37,7 @@ class Options(argparse.Namespace):
     # A network, and how it is evaluated.
     network: str = ""
     settings: tuple[Assignment, ...] = ()
+    disabled: tuple[str, ...] = ()
     final: str | None = None
     scenes: tuple[str, ...] = ()
     scene_unit: str | None = None

@@ -84,6 +84,9 @@ def _network_words(parser: Parser) -> None:
     _add(parser, "--set", "NODE.PARAM=VALUE",
          "change a parameter for this run; null clears it; may be repeated",
          partial(assignment, form="NODE.PARAM=VALUE"), many=True, dest="settings")  # fmt: skip
+    _add(parser, "--disable", "NODE",
+         "switch a node off for this run: it passes on what comes in; may be repeated",
+         many=True, dest="disabled")  # fmt: skip
     _add(parser, "--final", "NODE.PORT",
          "take this picture as the network's output, instead of the one marked in the file",
     )  # fmt: skip

@@ -16,7 +16,7 @@ from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown
 from core.network.linked_values import expression
-from core.network.network import Network, with_marks
+from core.network.network import Network, passed_through, with_marks
 
 # JSON takes neither a sign +, nor a number without digits before or after the point.
 _NUMBER = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)([eE][+-]?[0-9]+)?", re.ASCII)
@@ -36,6 +36,26 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
             continue
         value = from_here(plain(_fitting(parameter, setting)), parameter)
         network = network.with_parameter(setting.node, setting.name, value)
+    return network
+
+
+def with_disabled(network: Network, names: Iterable[str], *, library: Library) -> Network:
+    """The network with nodes switched off, or all nodes of a macro: they pass on what comes in."""
+    for name in names:
+        inside = [node for node in network.nodes if node.startswith(f"{name}/")]
+        if name not in network.nodes and not inside:
+            known = close(name, network.nodes) or listed(network.nodes)
+            raise UsageError(f"--disable {shown(name)}: there is no node of this name{known}")
+        for node in [name] if name in network.nodes else inside:
+            module = library.get(network.nodes[node].module)
+            declared = None if module is None else declaration(module)
+            needed = bool(network.followers.get(node))
+            if declared is not None and needed and not passed_through(declared):
+                raise UsageError(
+                    f"--disable {shown(node)}: {declared.title} has no input to pass on; disable a "
+                    "node that has one, such as a blur or a source of noise"
+                )
+            network = network.with_node(replace(network.nodes[node], disabled=True))
     return network
 
 

@@ -94,3 +94,47 @@ def test_frames_without_a_file_for_them(fails):
         line = fails("run", "first_steps", "--frames", "3", *saved)
         assert "--frames 3 needs --save" in line
         assert line.endswith("--save back.image=frames.npy\n")
+
+
+def test_a_node_is_switched_off_for_a_run(imagechain, tmp_path):
+    """The picture without noise is that before it; a judge or a macro can be switched off too."""
+    save = ("--save", "scene.image=scene.npy", "--save", "noise.image=out.npy", "--output-dir", "o")
+    nodes = {
+        "scene": {"module": "test_scene", "params": {"width": 24, "height": 16, "fov_x_deg": 1,
+                                                     "fov_y_deg": 1}},
+        "noise": {"module": "noise_3d_source", "params": {"sigma_tvh": 0.5}},
+        "figures": {"module": "noise_3d", "params": {}},
+    }  # fmt: skip
+    links = [["scene.image", "noise.image"], ["noise.image", "figures.image"]]
+    network = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links}
+    (tmp_path / "n.json").write_text(json.dumps(network), encoding="utf-8")
+    assert imagechain("run", "n.json", *save).returncode == 0
+    assert np.ptp(np.load(tmp_path / "out.npy") - np.load(tmp_path / "scene.npy")) > 1
+    done = imagechain("run", "n.json", "--disable", "noise", *save)
+    assert done.returncode == 0, done.stderr
+    np.testing.assert_array_equal(np.load(tmp_path / "out.npy"), np.load(tmp_path / "scene.npy"))
+    done = imagechain("run", "n.json", "--disable", "figures", "--output-dir", "o", "--json")
+    assert done.returncode == 0, done.stderr
+    assert not json.loads(done.stdout)["readouts"].get("figures")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("nois", "--disable nois: there is no node of this name; did you mean noise?"),
+        ("scene", "--disable scene: Test Scene has no input to pass on"),
+    ],
+)
+def test_a_node_that_cannot_be_switched_off(imagechain, tmp_path, name, words):
+    nodes = {
+        "scene": {"module": "test_scene", "params": {"width": 24, "height": 16}},
+        "noise": {"module": "noise_3d_source", "params": {"sigma_tvh": 0.5}},
+    }
+    network = {"format": "imagechain-network", "version": 1, "nodes": nodes,
+               "links": [["scene.image", "noise.image"]]}  # fmt: skip
+    (tmp_path / "n.json").write_text(json.dumps(network), encoding="utf-8")
+    for command in (["run"], ["study", "--vary", "noise.sigma_tvh=1,2", "--output", "s.csv"]):
+        done = imagechain(command[0], "n.json", *command[1:], "--disable", name)
+        assert done.returncode == 2
+        assert words in done.stderr
+        assert "Traceback" not in done.stderr
