@@ -273,9 +273,9 @@ def init_trans(
     Parameters
     ----------
     detector_x_um : float | Expression | None
-        detector pitch across [µm]: a number of at least 0 or empty; default empty
+        horizontal detector pitch [µm]: a number of at least 0 or empty; default empty
     detector_y_um : float | Expression | None
-        detector pitch along [µm]: a number of at least 0 or empty; default empty
+        vertical detector pitch [µm]: a number of at least 0 or empty; default empty
     focal_length_mm : float | Expression | None
         effective focal length [mm]: a number of at least 0 or empty; default empty
     f_number : float | Expression | None
@@ -286,13 +286,13 @@ def init_trans(
     range_m : float | Expression | None
         altitude or distance [m]: a number of at least 0 or empty; default empty
     fill_x : float | Expression | None
-        fill factor across; empty: 1: a number from 0 to 1 or empty; default 1.0
+        horizontal fill factor; empty: 1: a number from 0 to 1 or empty; default 1.0
     fill_y : float | Expression | None
-        fill factor along; empty: 1: a number from 0 to 1 or empty; default 1.0
+        vertical fill factor; empty: 1: a number from 0 to 1 or empty; default 1.0
     fov_x_deg : float | Expression | None
-        field of view across [deg]: a number from 0 below 180 or empty; default empty
+        horizontal field of view [deg]: a number from 0 below 180 or empty; default empty
     fov_y_deg : float | Expression | None
-        field of view along [deg]: a number from 0 below 180 or empty; default empty
+        vertical field of view [deg]: a number from 0 below 180 or empty; default empty
     platform : Literal['line', 'push', 'array']
         how the detectors collect the picture: line scanner, pushbroom line or staring array: one of
         line, push, array; default 'line'
@@ -784,17 +784,18 @@ def camera(
     Parameters
     ----------
     pixels_x : int | Expression | None
-        pixels across [pixels]: a whole number from 0 to 1e+06 or empty; default empty
+        pixels per row [pixels]: a whole number from 0 to 1e+06 or empty; default empty
     pixels_y : int | Expression | None
-        pixels along [pixels]: a whole number from 0 to 1e+06 or empty; default empty
+        pixels per column [pixels]: a whole number from 0 to 1e+06 or empty; default empty
     pitch_um : float | Expression | None
-        pixel pitch across [µm]: a number of at least 0 or empty; default empty
+        horizontal pixel pitch [µm]: a number of at least 0 or empty; default empty
     pitch_y_um : float | Expression | None
-        pixel pitch along; empty: as across [µm]: a number of at least 0 or empty; default empty
+        vertical pixel pitch; empty: equal to the horizontal pitch [µm]: a number of at least 0 or
+        empty; default empty
     fill_x : float | Expression | None
-        fill factor across; empty: 1: a number from 0 to 1 or empty; default empty
+        horizontal fill factor; empty: 1: a number from 0 to 1 or empty; default empty
     fill_y : float | Expression | None
-        fill factor along; empty: 1: a number from 0 to 1 or empty; default empty
+        vertical fill factor; empty: 1: a number from 0 to 1 or empty; default empty
     focal_length_mm : float | Expression | None
         focal length; empty: F-number times aperture [mm]: a number of at least 0 or empty; default
         empty

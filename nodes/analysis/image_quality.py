@@ -255,8 +255,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     gsd_ground_m = table_figure(
         "gsd_ground_m", "m", "Ground sample distance on the ground, geometric mean."
     )
-    rer = table_figure("rer", "", "Relative edge response, geometric mean.")
-    overshoot_figure = table_figure("overshoot", "", "Edge overshoot, geometric mean.")
+    rer = table_figure("rer", "", "Relative edge response, geometric mean of both axes.")
+    overshoot_figure = table_figure("overshoot", "", "Edge overshoot, geometric mean of both axes.")
     snr_figure = table_figure(
         "snr", "", "Signal divided by temporal noise; left out if there is no noise."
     )
@@ -316,7 +316,9 @@ def signal_over_noise(
     """
     seen.require_known()
     if gain is None:
-        raise DataError("gain_model literal scales the picture by the gain error; use per_pixel")
+        raise DataError(
+            "gain_model = literal scales the picture by the gain error; use gain_model = per_pixel"
+        )
     of_sample = gain * math.prod(level.per_sample or level.gain for level in levels)
     gain *= math.prod(level.gain for level in levels)
     clipped = unseen(gain, levels, "the picture has no signal")
@@ -384,8 +386,8 @@ def quality_table(work: Work, edge: EdgeQuality, snr: float | Unseen, *, view: V
         ("elevation_deg", view.elevation_deg, "deg", "of the line of sight, seen from the target"),
         ("rer", rer, "", "relative edge response, geometric mean (GIQE 3 and 4)"),
         ("rer_weighted", worse_twice, "", "the worse direction counts twice (GIQE 5)"),
-        ("rer_x", rer_x, "", "across"),
-        ("rer_y", rer_y, "", "along"),
+        ("rer_x", rer_x, "", "horizontal"),
+        ("rer_y", rer_y, "", "vertical"),
         ("overshoot", overshoot, "", "edge overshoot H, geometric mean"),
         ("noise_gain", view.noise_gain, "", "noise gain G of the sharpening"),
         ("snr", shown_snr, "", view.snr_words, why),
@@ -397,8 +399,8 @@ def _mean(what: str, values: tuple[float, float]) -> float:
     if min(values) <= 0.0:
         across, along = values
         raise DataError(
-            f"the {what} is {across:.6g} across and {along:.6g} along: both must be above zero "
-            "for the image quality equations"
+            f"the {what} is {across:.6g} horizontally and {along:.6g} vertically: both must be "
+            "above zero for the image quality equations"
         )
     return math.sqrt(values[0] * values[1])
 
@@ -407,7 +409,7 @@ def _mean(what: str, values: tuple[float, float]) -> float:
 def edge_curve(work: Work, edge: EdgeQuality) -> CurveData:
     series = tuple(
         Series(name, _DRAWN, response)
-        for name, response in zip(("across", "along"), edge.response, strict=True)
+        for name, response in zip(("horizontal", "vertical"), edge.response, strict=True)
     )
     return CurveData("Edge response", "samples beside the edge", "response", series)
 

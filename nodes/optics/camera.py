@@ -68,20 +68,25 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     )
 
     pixels_x: Annotated[
-        int | None, Param("pixels across", unit="pixels", low=0, high=10**6, slider=(64, 4096))
+        int | None, Param("pixels per row", unit="pixels", low=0, high=10**6, slider=(64, 4096))
     ] = None
     pixels_y: Annotated[
-        int | None, Param("pixels along", unit="pixels", low=0, high=10**6, slider=(64, 4096))
+        int | None, Param("pixels per column", unit="pixels", low=0, high=10**6, slider=(64, 4096))
     ] = None
     pitch_um: Annotated[
-        float | None, Param("pixel pitch across", unit="µm", low=0, slider=(2, 50))
+        float | None, Param("horizontal pixel pitch", unit="µm", low=0, slider=(2, 50))
     ] = None
     pitch_y_um: Annotated[
         float | None,
-        Param("pixel pitch along; empty: as across", unit="µm", low=0, slider=(2, 50)),
+        Param(
+            "vertical pixel pitch; empty: equal to the horizontal pitch",
+            unit="µm",
+            low=0,
+            slider=(2, 50),
+        ),
     ] = None
-    fill_x: Annotated[float | None, Param("fill factor across; empty: 1", low=0, high=1)] = None
-    fill_y: Annotated[float | None, Param("fill factor along; empty: 1", low=0, high=1)] = None
+    fill_x: Annotated[float | None, Param("horizontal fill factor; empty: 1", low=0, high=1)] = None
+    fill_y: Annotated[float | None, Param("vertical fill factor; empty: 1", low=0, high=1)] = None
     focal_length_mm: Annotated[
         float | None,
         Param("focal length; empty: F-number times aperture", unit="mm", low=0, slider=(5, 1000)),
@@ -241,8 +246,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         if alike(pixel, sample):
             return None
         return Caution(
-            "the numbers of samples per pixel across and along differ: the picture's samples "
-            f"are {sample:.4g} times as high as wide, the pixels {pixel:.4g} times",
+            "the numbers of samples per pixel differ horizontally and vertically: the picture's "
+            f"samples are {sample:.4g} times as high as wide, the pixels {pixel:.4g} times",
             "correct pitch, pixels or the picture's field of view, unless this sampling is "
             "intended",
         )
@@ -252,28 +257,28 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         """A picture of fewer samples than pixels."""
         sheet, image = self.sheet(), outputs.image
         for name, pitch, interval in (
-            ("across", sheet.pitch_x_mrad, image.interval_x_mrad),
-            ("along", sheet.pitch_y_mrad, image.interval_y_mrad),
+            ("wide", sheet.pitch_x_mrad, image.interval_x_mrad),
+            ("high", sheet.pitch_y_mrad, image.interval_y_mrad),
         ):
             if pitch and interval and pitch < interval * (1 - NEAR):
                 return Caution(
-                    f"aliasing cannot be simulated: a sample is {interval:.4g} mrad wide "
-                    f"{name} and a pixel {pitch:.4g} mrad, so the picture is sampled more "
+                    f"aliasing cannot be simulated: a sample is {interval:.4g} mrad {name} "
+                    f"and a pixel {pitch:.4g} mrad, so the picture is sampled more "
                     "coarsely than the camera",
                     "use a picture with two or more samples per pixel",
                 )
         return None
 
-    pixel_x_mrad = _figure("pixel_x_mrad", "mrad", "Pixel angle (IFOV spacing) across.")
-    pixel_y_mrad = _figure("pixel_y_mrad", "mrad", "Pixel angle (IFOV spacing) along.")
-    fov_x_deg = _figure("fov_x_deg", "deg", "Field of view across.")
-    fov_y_deg = _figure("fov_y_deg", "deg", "Field of view along.")
-    nyquist_x = _figure("nyquist_x", "cyc/mrad", "Nyquist frequency of the pixels across.")
-    nyquist_y = _figure("nyquist_y", "cyc/mrad", "Nyquist frequency of the pixels along.")
+    pixel_x_mrad = _figure("pixel_x_mrad", "mrad", "Horizontal pixel angle (IFOV spacing).")
+    pixel_y_mrad = _figure("pixel_y_mrad", "mrad", "Vertical pixel angle (IFOV spacing).")
+    fov_x_deg = _figure("fov_x_deg", "deg", "Horizontal field of view.")
+    fov_y_deg = _figure("fov_y_deg", "deg", "Vertical field of view.")
+    nyquist_x = _figure("nyquist_x", "cyc/mrad", "Horizontal Nyquist frequency of the pixels.")
+    nyquist_y = _figure("nyquist_y", "cyc/mrad", "Vertical Nyquist frequency of the pixels.")
     f_number_figure = _figure("f_number", "", "F-number.")
     aperture_figure = _figure("aperture_mm", "mm", "Diameter of the aperture.")
-    samples_x = _figure("samples_per_pixel_x", "samples", "Picture samples per pixel across.")
-    samples_y = _figure("samples_per_pixel_y", "samples", "Picture samples per pixel along.")
+    samples_x = _figure("samples_per_pixel_x", "samples", "Picture samples per pixel, horizontal.")
+    samples_y = _figure("samples_per_pixel_y", "samples", "Picture samples per pixel, vertical.")
     cutoff = _figure(
         "cutoff", "cyc/mrad", "Diffraction cutoff at the middle wavelength of the band."
     )
@@ -283,8 +288,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         "λF/pitch: wavelength times F-number over pixel pitch; at 2, the "
         "optical cutoff equals Nyquist.",
     )
-    gsd_x_m = _figure("gsd_x_m", "m", "Width of the scene that a pixel sees across.")
-    gsd_y_m = _figure("gsd_y_m", "m", "Height of the scene that a pixel sees along.")
+    gsd_x_m = _figure("gsd_x_m", "m", "Width of the area in the scene that a pixel sees.")
+    gsd_y_m = _figure("gsd_y_m", "m", "Height of the area in the scene that a pixel sees.")
 
 
 def intervals_mrad(sheet: CameraSheet, image: Image) -> tuple[float | None, float | None]:
@@ -369,10 +374,10 @@ def camera_figures(
     blur = _times(middle, sheet.f_number)
     return TableData(
         (
-            TableRow("pixels_x", sheet.pixels_x, "pixels", "pixels across"),
-            TableRow("pixels_y", sheet.pixels_y, "pixels", "pixels along"),
-            TableRow("pitch_x_um", sheet.pitch_x_um, "µm", "pixel pitch across"),
-            TableRow("pitch_y_um", sheet.pitch_y_um, "µm", "pixel pitch along"),
+            TableRow("pixels_x", sheet.pixels_x, "pixels", "pixels per row"),
+            TableRow("pixels_y", sheet.pixels_y, "pixels", "pixels per column"),
+            TableRow("pitch_x_um", sheet.pitch_x_um, "µm", "horizontal pixel pitch"),
+            TableRow("pitch_y_um", sheet.pitch_y_um, "µm", "vertical pixel pitch"),
             TableRow("focal_length_mm", sheet.focal_length_mm, "mm", "focal length"),
             TableRow("f_number", sheet.f_number, "", "F-number"),
             TableRow("aperture_mm", sheet.aperture_mm, "mm", "diameter of the aperture"),
@@ -382,21 +387,21 @@ def camera_figures(
                 "",
                 "obscuration: inner diameter divided by the outer",
             ),
-            TableRow("fill_x", sheet.fill_x or 1.0, "", "fill factor across"),
-            TableRow("fill_y", sheet.fill_y or 1.0, "", "fill factor along"),
+            TableRow("fill_x", sheet.fill_x or 1.0, "", "horizontal fill factor"),
+            TableRow("fill_y", sheet.fill_y or 1.0, "", "vertical fill factor"),
             TableRow("range_m", sheet.range_m, "m", "distance of the scene"),
-            TableRow("pixel_x_mrad", x, "mrad", "pixel angle across"),
-            TableRow("pixel_y_mrad", y, "mrad", "pixel angle along"),
-            TableRow("fov_x_deg", _field_deg(sheet.pixels_x, x), "deg", "field of view across"),
-            TableRow("fov_y_deg", _field_deg(sheet.pixels_y, y), "deg", "field of view along"),
-            TableRow("nyquist_x", _over(0.5, x), "cyc/mrad", "Nyquist frequency across"),
-            TableRow("nyquist_y", _over(0.5, y), "cyc/mrad", "Nyquist frequency along"),
-            TableRow("samples_per_pixel_x", _over(x, interval_x_mrad), "samples", "across"),
-            TableRow("samples_per_pixel_y", _over(y, interval_y_mrad), "samples", "along"),
-            TableRow("cutoff", _over(sheet.aperture_mm, middle), "cyc/mrad", "of diffraction"),
+            TableRow("pixel_x_mrad", x, "mrad", "horizontal pixel angle"),
+            TableRow("pixel_y_mrad", y, "mrad", "vertical pixel angle"),
+            TableRow("fov_x_deg", _field_deg(sheet.pixels_x, x), "deg", "horizontal field of view"),
+            TableRow("fov_y_deg", _field_deg(sheet.pixels_y, y), "deg", "vertical field of view"),
+            TableRow("nyquist_x", _over(0.5, x), "cyc/mrad", "horizontal Nyquist frequency"),
+            TableRow("nyquist_y", _over(0.5, y), "cyc/mrad", "vertical Nyquist frequency"),
+            TableRow("samples_per_pixel_x", _over(x, interval_x_mrad), "samples", "horizontal"),
+            TableRow("samples_per_pixel_y", _over(y, interval_y_mrad), "samples", "vertical"),
+            TableRow("cutoff", _over(sheet.aperture_mm, middle), "cyc/mrad", "diffraction cutoff"),
             TableRow("q", _over(blur, sheet.pitch_x_um), "", "λF/pitch at the middle of the band"),
-            TableRow("gsd_x_m", _km(_times(x, sheet.range_m)), "m", "seen by a pixel across"),
-            TableRow("gsd_y_m", _km(_times(y, sheet.range_m)), "m", "seen by a pixel along"),
+            TableRow("gsd_x_m", _km(_times(x, sheet.range_m)), "m", "width seen by a pixel"),
+            TableRow("gsd_y_m", _km(_times(y, sheet.range_m)), "m", "height seen by a pixel"),
         )
     )
 

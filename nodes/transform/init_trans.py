@@ -48,8 +48,8 @@ class InitTrans(
         Formula(
             r"\Delta=\frac{\mathrm{FOV}}{N},\quad f_N=\frac{1}{2\Delta},\quad\delta f=\frac{1}{"
             r"N\Delta}",
-            where="Δ: sampling interval, mrad; FOV: field of view; N: samples across, or along; "
-            "f_N: Nyquist frequency; δf: frequency interval, cycles/mrad",
+            where="Δ: sampling interval, mrad; FOV: field of view; N: samples per row or "
+            "column; f_N: Nyquist frequency; δf: frequency interval, cycles/mrad",
         ),
         Formula(
             r"\mathrm{IFOV}=\frac{p\,\varphi}{f},\quad\mathrm{oversampling}=\frac{p}{f\,\Delta}",
@@ -63,10 +63,10 @@ class InitTrans(
     )
 
     detector_x_um: Annotated[
-        float | None, Param("detector pitch across", unit="µm", low=0, slider=(1, 1000))
+        float | None, Param("horizontal detector pitch", unit="µm", low=0, slider=(1, 1000))
     ] = None
     detector_y_um: Annotated[
-        float | None, Param("detector pitch along", unit="µm", low=0, slider=(1, 1000))
+        float | None, Param("vertical detector pitch", unit="µm", low=0, slider=(1, 1000))
     ] = None
     focal_length_mm: Annotated[
         float | None, Param("effective focal length", unit="mm", low=0, slider=(10, 1000))
@@ -80,13 +80,13 @@ class InitTrans(
     range_m: Annotated[
         float | None, Param("altitude or distance", unit="m", low=0, slider=(10, 10000))
     ] = None
-    fill_x: Annotated[float | None, Param("fill factor across; empty: 1", low=0, high=1)] = 1.0
-    fill_y: Annotated[float | None, Param("fill factor along; empty: 1", low=0, high=1)] = 1.0
+    fill_x: Annotated[float | None, Param("horizontal fill factor; empty: 1", low=0, high=1)] = 1.0
+    fill_y: Annotated[float | None, Param("vertical fill factor; empty: 1", low=0, high=1)] = 1.0
     fov_x_deg: Annotated[
-        float | None, Param("field of view across", unit="deg", low=0, high=180, below=True)
+        float | None, Param("horizontal field of view", unit="deg", low=0, high=180, below=True)
     ] = None
     fov_y_deg: Annotated[
-        float | None, Param("field of view along", unit="deg", low=0, high=180, below=True)
+        float | None, Param("vertical field of view", unit="deg", low=0, high=180, below=True)
     ] = None
     platform: Annotated[
         Platform,
@@ -242,66 +242,66 @@ class InitTrans(
 
     @readout("mrad")
     def interval_x_mrad(self, outputs: InitOutputs) -> float:
-        """Sampling interval across."""
+        """Horizontal sampling interval."""
         return outputs.context.grid.interval_x_mrad
 
     @readout("mrad")
     def interval_y_mrad(self, outputs: InitOutputs) -> float:
-        """Sampling interval along."""
+        """Vertical sampling interval."""
         return outputs.context.grid.interval_y_mrad
 
     @readout("mrad")
     def ifov_x_mrad(self, outputs: InitOutputs) -> float | None:
-        """Instantaneous field of view of a detector across, with its fill factor."""
+        """Horizontal instantaneous field of view of a detector, with its fill factor."""
         context = outputs.context
         return _ifov(context.focal_length_mm, context.detector_x_um, context.fill_x)
 
     @readout("mrad")
     def ifov_y_mrad(self, outputs: InitOutputs) -> float | None:
-        """Instantaneous field of view of a detector along, with its fill factor."""
+        """Vertical instantaneous field of view of a detector, with its fill factor."""
         context = outputs.context
         return _ifov(context.focal_length_mm, context.detector_y_um, context.fill_y)
 
     @readout("cyc/mrad")
     def frequency_interval_x(self, outputs: InitOutputs) -> float:
-        """Spacing of the image's frequencies across."""
+        """Spacing of the image's horizontal frequencies."""
         return outputs.context.grid.frequency_interval_x
 
     @readout("cyc/mrad")
     def frequency_interval_y(self, outputs: InitOutputs) -> float:
-        """Spacing of the image's frequencies along."""
+        """Spacing of the image's vertical frequencies."""
         return outputs.context.grid.frequency_interval_y
 
     @readout("cyc/mrad")
     def nyquist_x(self, outputs: InitOutputs) -> float:
-        """Nyquist frequency of the image's samples across."""
+        """Horizontal Nyquist frequency of the image's samples."""
         return outputs.context.grid.nyquist_x
 
     @readout("cyc/mrad")
     def nyquist_y(self, outputs: InitOutputs) -> float:
-        """Nyquist frequency of the image's samples along."""
+        """Vertical Nyquist frequency of the image's samples."""
         return outputs.context.grid.nyquist_y
 
     @readout("cyc/mrad")
     def pixel_nyquist_x(self, outputs: InitOutputs) -> float | None:
-        """Nyquist frequency of the pixels across, half a cycle per pitch of the detector."""
+        """Horizontal Nyquist frequency of the pixels: half a cycle per detector pitch."""
         return _half_a_cycle_in(outputs, "x")
 
     @readout("cyc/mrad")
     def pixel_nyquist_y(self, outputs: InitOutputs) -> float | None:
-        """Nyquist frequency of the pixels along, half a cycle per pitch of the detector."""
+        """Vertical Nyquist frequency of the pixels: half a cycle per detector pitch."""
         return _half_a_cycle_in(outputs, "y")
 
     @readout("samples")
     def oversampling_x(self, outputs: InitOutputs) -> float | None:
-        """Samples per detector pitch across."""
+        """Samples per horizontal detector pitch."""
         context = outputs.context
         interval = context.grid.interval_x_mrad
         return _oversampling(context.focal_length_mm, context.detector_x_um, interval)
 
     @readout("samples")
     def oversampling_y(self, outputs: InitOutputs) -> float | None:
-        """Samples per detector pitch along."""
+        """Samples per vertical detector pitch."""
         context = outputs.context
         interval = context.grid.interval_y_mrad
         return _oversampling(context.focal_length_mm, context.detector_y_um, interval)
@@ -419,7 +419,8 @@ def _facts(context: Context) -> tuple[str, ...]:
     facts += [
         f"IFOV {pair(pitch[0] * context.fill_x, pitch[1] * context.fill_y)} mrad",
         f"fill {pair(context.fill_x, context.fill_y)}",
-        f"samples a pitch {pair(pitch[0] / grid.interval_x_mrad, pitch[1] / grid.interval_y_mrad)}",
+        "samples per pitch "
+        f"{pair(pitch[0] / grid.interval_x_mrad, pitch[1] / grid.interval_y_mrad)}",
     ]
     if context.scan_velocity_mrad_per_s:
         facts.append(f"scan {brief(context.scan_velocity_mrad_per_s)} mrad/s")
