@@ -548,10 +548,10 @@ def reflected_light(
 
     For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
     band. h is the sun's elevation, τ the air's optical depth from the zenith, and m the air mass.
-    E_sun is the standard solar spectrum (ASTM G173, beyond 4 µm continued by a black body), a black
+    E_sun is the standard solar spectrum (ASTM G173, continued beyond 4 µm by a black body), a black
     body of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a CSV by wavelength.
     The sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
-    reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
+    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths; with
     `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
     Atmospheric Path for the path from the surface to the camera. Sources: Lambert 1760; Kasten and
     Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar Energy 76, 423); nominal solar radius
@@ -2929,11 +2929,11 @@ def image_quality(
         signal of the SNR: the contrast of 15 % and 7 % reflectance, or the mean: one of contrast,
         mean; default 'contrast'
     rer_x : float | Expression | None
-        RER across, if you know it; empty: from the chain: a number of at least 0 or empty; default
-        empty
+        horizontal RER, if you know it; empty: from the chain: a number of at least 0 or empty;
+        default empty
     rer_y : float | Expression | None
-        RER along, if you know it; empty: from the chain: a number of at least 0 or empty; default
-        empty
+        vertical RER, if you know it; empty: from the chain: a number of at least 0 or empty;
+        default empty
     overshoot : float | Expression | None
         overshoot H, if you know it; empty: from the chain: a number of at least 0 or empty; default
         empty

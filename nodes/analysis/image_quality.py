@@ -144,11 +144,11 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     ] = "contrast"
     rer_x: Annotated[
         float | None,
-        Param("RER across, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)),
+        Param("horizontal RER, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)),
     ] = None
     rer_y: Annotated[
         float | None,
-        Param("RER along, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)),
+        Param("vertical RER, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)),
     ] = None
     overshoot: Annotated[
         float | None,
@@ -231,7 +231,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
 
     @warning
     def band(self, image: Image, context: Context) -> Caution | None:
-        """A thermal picture, for which the equations are not."""
+        """The picture is thermal, but the equations are for visible pictures."""
         band = image.band_um or context.band_um
         if band is None or band[0] < SHORTEST_THERMAL_UM:
             return None
@@ -243,7 +243,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
 
     @warning
     def limits(self, outputs: QualityOutputs) -> Recipe:
-        """Values outside those that the equations were fitted to."""
+        """A value lies outside the range to which the equations were fitted."""
         return Step.of(limits_caution, outputs.table.recipe)
 
     giqe5 = table_figure("giqe5", "NIIRS", "Interpretability by GIQE 5.")

@@ -44,10 +44,10 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
     band. h is the sun's elevation, τ the air's optical depth from the zenith, and m the air mass.
-    E_sun is the standard solar spectrum (ASTM G173, beyond 4 µm continued by a black body), a black
+    E_sun is the standard solar spectrum (ASTM G173, continued beyond 4 µm by a black body), a black
     body of 5800 K (1388 W/m² in all, 16 % too low at 1.6 µm), a number, or a CSV by wavelength.
     The sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
-    reflectance, albedo), as Read Image gives it. A reflectance applies to all wavelengths; with
+    reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths; with
     `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
     Atmospheric Path for the path from the surface to the camera. Sources: Lambert 1760; Kasten and
     Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar Energy 76, 423); nominal solar radius
@@ -164,7 +164,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     @warning
     def unused(self, image: Image, given: frozenset[str]) -> Caution | None:
-        """A number beside a file, or a band beside those of a cube."""
+        """A parameter has no effect: the file or the cube's own bands are used instead."""
         if self.path is not None and self.solar_irradiance is not None:
             return Caution(
                 f"solar_irradiance = {self.solar_irradiance:g} W/m²/µm is not used: the "
@@ -182,7 +182,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     @warning
     def brightness(self, image: Image) -> Recipe | None:
-        """Reflectances above 1."""
+        """Some reflectances are above 1."""
         share = _SHARES.get(image.unit.strip().lower())
         if share is None or image.bands is not None:
             return None
@@ -212,9 +212,9 @@ def _share(unit: str) -> float:
     """What one unit of a picture's samples is of a reflectance of 1."""
     share = _SHARES.get(unit.strip().lower())
     if share is None:
-        what = "no reflectance"
+        what = "not a reflectance"
         if is_radiance(unit):
-            what = "radiance already"
+            what = "already radiance"
         elif is_temperature(unit):
             what = "a temperature"
         raise DataError(

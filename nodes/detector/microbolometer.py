@@ -314,17 +314,17 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """A picture that is no radiance."""
+        """The picture is not in units of radiance."""
         return unit_caution(image.unit, meant="a NETD")
 
     @warning
     def band(self, image: Image) -> Caution | None:
-        """A band that is not the picture's."""
+        """The band differs from the picture's."""
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
     def aperture(self, context: Context) -> Caution | None:
-        """An F-number that is not the one of Init & Trans."""
+        """The F-number differs from the one on Init & Trans."""
         return apart_from_context(self, context, "f_number")
 
     @warning
@@ -334,7 +334,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     @warning
     def settling(self) -> Caution | None:
-        """A lag that reaches further back than the frames that are counted."""
+        """The thermal lag is longer than the frames that are computed."""
         kept = self._kept()
         left = kept ** (_MOST_FRAMES - 1)
         if left <= 1e-3:
@@ -358,7 +358,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         "noise_radiance", "W/m²/sr", "Temporal noise as a radiance of the scene."
     )
     snr_figure = table_figure("snr", "", "Mean signal over temporal noise.")
-    scene_figure = table_figure("scene_K", "K", "Brightness temperature of the mean.")
+    scene_figure = table_figure("scene_K", "K", "Brightness temperature of the picture's mean.")
     lag_figure = table_figure(
         "lag_percent", "%", "Fraction of a change that remains after one frame."
     )

@@ -169,7 +169,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def aperture(self) -> Caution | None:
-        """An F-number that is not focal length over aperture."""
+        """The F-number differs from focal length divided by aperture."""
         if self.focal_length_mm is None or self.aperture_mm is None:
             return None
         return apart_caution(
@@ -207,7 +207,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def focal_length(self, image: Image) -> Caution | None:
-        """A focal length that is not the one in the picture's file."""
+        """The focal length differs from the one in the picture's file."""
         return apart_caution(
             "focal_length_mm",
             self.sheet().focal_length_mm,
@@ -219,7 +219,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def field_of_view(self, image: Image) -> Caution | None:
-        """A picture whose field of view is not that of the pixels."""
+        """The picture's field of view differs from that of the pixels."""
         sheet = self.sheet()
         return first(
             *(
@@ -235,7 +235,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def pixel_shape(self, outputs: CameraOutputs) -> Caution | None:
-        """Samples of another shape than the pixels."""
+        """The samples and the pixels have different aspect ratios."""
         sheet, image = self.sheet(), outputs.image
         if not (sheet.pitch_x_um and sheet.pitch_y_um):
             return None
@@ -254,7 +254,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def pixels(self, outputs: CameraOutputs) -> Caution | None:
-        """A picture of fewer samples than pixels."""
+        """The picture has fewer samples than the camera has pixels."""
         sheet, image = self.sheet(), outputs.image
         for name, pitch, interval in (
             ("wide", sheet.pitch_x_mrad, image.interval_x_mrad),

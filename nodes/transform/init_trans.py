@@ -184,7 +184,7 @@ class InitTrans(
 
     @warning
     def focal_length(self, image: Image) -> Caution | None:
-        """A focal length that is not the one in the picture's file."""
+        """The focal length differs from the one in the picture's file."""
         return apart_caution(
             "focal_length_mm",
             self.focal_length_mm,
@@ -195,7 +195,7 @@ class InitTrans(
 
     @warning
     def camera(self, image: Image, given: frozenset[str]) -> Caution | None:
-        """What is not as on the Camera before."""
+        """A value differs from the one on the Camera before."""
         if image.camera is None:
             return None
         sheet = image.camera
@@ -223,7 +223,7 @@ class InitTrans(
 
     @warning
     def field_of_view(self, image: Image) -> Caution | None:
-        """A field of view that is not the picture's own."""
+        """The field of view differs from the picture's own."""
         return first(
             *(
                 apart_caution(

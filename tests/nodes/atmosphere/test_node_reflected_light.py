@@ -109,9 +109,9 @@ def test_a_cube_of_reflectances(tmp_path):
 @pytest.mark.parametrize(
     ("params", "read", "words"),
     [
-        ({}, {"unit": "W/m²/sr"}, ("'W/m²/sr'", "radiance already", "reflectance")),
+        ({}, {"unit": "W/m²/sr"}, ("'W/m²/sr'", "already radiance", "reflectance")),
         ({}, {"unit": "K"}, ("'K'", "a temperature")),
-        ({}, {"unit": "DN"}, ("'DN'", "no reflectance")),
+        ({}, {"unit": "DN"}, ("'DN'", "not a reflectance")),
         ({}, {"cut_on_um": None, "cut_off_um": None}, ("cut_on_um", "the image has no band")),
         ({"cut_on_um": 1.2}, {}, ("cut_off_um = 0.9", "above cut_on_um = 1.2")),
         ({"sun_elevation_deg": 95}, {}, ("sun_elevation_deg = 95", "from 0 to 90")),
