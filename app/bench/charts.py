@@ -188,6 +188,6 @@ def _draw_bars(axis: Any, rows: Sequence[Row]) -> None:
     axis.axvline(1.0, color=FAINT, lw=1.0, ls=(0, (4, 3)), zorder=1)
     axis.set_xlabel(
         "time in multiples of T0, one forward and one inverse Fourier transform of the scene "
-        "(dashed)\nsolid mark: target, dotted: aim; blue meets its target, orange misses it",
+        "(dashed)\nsolid mark: limit, dotted: target; blue: limit met, orange: limit missed",
         fontsize=10,
     )

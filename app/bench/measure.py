@@ -22,7 +22,7 @@ from core.evaluation.policy import Policy
 from nodes.library import standard_library
 
 Array = NDArray[np.float64]
-TIMES = {"seconds": "s", "low": "least", "high": "most", "reach": "reach, s", "verdict": ""}
+TIMES = {"seconds": "s", "low": "least", "high": "most", "reach": "limit, s", "verdict": ""}
 SMALL, LARGE, SMALLEST = (480, 640), (4096, 4096), (128, 128)
 REACH_S = {SMALL: 1.0, LARGE: 15.0}
 BLUR, NOISE, TURN = 0.8, 0.5, 0.12
@@ -49,7 +49,7 @@ def measuring(settings: Settings) -> list[Table]:
     heads = {"subject": "picture", "edges": "edges", "used": "used", **TIMES}
     text = (
         "A picture in memory: tilted squares (7°), blurred by 0.8 samples, with noise. Timed: "
-        "finding the edges, the MTF across each, pooling, and the noise of the flat areas."
+        "finding the edges, the MTF of each, pooling, and the noise of the flat areas."
     )
     title = "Measuring a picture, double precision"
     return [Table("measure", title, heads, rows, text)]

@@ -225,7 +225,7 @@ def interpolation(settings: Settings) -> list[Table]:
         "Bilinear is the default: it weights the four neighbouring lags the same way in every "
         "direction. Linear over three has a smaller error with coarse samples, because its "
         "facets follow the cusp at zero lag; with fine samples, only the error of the "
-        "sampling remains in both. None is for viewing only: it filters nothing."
+        "sampling remains in both. `none` is only for viewing: it filters nothing."
     )
     title = f"Interpolation of an autocorrelated half moon, {settings.small}² frequencies"
     chart = Chart("largest error", "size", "choice")
@@ -266,8 +266,8 @@ def wavelengths(settings: Settings) -> list[Table]:
     text = (
         "The default is 1, the mean wavelength of the band: over the picture's frequencies, "
         "the OTF of an aperture such as Kodak's is almost a straight line in λ. Use more if "
-        "the cutoff falls among these frequencies, as for the small aperture. The truth is an "
-        "adaptive integral over the band."
+        "the cutoff falls among these frequencies, as for the small aperture. The "
+        "reference value is an adaptive integral over the band."
     )
     chart = Chart("largest error", "choice", "aperture")
     return [Table("wavelengths", title, heads, rows, text, chart)]
@@ -382,7 +382,8 @@ def skipping(settings: Settings) -> list[Table]:
     heads |= {"skipped": f"left out of {len(STRENGTHS)}", "error": "rms error / (max − min)"}
     text = (
         "The default is an eighth of the rounding of the samples: what it leaves out cannot "
-        "be distinguished from rounding. A larger tolerance is met too, and saves time. T0 is "
+        "be distinguished from rounding. The error stays below a larger tolerance too, and the "
+        "run is faster. T0 is "
         "in single precision in all rows."
     )
     title = f"Stages left out: {len(STRENGTHS)} weak stages, {settings.small}², mirrored"

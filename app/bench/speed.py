@@ -32,7 +32,7 @@ from nodes.files.frame_writing import FRAME_FORMATS
 
 Array = NDArray[Any]
 Subject = tuple[str, Callable[[], float], float | None, float | None]
-TARGETS = {"reach": "reach", "aim": "aim", "verdict": ""}
+TARGETS = {"reach": "limit", "aim": "target", "verdict": ""}
 HEADS = {
     "subject": "subject", "value": "median", "unit": "", "low": "25 %", "high": "75 %",
     "ms": "ms", "t0_ms": "T0 ms", "alone_ms": "T0 ms, back to back", **TARGETS,
@@ -125,7 +125,7 @@ def _unchanged(kodak: Kodak, settings: Settings) -> Any:
         for _ in range(settings.pairs * LOOKS)
     ]
     low, middle, high = statistics.quantiles(times_us, n=4)
-    row = {"subject": "nothing changed", "value": middle, "unit": "µs a node"}
+    row = {"subject": "nothing changed", "value": middle, "unit": "µs per node"}
     return {**row, "low": low, "high": high, **judged(middle, 50.0)}
 
 
@@ -142,7 +142,7 @@ def cameras(settings: Settings) -> list[Table]:
         cold = partial(camera.cold, camera.network, CAMERA)
         subjects: list[Subject] = [
             ("optics and camera", cold, None, None),
-            ("camera alone, every noise", partial(_after, camera, OPTICS, optics), 4.0, 2.0),
+            ("camera alone, all noise", partial(_after, camera, OPTICS, optics), 4.0, 2.0),
             ("edit of the read noise", partial(edited, noises), 0.5, None),
             ("edit of the integration time", partial(edited, times), None, None),
             ("edit of the bits", partial(edited, bits), 0.5, 0.25),
@@ -187,15 +187,15 @@ def frames(settings: Settings) -> list[Table]:
             row |= {"rate": 1e3 / middle, "low": count / took["high"], "high": count / took["low"]}
             row |= {"ms": middle, "megabytes": megabytes, **judged(middle, 1e3 / 60, 1e3 / 120)}
             rows.append(row)
-    heads = {"subject": "written as", "threads": "threads", "rate": "frames a second"}
-    heads |= {"low": "least", "high": "most", "ms": "ms a frame", "megabytes": "MB a frame"}
-    heads |= {"reach": "ms, reach", "aim": "ms, aim", "verdict": ""}
+    heads = {"subject": "written as", "threads": "threads", "rate": "frames per second"}
+    heads |= {"low": "least", "high": "most", "ms": "ms per frame", "megabytes": "MB per frame"}
+    heads |= {"reach": "limit, ms", "aim": "target, ms", "verdict": ""}
     title = f"Frames of a camera, {columns} × {lines}, single precision"
     text = (
         f"The camera above, {count} frames to a file in the temporary folder, flushed to its "
         "disk. The picture before the noise is made once for all frames. Each frame has new "
-        "shot and read noise, and the same fixed patterns and bad pixels. Reach is 60 frames "
-        "a second, aim 120."
+        "shot and read noise, and the same fixed patterns and bad pixels. The limit is 60 "
+        "frames a second, the target 120."
     )
     return [Table("frames", title, heads, rows, text)]
 
@@ -215,7 +215,7 @@ def fresh_process(settings: Settings) -> list[Table]:
     heads = {n: h for n, h in HEADS.items() if not n.endswith("ms")}
     heads |= {"low": "least", "high": "most"}
     title = f"Fresh process, {settings.size}², median of {starts}"
-    text = "Including the start of Python, drawing the scene and writing the files."
+    text = "Start of Python, drawing the scene and writing the files are included."
     return [Table("fresh_process", title, heads, [row], text)]
 
 

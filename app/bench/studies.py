@@ -23,14 +23,14 @@ from core.network.network import Network
 from nodes.library import standard_library
 
 HEADS = {
-    "subject": "who computes", "count": "points", "seconds": "s", "processor": "processor s",
-    "start": "start-up, s", "ms": "ms a point", "ratio": "× the loop", "reach": "reach",
+    "subject": "program", "count": "points", "seconds": "s", "processor": "processor s",
+    "start": "start-up, s", "ms": "ms per point", "ratio": "× the loop", "reach": "limit",
     "verdict": "",
 }  # fmt: skip
 HOW = (
-    "The loop in Python plans and evaluates, in one process, what the study computes; both "
-    "give the same rows. The start of the processes has its own column and is not in the "
-    "seconds; processor seconds are those of all processes, including their start."
+    "The Python loop computes the same points as the study, one after another in one process; "
+    "both give the same rows. The start-up of the processes has its own column and does not "
+    "count in the seconds; processor seconds count all processes, including their start-up."
 )
 SIDE, LEAST_SIDE = 512, 128
 FIGURES = ("electronics.snr", "electronics.netd_system_K")
@@ -127,7 +127,7 @@ def _measured(
         engine.readouts(plan, "electronics", work, names=names)
         count += 1
     own = time.perf_counter() - before
-    row: dict[str, Any] = {"subject": "loop in Python", "count": count, "seconds": own}
+    row: dict[str, Any] = {"subject": "Python loop", "count": count, "seconds": own}
     rows = [row | {"processor": _processor_s() - used, "ms": 1e3 * own / count, "ratio": 1.0}]
     for processes in jobs:
         before, used = time.perf_counter(), _processor_s()

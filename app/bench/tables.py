@@ -100,10 +100,10 @@ def verdict(value: float, reach: float | None, aim: float | None = None) -> str:
         return ""
     if value > reach:
         ratio = value / reach
-        return f"missed: {ratio:.2f} × reach" if ratio >= 1.005 else f"missed: {ratio:.4f} × reach"
+        return f"missed: {ratio:.2f} × limit" if ratio >= 1.005 else f"missed: {ratio:.4f} × limit"
     if aim is None or value <= aim:
-        return "met" if aim is None else "met, aim too"
-    return f"met; {value / aim:.2f} × aim"
+        return "met" if aim is None else "met, target too"
+    return f"met; {value / aim:.2f} × target"
 
 
 def judged(value: float, reach: float | None, aim: float | None = None) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Truth for what is measured: direct sums, areas and integrals that share no code with it."""
+"""Reference values: direct sums, areas and integrals that share no code with what is measured."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-NEEDS_MPMATH = "not measured: the truth needs mpmath, which is not installed (extra `peers`)"
+NEEDS_MPMATH = (
+    "not measured: the reference values need mpmath, which is not installed (extra `peers`)"
+)
 PI = np.longdouble("3.14159265358979323846264338327950288")
 
 

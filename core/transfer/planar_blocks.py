@@ -142,10 +142,10 @@ class Precomputed:
     def description(self) -> str:
         """What is stored, in words."""
         if self.thin is not None:
-            return "low rank kept"
+            return "stored at low rank"
         if self.plane is not None:
-            return "whole plane kept"
-        return "evaluated again each time" if self.table is None else "radial table kept"
+            return "stored as a whole plane"
+        return "evaluated each time" if self.table is None else "stored as a radial table"
 
     def rows(self, lines: slice | Array) -> Array | None:
         """Values at rows; None where they are evaluated anew."""

@@ -180,7 +180,7 @@ _HEADS = {
     "cube_t0": "cube, T0",
     "t0": "behind it, T0",
     "choice_t0": "choice, T0",
-    "reach": "reach",
+    "reach": "limit",
     "verdict": "",
 }
 
@@ -233,10 +233,10 @@ def bands(settings: Settings) -> list[Table]:
     text = (
         f"{_BANDS} bands from {LOW_UM:g} to {HIGH_UM:g} µm in a file, five materials, an aperture "
         f"of {APERTURE_MM:g} mm, single precision. T0 is a round trip of one band. The cube is "
-        "read in one pass, then as many transforms are made as there are wavelengths, and one "
-        "back; their choice depends on the optics alone and is kept. The bound is of the rms of "
-        "every band's contrast; the truth filters band by band in double precision. Of one band "
-        "the spectrum is that of one wavelength, or of a black body, for the whole picture."
+        "read in one pass, then one transform is made per wavelength, and one back. The choice of "
+        "wavelengths depends only on the optics and is kept. The bound applies to the rms of every "
+        "band's contrast; the reference filters band by band in double precision. A single band "
+        "has the spectrum of one wavelength, or of a black body, for the whole picture."
     )
     title = f"A cube of {_BANDS} bands through optics, {size}²"
     chart = Chart("error of range", "way")

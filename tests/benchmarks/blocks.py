@@ -75,9 +75,9 @@ def _frames(rows: list[dict[str, Any]]) -> Table:
     cpu = blocks[-1]["cpu_ns"] / blocks[0]["cpu_ns"]
     text = (
         "Kodak's optics, noises and quantizer, single precision, from an ENVI file to an ENVI "
-        f"file, each once in a fresh process. Reach: {TIMES_REACH:g} × the time a sample of the "
+        f"file, each once in a fresh process. Limit: {TIMES_REACH:g} × the time per sample of the "
         f"frame in memory, {MEMORY_REACH_MB / 1000:g} GB resident (mapped pages included), and "
-        f"{GROWTH_REACH - 1:.0%} more a sample from the smallest frame in blocks to the largest: "
+        f"{GROWTH_REACH - 1:.0%} more per sample from the smallest frame in blocks to the largest: "
         f"it is {growth - 1:+.0%} of time, {cpu - 1:+.0%} of computing. Frames that the system's "
         "cache holds never wait for the disk; larger ones wait for what they have written."
     )

@@ -43,9 +43,10 @@ def growth(settings: Settings) -> list[Table]:
             rows.append(row)
     trend = judge_steps(rows)
     text = (
-        f"Reach: T0-ratio not increasing from {SMALL}² to {LARGE}², in every step; aim: falling. "
+        f"Limit: the T0 ratio rises in no step from {SMALL}² to {LARGE}²; target: it falls. "
         f"{trend} A step is the ratio of neighbouring sizes' medians, ± twice its standard error. "
-        f"Memory at {LARGE}²: reach {MEMORY_REACH:g}, aim {MEMORY_AIM:g} images beside the loaded."
+        f"Memory at {LARGE}²: limit {MEMORY_REACH:g}, target {MEMORY_AIM:g} images in addition to "
+        "the loaded one."
     )
     heads = {
         "size": "size",
@@ -102,9 +103,9 @@ def _beyond(largest: dict[str, Any]) -> Table:
         "memory_verdict": "",
     }
     text = (
-        f"Whole chain and read-outs, once in a fresh process, the picture in memory. Reach: "
-        f"{TIMES_REACH:g} × the time of {LARGE}² and {HUGE_MEMORY_REACH:g} images beside the "
-        f"loaded; four times as many samples would take 4 ×, memory as at {LARGE}²."
+        f"Whole chain and read-outs, once in a fresh process, the picture in memory. Limit: "
+        f"{TIMES_REACH:g} × the time of {LARGE}² and {HUGE_MEMORY_REACH:g} images in addition to "
+        f"the loaded one; four times as many samples would take 4 ×, memory as at {LARGE}²."
     )
     title = f"No cliff by size: {HUGE}² beside {LARGE}²"
     return Table("beyond", title, heads, rows, text)
@@ -139,7 +140,7 @@ def judge_steps(rows: list[dict[str, Any]]) -> str:
         return f"Missed: rises {', '.join(rises)}{also}. From {ends}"
     if unsure:
         return f"Undecided: rises {', '.join(unsure)}, which the spread can explain. From {ends}"
-    return f"Met, aim too: every step falls. From {ends}"
+    return f"Met, target too: every step falls. From {ends}"
 
 
 def _relative_error(row: dict[str, Any]) -> float:

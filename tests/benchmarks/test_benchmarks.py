@@ -35,7 +35,7 @@ def grown(*ratios, spread=0.01, first=512):
 def test_growth_that_falls_in_every_step_is_met():
     rows = grown(3.0, 2.5, 2.4, 2.2, 2.1)
     assert judge_steps(rows) == (
-        "Met, aim too: every step falls. From 512² to 8192², all that was measured: 0.70 ×."
+        "Met, target too: every step falls. From 512² to 8192², all that was measured: 0.70 ×."
     )
     assert [row.get("step_verdict") for row in rows] == [None, *["met: falls"] * 4]
 

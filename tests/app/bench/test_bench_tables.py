@@ -14,10 +14,10 @@ from app.bench.timing import paired
 @pytest.mark.parametrize(
     ("value", "reach", "aim", "told"),
     [
-        (6.0, 5.0, 2.5, "missed: 1.20 × reach"),
-        (5.004, 5.0, 2.5, "missed: 1.0008 × reach"),
-        (4.0, 5.0, 2.5, "met; 1.60 × aim"),
-        (2.5, 5.0, 2.5, "met, aim too"),
+        (6.0, 5.0, 2.5, "missed: 1.20 × limit"),
+        (5.004, 5.0, 2.5, "missed: 1.0008 × limit"),
+        (4.0, 5.0, 2.5, "met; 1.60 × target"),
+        (2.5, 5.0, 2.5, "met, target too"),
         (40.0, 50.0, None, "met"),
         (40.0, None, None, ""),
     ],
