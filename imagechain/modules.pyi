@@ -23,15 +23,15 @@ def read_image(
     cut_off_um: float | Expression | None = None,
     missing: Literal['refuse', 'mean', 'zero'] = 'refuse',
 ) -> Part:
-    """Read a picture from a file: ENVI, as DIRSIG writes it, or another format listed under `path`.
+    """Read a picture from a file: ENVI (DIRSIG's format), or another format listed under `path`.
 
     Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives
     wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um` (if both are given); for
     every other file these two are the band of the samples. Radiance comes out in W/m²/sr, one
     spectral band in W/m²/sr/µm. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
-    `scale` is 1, that unit is converted; otherwise `unit` is. A cube whose header names no unit
-    needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands are
-    left out. K, DN and similar units are kept; photons are not converted to watts; an unknown
+    `scale` is 1, that unit is converted; otherwise `unit` applies. A cube whose header names no
+    unit needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands
+    are left out. K, DN and similar units are kept; photons are not converted to watts; an unknown
     radiance unit is an error.
 
     A colour picture gives one channel or, with `bands` luminance, all three weighted as the eye
@@ -62,9 +62,9 @@ def read_image(
     unit : str
         unit of the samples after scaling: a text; default 'W/m²/sr'
     fov_x_deg : float | Expression | None
-        field of view across [deg]: a number from 0 below 180 or empty; default empty
+        horizontal field of view [deg]: a number from 0 below 180 or empty; default empty
     fov_y_deg : float | Expression | None
-        field of view along [deg]: a number from 0 below 180 or empty; default empty
+        vertical field of view [deg]: a number from 0 below 180 or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength [µm]: a number of at least 0 or empty; default empty
     cut_off_um : float | Expression | None
@@ -117,13 +117,13 @@ def test_scene(
         what to draw: one of dormitory, airfield, slanted_edge, four_bar, siemens_star, point, sine,
         two_panel, uniform; default 'dormitory'
     width : int | Expression
-        samples across: a whole number from 1 to 65536; default 512
+        samples per row: a whole number from 1 to 65536; default 512
     height : int | Expression
-        samples along: a whole number from 1 to 65536; default 512
+        samples per column: a whole number from 1 to 65536; default 512
     fov_x_deg : float | Expression | None
-        field of view across [deg]: a number from 0 below 180 or empty; default 30.0
+        horizontal field of view [deg]: a number from 0 below 180 or empty; default 30.0
     fov_y_deg : float | Expression | None
-        field of view along [deg]: a number from 0 below 180 or empty; default 30.0
+        vertical field of view [deg]: a number from 0 below 180 or empty; default 30.0
     cut_on_um : float | Expression
         shortest wavelength [µm]: a number above 0; default 8.0
     cut_off_um : float | Expression
@@ -131,8 +131,8 @@ def test_scene(
     bands : int | Expression
         spectral bands of equal width; 0: a single band: a whole number from 0 to 4096; default 0
     emissivity : Literal['spectra', 'grey']
-        spectra of the surfaces, if there are bands: those of their materials, or grey: one of
-        spectra, grey; default 'spectra'
+        spectra of the surfaces, if there are bands: from their materials, or grey: one of spectra,
+        grey; default 'spectra'
     sun_elevation_deg : float | Expression
         elevation of the Sun, if there are bands; 0: no Sun [deg]: a number from 0 to 90; default
         0.0
@@ -143,7 +143,7 @@ def test_scene(
     angle_deg : float | Expression
         direction of the edge's normal or of the wave [deg]: a number; default 5.0
     frequency : float | Expression
-        cycles across the frame, or spokes of the star: a number above 0; default 16.0
+        cycles per frame width, or spokes of the star: a number above 0; default 16.0
 
     Notes
     -----
@@ -345,9 +345,9 @@ def combine_pixels(
     Parameters
     ----------
     factor_x : int | Expression
-        samples per pixel across: a whole number from 1 to 65536; default 2
+        samples per pixel, horizontally: a whole number from 1 to 65536; default 2
     factor_y : int | Expression
-        samples per pixel along: a whole number from 1 to 65536; default 1
+        samples per pixel, vertically: a whole number from 1 to 65536; default 1
     mode : Literal['mean', 'sum']
         mean (radiance) or sum (counts) of each block: one of mean, sum; default 'mean'
 
@@ -379,16 +379,16 @@ def sample_pixels(
     Parameters
     ----------
     factor_x : float | Expression | None
-        samples per pixel across; empty: the pitch of Init & Trans or Camera [samples]: a number
-        from 0.001 to 65536 or empty; default empty
+        samples per pixel, horizontally; empty: from the pitch of Init & Trans or Camera [samples]:
+        a number from 0.001 to 65536 or empty; default empty
     factor_y : float | Expression | None
-        samples per pixel along; empty: the pitch of Init & Trans or Camera [samples]: a number from
-        0.001 to 65536 or empty; default empty
+        samples per pixel, vertically; empty: from the pitch of Init & Trans or Camera [samples]: a
+        number from 0.001 to 65536 or empty; default empty
     offset : float | Expression
-        offset of the samples from the pixels' centres, right and down [pixels]: a number from -1 to
-        1; default 0.0
+        offset of the samples from the pixels' centres, to the right and down [pixels]: a number
+        from -1 to 1; default 0.0
     offset_y : float | Expression | None
-        the same along, if it differs; empty: as across [pixels]: a number from -1 to 1 or empty;
+        offset down, if it differs; empty: equal to offset [pixels]: a number from -1 to 1 or empty;
         default empty
 
     Notes
@@ -446,9 +446,9 @@ def interpolate(
     Parameters
     ----------
     width : int | Expression | None
-        samples across; empty: as before: a whole number from 1 to 65536 or empty; default empty
+        samples per row; empty: as before: a whole number from 1 to 65536 or empty; default empty
     height : int | Expression | None
-        samples along; empty: as before: a whole number from 1 to 65536 or empty; default empty
+        samples per column; empty: as before: a whole number from 1 to 65536 or empty; default empty
     order : Literal[0, 1, 3]
         0 nearest, 1 bilinear, 3 cubic: one of 0, 1, 3; default 1
 
@@ -469,8 +469,8 @@ def to_radiance(
     """Convert a picture of temperatures to radiance, by Planck's law in the band.
 
     The radiance is ε·L(T) + (1 − ε)·L(surroundings); without surroundings nothing is reflected. The
-    picture's unit must be a temperature (K, °C, °F, mK), as Read Image gives it: digital numbers
-    and radiance are refused. An image of emissivities can replace the single value. Sources:
+    picture's unit, set on Read Image, must be a temperature (K, °C, °F, mK): digital numbers and
+    radiance are refused. An image of emissivities can replace the single value. Sources:
     Planck's and Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
 
     Parameters
@@ -646,8 +646,8 @@ def atmospheric_path(
         temperature of the air; empty: the air adds no radiance [K]: a number from 0 to 10000 or
         empty; default empty
     source_K : float | Expression | None
-        black body whose spectrum weights a single band; empty: that of the scene, or of sunlight
-        [K]: a number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum weights a single band; empty: the scene's, or sunlight [K]: a
+        number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -679,13 +679,14 @@ def atmosphere_mtf(
 ) -> Part:
     """Blur by atmospheric turbulence and by aerosol scattering (turbidity).
 
-    Turbulence is a Gaussian blur of given width, or Fried's long or short exposure with r0 given or
-    computed from a Cn² profile. The MTF of turbidity falls to a plateau: exp(−τ(ρ/ρc)²), and beyond
-    ρc exp(−τ). τ comes from a level (plateaus 0.99, 0.975, 0.955), from a number, or from the
-    scattering coefficient along the path (looking down or up, with an exponential profile).
-    Absorption attenuates all frequencies alike and does not blur: use Atmospheric Path. Looking up
-    blurs more than looking down, because the turbulence is near the aperture. r0 goes as λ^(6/5),
-    and the aerosol cutoff ρc as 1/λ; a spectral picture is blurred at each band's own wavelength.
+    Turbulence is a Gaussian blur of the width that you enter, or Fried's long or short exposure
+    with r0 entered or computed from a Cn² profile. The MTF of turbidity falls to a plateau:
+    exp(−τ(ρ/ρc)²), and beyond ρc exp(−τ). τ comes from a level (plateaus 0.99, 0.975, 0.955), from
+    a number, or from the scattering coefficient along the path (looking down or up, with an
+    exponential profile). Absorption attenuates all frequencies alike and does not blur: use
+    Atmospheric Path. Looking up blurs more than looking down, because the turbulence is near the
+    aperture. r0 goes as λ^(6/5), and the aerosol cutoff ρc as 1/λ; a spectral picture is blurred at
+    each band's own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
 
@@ -933,12 +934,13 @@ def exit_pupil(
     radius. For a file this disc is the smallest circle around all samples above 1 % of the largest,
     centred on the array if that makes it at most a sample larger; a `radius` that you enter is
     centred on the array. The read-out `aperture_radius` gives the radius used. A wavefront map
-    (picture, FITS, `.npy`, text, Zemax's listing) is added to these. Outside the aperture it must
-    be NaN, or zero out to the border of the array. The pupil is opaque where the map is unknown. A
-    map in waves applies at its own wavelength; a path in µm is the same at all wavelengths. A
-    complex `.npy` as `path` holds amplitude and phase at its own wavelength only. Row 0 is at the
-    top. W enters as exp(2πiW), so a W that increases to the right moves the picture to the left.
-    Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    (picture, FITS, `.npy`, text, Zemax's listing) is added to defocus and Zernike terms. Outside
+    the aperture the map must be NaN, or zero out to the border of the array. The pupil is opaque
+    where the map is unknown. A map in waves applies at its own wavelength; a path in µm is the same
+    at all wavelengths. A complex `.npy` as `path` holds amplitude and phase at its own wavelength
+    only. Row 0 is at the top. W enters as exp(2πiW), so a W that increases to the right moves the
+    picture to the left. Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of
+    the wavefront).
 
     Parameters
     ----------
@@ -946,9 +948,9 @@ def exit_pupil(
         shape of the aperture: one of clear, half_moon, cassegrain, hinged, cassegrain_slit, spider,
         file; default 'clear'
     size_x : int | Expression
-        samples of the pupil array across: a whole number from 2 to 8192; default 512
+        samples per row of the pupil array: a whole number from 2 to 8192; default 512
     size_y : int | Expression
-        samples of the pupil array along: a whole number from 2 to 8192; default 512
+        samples per column of the pupil array: a whole number from 2 to 8192; default 512
     radius : float | Expression | None
         radius of the aperture; empty: 75, or for a file the circle around it [samples]: a number of
         at least 0 or empty; default empty
@@ -1070,9 +1072,9 @@ def gaussian_mtf(
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     sigma_x_mrad : float | Expression
-        standard deviation of the blur across [mrad]: a number of at least 0; default 0.0
+        horizontal standard deviation of the blur [mrad]: a number of at least 0; default 0.0
     sigma_y_mrad : float | Expression
-        standard deviation of the blur along [mrad]: a number of at least 0; default 0.0
+        vertical standard deviation of the blur [mrad]: a number of at least 0; default 0.0
 
     Notes
     -----
@@ -1131,11 +1133,11 @@ def mtf_file(
         focal length, for cyc/mm and cyc/pixel; empty: from Init & Trans [mm]: a number of at least
         0 or empty; default empty
     detector_x_um : float | Expression | None
-        pixel pitch across, for cyc/pixel; empty: from Init & Trans [µm]: a number of at least 0 or
-        empty; default empty
+        horizontal pixel pitch, for cyc/pixel; empty: from Init & Trans [µm]: a number of at least 0
+        or empty; default empty
     detector_y_um : float | Expression | None
-        pixel pitch along, for cyc/pixel; empty: from Init & Trans [µm]: a number of at least 0 or
-        empty; default empty
+        vertical pixel pitch, for cyc/pixel; empty: from Init & Trans [µm]: a number of at least 0
+        or empty; default empty
     apply : Literal['multiply', 'filter_only']
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
@@ -1164,13 +1166,13 @@ def psf_file(
     """Blur by a point spread function from a picture: measured, or from a lens design.
 
     Every point of the picture is blurred to the PSF in the file. Row 0 is at the top, and a tail to
-    the right in the file is a tail to the right in the picture. Formats are those of Read Image,
-    `.npy`, text, and Zemax's listing, whose spacing is used if `sample_pitch` is empty. Samples are
-    divided by their sum. With `centroid` kept, the point is at the middle of the file (for even
-    sizes between samples, at (n − 1)/2), and a centroid elsewhere shifts the picture; with
-    `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the picture's
-    own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF that was
-    measured with a detector includes its pixel: leave out Detector MTF. Without a file nothing
+    the right in the file is a tail to the right in the picture. The file may have any format of
+    Read Image, `.npy`, text, or Zemax's listing, whose spacing is used if `sample_pitch` is empty.
+    Samples are divided by their sum. With `centroid` kept, the point is at the middle of the file
+    (for even sizes between samples, at (n − 1)/2), and a centroid elsewhere shifts the picture;
+    with `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the
+    picture's own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF that
+    was measured with a detector includes its pixel: leave out Detector MTF. Without a file nothing
     changes. Source: Goodman 2005, Introduction to Fourier Optics, section 6.3.
 
     Parameters
@@ -1181,11 +1183,11 @@ def psf_file(
     band : int | Expression | None
         band or channel to use, counted from 0: a whole number of at least 0 or empty; default empty
     sample_pitch : float | Expression | None
-        sampling interval of the file across, in `pitch_unit`; empty: from the file: a number of at
-        least 0 or empty; default empty
+        horizontal sampling interval of the file, in `pitch_unit`; empty: from the file: a number of
+        at least 0 or empty; default empty
     sample_pitch_y : float | Expression | None
-        sampling interval of the file along; empty: as across: a number of at least 0 or empty;
-        default empty
+        vertical sampling interval of the file; empty: equal to the horizontal one: a number of at
+        least 0 or empty; default empty
     pitch_unit : Literal['um', 'mrad']
         unit of both: µm at the focal plane, or mrad: one of um, mrad; default 'um'
     focal_length_mm : float | Expression | None
@@ -1215,7 +1217,7 @@ def crosstrack_mtf(
     dwell_time_s: float | Expression = 0.0,
     scan_velocity_mrad_per_s: float | Expression | None = None,
 ) -> Part:
-    """Smear across track by the scan within one dwell time; off until you enter a dwell time.
+    """Smear across the track by the scan within one dwell time; off until you enter a dwell time.
 
     sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects it.
 
@@ -1246,7 +1248,7 @@ def alongtrack_mtf(
     integration_time_s: float | Expression = 0.0,
     range_m: float | Expression | None = None,
 ) -> Part:
-    """Smear along track by the platform's forward motion while a sample is collected.
+    """Smear along the track by the platform's forward motion while a sample is collected.
 
     sinc(b·eta), b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28. Erratum: the
     width 134 of eq. 4.28 is in cycles/rad.
@@ -1297,13 +1299,13 @@ def relative_motion_mtf(
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     image_velocity_x : float | Expression
-        velocity of the image across [m/s]: a number; default 0.0
+        velocity of the image along x [m/s]: a number; default 0.0
     image_velocity_y : float | Expression
-        velocity of the image along [m/s]: a number; default 0.0
+        velocity of the image along y [m/s]: a number; default 0.0
     platform_velocity_x : float | Expression
-        velocity of the platform across [m/s]: a number; default 0.0
+        velocity of the platform along x [m/s]: a number; default 0.0
     platform_velocity_y : float | Expression
-        velocity of the platform along [m/s]: a number; default 0.0
+        velocity of the platform along y [m/s]: a number; default 0.0
     integration_time_s : float | Expression
         integration time [s]: a number of at least 0; default 0.0
     range_m : float | Expression | None
@@ -1367,9 +1369,9 @@ def vibration_mtf(
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     amplitude_x_mrad : float | Expression
-        amplitude across [mrad]: a number of at least 0; default 0.0
+        horizontal amplitude [mrad]: a number of at least 0; default 0.0
     amplitude_y_mrad : float | Expression
-        amplitude along [mrad]: a number of at least 0; default 0.0
+        vertical amplitude [mrad]: a number of at least 0; default 0.0
     frequency_Hz : float | Expression | None
         frequency of the vibration [Hz]: a number of at least 0 or empty; default empty
     integration_time_s : float | Expression | None
@@ -1413,15 +1415,15 @@ def line_of_sight(
     seed : int | Expression
         seed, if entered here: a whole number from 0 to 9.22337e+18; default 0
     rms_x_mrad : float | Expression
-        rms motion across [mrad]: a number from 0 to 1e+06; default 0.0
+        horizontal rms motion [mrad]: a number from 0 to 1e+06; default 0.0
     rms_y_mrad : float | Expression
-        rms motion along [mrad]: a number from 0 to 1e+06; default 0.0
+        vertical rms motion [mrad]: a number from 0 to 1e+06; default 0.0
     corner_Hz : float | Expression
         frequency at which the power density has fallen to half its low-frequency value [Hz]: a
         number from 1e-06 to 1e+09; default 5.0
     psd_path : str | PathLike[str] | None
-        CSV of Hz and mrad²/Hz (across, along), used instead of rms and corner, or empty: a file
-        name or empty; default empty
+        CSV of Hz and mrad²/Hz (horizontal, vertical), used instead of rms and corner, or empty: a
+        file name or empty; default empty
     integration_time_s : float | Expression
         exposure time [s]: a number from 0 to 1e+06; default 0.01
     frame_rate_Hz : float | Expression
@@ -1460,15 +1462,15 @@ def detector_mtf(
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     detector_x_um : float | Expression | None
-        detector pitch across [µm]: a number of at least 0 or empty; default empty
+        horizontal detector pitch [µm]: a number of at least 0 or empty; default empty
     detector_y_um : float | Expression | None
-        detector pitch along [µm]: a number of at least 0 or empty; default empty
+        vertical detector pitch [µm]: a number of at least 0 or empty; default empty
     focal_length_mm : float | Expression | None
         effective focal length [mm]: a number of at least 0 or empty; default empty
     fill_x : float | Expression | None
-        fill factor across: a number from 0 to 1 or empty; default empty
+        horizontal fill factor: a number from 0 to 1 or empty; default empty
     fill_y : float | Expression | None
-        fill factor along: a number from 0 to 1 or empty; default empty
+        vertical fill factor: a number from 0 to 1 or empty; default empty
 
     Notes
     -----
@@ -1622,8 +1624,9 @@ def tdi_mtf(
 ) -> Part:
     """Blur by time delay and integration: charge steps, and a velocity mismatch with the image.
 
-    sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)), about the exposure's middle. m is the velocity
-    of the image over that of the charge, less 1; s is the pitch over `phases`; N = stages·phases.
+    sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)), about the exposure's middle. m is the image
+    velocity divided by the charge velocity, minus 1; s is the pitch divided by `phases`; N =
+    stages·phases.
     Use it instead of Alongtrack MTF, whose smear within a stage is the step s here. With `phases` =
     0 the charge moves without steps. Empty parameters are taken from Init & Trans. Source: Wong,
     Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
@@ -1641,7 +1644,7 @@ def tdi_mtf(
     velocity_mismatch_percent : float | Expression
         how much faster the image moves than the charge [%]: a number from -99 to 1000; default 0.0
     direction : Literal['y', 'x']
-        axis of the motion: along (y) or across (x): one of y, x; default 'y'
+        axis of the motion: vertical (y) or horizontal (x): one of y, x; default 'y'
     detector_um : float | Expression | None
         pitch of the stages; empty: the detector's pitch along the motion [µm]: a number of at least
         0 or empty; default empty
@@ -1692,8 +1695,8 @@ def spectral_response(
     peak : float | Expression
         largest response: a number from 0 to 1; default 1.0
     source_K : float | Expression | None
-        black body whose spectrum weights a single band; empty: that of the scene, or of sunlight
-        [K]: a number from 0 to 1e+06 or empty; default empty
+        black body whose spectrum weights a single band; empty: the scene's, or sunlight [K]: a
+        number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -2180,17 +2183,17 @@ def periodic_noise(
     amplitude : float | Expression
         amplitude, in the picture's unit: a number; default 0.0
     xi : float | Expression
-        frequency across [cyc/mrad]: a number; default 0.1
+        horizontal frequency [cyc/mrad]: a number; default 0.1
     eta : float | Expression
-        frequency along [cyc/mrad]: a number; default 0.0
+        vertical frequency [cyc/mrad]: a number; default 0.0
     phase_deg : float | Expression
         phase at the first sample [deg]: a number; default 0.0
     modulation : float | Expression
         modulation depth: a number from 0 to 1; default 0.0
     modulation_xi : float | Expression
-        frequency of the modulation across [cyc/mrad]: a number; default 0.01
+        horizontal frequency of the modulation [cyc/mrad]: a number; default 0.01
     modulation_eta : float | Expression
-        frequency of the modulation along [cyc/mrad]: a number; default 0.0
+        vertical frequency of the modulation [cyc/mrad]: a number; default 0.0
     modulation_phase_deg : float | Expression
         phase of the modulation at the first sample [deg]: a number; default 0.0
 
@@ -2247,9 +2250,9 @@ def noise_3d_source(
 
     Each component is Gaussian with its own standard deviation, in the unit of the picture. v, h and
     vh are the same in every frame of a sequence; the others are new in each. `corner_Hz` adds 1/f
-    noise to each sample, whose temporal spectrum equals that of sigma_tvh at that frequency. It
-    extends from 1/`longest_period_s` to half the frame rate, and any frame can be computed from its
-    number. Its whole variance counts as temporal. 3-D Noise uses only some frames, and measures
+    noise to each sample; at that frequency its temporal spectrum equals the spectrum of sigma_tvh.
+    It extends from 1/`longest_period_s` to half the frame rate, and any frame can be computed from
+    its number. Its whole variance counts as temporal. 3-D Noise uses only some frames, and measures
     slower changes as fixed (vh). Without any component the picture does not change. Sources:
     D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
 
@@ -2364,8 +2367,8 @@ def measured_mtf(
     target : Literal['edge', 'line']
         what the region shows; the width of a line counts as blur: one of edge, line; default 'edge'
     direction : Literal['automatic', 'horizontal', 'vertical']
-        across (an upright edge), along, or automatic: the direction of the larger change: one of
-        automatic, horizontal, vertical; default 'automatic'
+        direction of the measurement: horizontal (for an upright edge), vertical, or automatic: the
+        direction of the larger change: one of automatic, horizontal, vertical; default 'automatic'
     region_x : int | Expression
         first column of the region [px]: a whole number of at least 0; default 0
     region_y : int | Expression
@@ -2381,11 +2384,11 @@ def measured_mtf(
     samples : int | Expression
         points of the curve: a whole number from 2 to 4096; default 129
     clip_left_px : int | Expression | None
-        first sample of the edge across; empty: found automatically [px]: a whole number of at least
-        0 or empty; default empty
+        first sample of the edge, in the direction of the measurement; empty: found automatically
+        [px]: a whole number of at least 0 or empty; default empty
     clip_right_px : int | Expression | None
-        last sample of the edge across; empty: found automatically [px]: a whole number of at least
-        0 or empty; default empty
+        last sample of the edge, in the direction of the measurement; empty: found automatically
+        [px]: a whole number of at least 0 or empty; default empty
     axis : Literal['cyc_per_mrad', 'cyc_per_pixel']
         unit of the frequency axis; always cycles per pixel if the picture has no sampling interval:
         one of cyc_per_mrad, cyc_per_pixel; default 'cyc_per_mrad'
@@ -2562,13 +2565,13 @@ def noise_budget(
     patterns that stay from frame to frame, averaged over all sensors of this kind. Rounding counts
     as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian
     blur is proportional to its variance. A stage that amplifies has a negative share: it recovers
-    this part of the loss. A stage with an MTF of zero has all of it. Phases do not blur.
+    this part of the loss. A stage with an MTF of zero has the whole share. Phases do not blur.
 
     Parameters
     ----------
     frequency : float | Expression
-        frequency of the MTFs, as a fraction of the picture's Nyquist frequency [Nyquist]: a number
-        above 0 to 1; default 0.5
+        frequency at which the blur is budgeted, as a fraction of the picture's Nyquist frequency
+        [Nyquist]: a number above 0 to 1; default 0.5
     noise : Literal['all', 'temporal', 'fixed']
         all noise, noise that changes from frame to frame, or fixed patterns: one of all, temporal,
         fixed; default 'all'
@@ -2792,11 +2795,12 @@ def camera_geometry(
     """Sample a wider scene on flat ground as a line scanner, pushbroom or framing camera does.
 
     The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
-    samples equal angles, so its samples grow as sec² across and sec along (panoramic distortion); a
-    pushbroom and a framing camera sample equal steps in the focal plane. The flight runs down the
-    picture, and its lines are equally spaced on the ground. Each sample is the mean of the scene
-    over its whole footprint, so nothing aliases and a uniform scene stays uniform. Blur comes
-    afterwards: choose samples finer than the detector, and combine pixels after the detector's MTF.
+    samples equal angles, so its samples grow as sec² across the track and as sec along it
+    (panoramic distortion); a pushbroom and a framing camera sample equal steps in the focal plane.
+    The flight runs down the picture, and its lines are equally spaced on the ground. Each sample is
+    the mean of the scene over its whole footprint, so nothing aliases and a uniform scene stays
+    uniform. Blur comes afterwards: choose samples finer than the detector, and combine pixels after
+    the detector's MTF.
 
     Footprints along the scene's rows or columns, as without yaw, are exact. With roll or pitch
     alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's range. Other footprints
@@ -2814,20 +2818,22 @@ def camera_geometry(
         sampling interval of the scene on the ground; empty: its angular interval × altitude [m]: a
         number of at least 0 or empty; default empty
     ground_interval_y_m : float | Expression | None
-        the same interval down the picture; empty: as across [m]: a number of at least 0 or empty;
-        default empty
+        the same interval down the picture; empty: equal to ground_interval_m [m]: a number of at
+        least 0 or empty; default empty
     columns : int | Expression | None
-        samples across; empty: as in the scene: a whole number from 1 to 65536 or empty; default
+        samples per line; empty: as in the scene: a whole number from 1 to 65536 or empty; default
         empty
     rows : int | Expression | None
-        lines along; empty: as in the scene: a whole number from 1 to 65536 or empty; default empty
+        number of lines; empty: as in the scene: a whole number from 1 to 65536 or empty; default
+        empty
     fov_x_deg : float | Expression | None
-        field of view across; empty: columns × pitch / focal length [deg]: a number from 0 below 180
-        or empty; default 20.0
+        field of view across the track; empty: columns × pitch / focal length [deg]: a number from 0
+        below 180 or empty; default 20.0
     pitch_x_um : float | Expression | None
-        pixel pitch across [µm]: a number of at least 0 or empty; default empty
+        pixel pitch across the track [µm]: a number of at least 0 or empty; default empty
     pitch_y_um : float | Expression | None
-        pixel pitch along; empty: as across [µm]: a number of at least 0 or empty; default empty
+        pixel pitch along the track; empty: equal to pitch_x_um [µm]: a number of at least 0 or
+        empty; default empty
     focal_length_mm : float | Expression | None
         focal length [mm]: a number of at least 0 or empty; default empty
     velocity_m_per_s : float | Expression | None

@@ -65,7 +65,7 @@ def missing_modules(library: Library) -> list[str]:
     """One line for each installed package of which modules are missing."""
     faults = library.faults if isinstance(library, PackagedLibrary) else {}
     return [
-        in_line(f"of the package {package} modules are missing: {fault}")
+        in_line(f"modules of the package {package} are missing: {fault}")
         for package, fault in faults.items()
     ]
 

@@ -230,7 +230,9 @@ def blur_bars(work: Work, blur: BlurShares, *, show: Show) -> CurveData:
         names = (*names, _TOGETHER)
         losses = [[stage.losses[axis] for stage in blur.shares] for axis in (0, 1)]
         heights = [[*along, math.fsum(along)] for along in losses]
-    return _bars(title, "stage", label, names, zip(("across", "along"), heights, strict=True))
+    return _bars(
+        title, "stage", label, names, zip(("horizontal", "vertical"), heights, strict=True)
+    )
 
 
 def _bars(
@@ -293,10 +295,13 @@ def _blur_rows(blur: BlurShares) -> list[TableRow]:
             rows.append(TableRow(f"{name}.share_{direction}", share, "%", "share of −ln |MTF|"))
     if not rows:
         rows.append(TableRow("blur", "none", "", "no stage has a transfer function other than 1"))
-    for axis, direction, words in ((0, "x", "across"), (1, "y", "along")):
-        rows.append(TableRow(f"mtf_{direction}", blur.mtf[axis], "", f"|MTF| of all, {words}"))
-    for axis, name in ((0, "xi"), (1, "eta")):
-        rows.append(TableRow(name, blur.frequency[axis], "cyc/mrad", "frequency of the MTFs"))
+    for axis, direction, words in ((0, "x", "horizontal"), (1, "y", "vertical")):
+        rows.append(
+            TableRow(f"mtf_{direction}", blur.mtf[axis], "", f"|MTF| of all stages, {words}")
+        )
+    for axis, name, words in ((0, "xi", "horizontal"), (1, "eta", "vertical")):
+        meaning = f"{words} frequency of these MTFs"
+        rows.append(TableRow(name, blur.frequency[axis], "cyc/mrad", meaning))
     if blur.before is not None:
         meaning = "the transfer functions of this stage and those before it are not known"
         rows.append(TableRow("blur_behind", blur.before, "", meaning))

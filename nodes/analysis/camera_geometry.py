@@ -120,8 +120,8 @@ def ground_curve(_: Work, *, camera: Camera) -> CurveData:
     samples = [ground_sample(camera=camera, u=float(column), v=0.5 * camera.rows) for column in u]
     angles = np.degrees(view_angles(camera=camera, u=u))
     series = [
-        Series("across", angles, np.array([sample.across_m for sample in samples])),
-        Series("along", angles, np.array([sample.along_m for sample in samples])),
+        Series("across the track", angles, np.array([sample.across_m for sample in samples])),
+        Series("along the track", angles, np.array([sample.along_m for sample in samples])),
     ]
     if camera.kind != "framing":
         series.append(Series("line spacing", angles, np.full(count, camera.line_spacing_m)))
@@ -149,15 +149,25 @@ def geometry_table(
         finer = _laid(camera, ground, FINER * strips)
         error = strips_error(scene=scene, laid=laid, finer=finer, between_samples=between_samples)
     where = "ground seen, measured from the scene's middle"
-    samples = "scene samples across and along for each sample at the middle"
+    samples = "scene samples in a camera sample at the middle"
     rows: tuple[tuple[Any, ...], ...] = (
         ("swath_m", swath_m(camera), "m", "ground seen along the middle line"),
         ("left_m", bounds.left, "m", where),
         ("right_m", bounds.right, "m", where),
         ("top_m", bounds.top, "m", where),
         ("bottom_m", bounds.low, "m", where),
-        ("scene_samples_x", middle.across_m / ground.interval_x_m, "", f"{samples}, across"),
-        ("scene_samples_y", middle.along_m / ground.interval_y_m, "", f"{samples}, along"),
+        (
+            "scene_samples_x",
+            middle.across_m / ground.interval_x_m,
+            "",
+            f"{samples}, across the track",
+        ),
+        (
+            "scene_samples_y",
+            middle.along_m / ground.interval_y_m,
+            "",
+            f"{samples}, along the track",
+        ),
         ("strips", laid.strips, "", "strips that each footprint is cut into"),
         (
             "footprint_error",
@@ -205,20 +215,22 @@ class CameraSettings(Module):
     ] = None
     ground_interval_y_m: Annotated[
         float | None,
-        Param("the same interval down the picture; empty: as across", unit="m", low=0),
+        Param(
+            "the same interval down the picture; empty: equal to ground_interval_m", unit="m", low=0
+        ),
     ] = None
     columns: Annotated[
         int | None,
-        Param("samples across; empty: as in the scene", low=1, high=65536, slider=(16, 2048)),
+        Param("samples per line; empty: as in the scene", low=1, high=65536, slider=(16, 2048)),
     ] = None
     rows: Annotated[
         int | None,
-        Param("lines along; empty: as in the scene", low=1, high=65536, slider=(16, 2048)),
+        Param("number of lines; empty: as in the scene", low=1, high=65536, slider=(16, 2048)),
     ] = None
     fov_x_deg: Annotated[
         float | None,
         Param(
-            "field of view across; empty: columns × pitch / focal length",
+            "field of view across the track; empty: columns × pitch / focal length",
             unit="deg",
             low=0,
             high=180,
@@ -226,11 +238,16 @@ class CameraSettings(Module):
         ),
     ] = 20.0
     pitch_x_um: Annotated[
-        float | None, Param("pixel pitch across", unit="µm", low=0, slider=(1, 1000))
+        float | None, Param("pixel pitch across the track", unit="µm", low=0, slider=(1, 1000))
     ] = None
     pitch_y_um: Annotated[
         float | None,
-        Param("pixel pitch along; empty: as across", unit="µm", low=0, slider=(1, 1000)),
+        Param(
+            "pixel pitch along the track; empty: equal to pitch_x_um",
+            unit="µm",
+            low=0,
+            slider=(1, 1000),
+        ),
     ] = None
     focal_length_mm: Annotated[
         float | None, Param("focal length", unit="mm", low=0, slider=(10, 1000))
@@ -368,11 +385,12 @@ class CameraGeometry(
     """Sample a wider scene on flat ground as a line scanner, pushbroom or framing camera does.
 
     The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
-    samples equal angles, so its samples grow as sec² across and sec along (panoramic distortion); a
-    pushbroom and a framing camera sample equal steps in the focal plane. The flight runs down the
-    picture, and its lines are equally spaced on the ground. Each sample is the mean of the scene
-    over its whole footprint, so nothing aliases and a uniform scene stays uniform. Blur comes
-    afterwards: choose samples finer than the detector, and combine pixels after the detector's MTF.
+    samples equal angles, so its samples grow as sec² across the track and as sec along it
+    (panoramic distortion); a pushbroom and a framing camera sample equal steps in the focal plane.
+    The flight runs down the picture, and its lines are equally spaced on the ground. Each sample is
+    the mean of the scene over its whole footprint, so nothing aliases and a uniform scene stays
+    uniform. Blur comes afterwards: choose samples finer than the detector, and combine pixels after
+    the detector's MTF.
 
     Footprints along the scene's rows or columns, as without yaw, are exact. With roll or pitch
     alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's range. Other footprints
@@ -384,8 +402,8 @@ class CameraGeometry(
         Formula(
             r"x=h\,\tan\theta,\quad\frac{dx}{d\theta}=\frac{h}{\cos^2\theta},\quad\frac{dy}{d"
             r"\phi}=\frac{h}{\cos\theta}",
-            where="h: altitude; θ: view angle across; a line scanner's samples grow by these "
-            "factors across and along",
+            where="h: altitude; θ: view angle across the track; a line scanner's samples grow by "
+            "these factors across and along the track",
         ),
         Formula(
             r"L'_{jk}=\frac{1}{|A_{jk}|}\iint_{A_{jk}}L\,dx\,dy",
@@ -478,8 +496,8 @@ class CameraGeometry(
             Axis(middle - half, middle + half, title),
             Axis(0.0, 1.12 * float(sizes.max()), "m"),
             curves=(
-                DrawnCurve(angles, sizes[0], name="across"),
-                DrawnCurve(angles, sizes[1], 1, "dashed", name="along"),
+                DrawnCurve(angles, sizes[0], name="across the track"),
+                DrawnCurve(angles, sizes[1], 1, "dashed", name="along the track"),
             ),
         )
         return Preview(
@@ -516,38 +534,38 @@ class CameraGeometry(
 
     @readout("m")
     def gsd_x_m(self, image: Image) -> float:
-        """Ground sample across, in the middle of the frame."""
+        """Ground sample across the track, in the middle of the frame."""
         return _sample(self.camera(image), 0.5)[0]
 
     @readout("m")
     def gsd_y_m(self, image: Image) -> float:
-        """Ground sample along, in the middle of the frame."""
+        """Ground sample along the track, in the middle of the frame."""
         return _sample(self.camera(image), 0.5)[1]
 
     @readout("m")
     def gsd_edge_x_m(self, image: Image) -> float:
-        """Ground sample across, at the farther end of the middle line."""
+        """Ground sample across the track, at the farther end of the middle line."""
         return max(_sample(self.camera(image), end)[0] for end in (0.0, 1.0))
 
     @readout("m")
     def gsd_edge_y_m(self, image: Image) -> float:
-        """Ground sample along, at the farther end of the middle line."""
+        """Ground sample along the track, at the farther end of the middle line."""
         return max(_sample(self.camera(image), end)[1] for end in (0.0, 1.0))
 
     @readout()
     def panoramic_factor(self, image: Image) -> float:
-        """Ground sample across at the farther end over that in the middle."""
+        """Ground sample across the track: at the farther end, divided by the one in the middle."""
         camera = self.camera(image)
         return max(_sample(camera, end)[0] for end in (0.0, 1.0)) / _sample(camera, 0.5)[0]
 
     @readout("mrad")
     def interval_x_mrad(self, outputs: CameraOutputs) -> float | None:
-        """Sampling interval across, at nadir."""
+        """Sampling interval across the track, at nadir."""
         return outputs.image.interval_x_mrad
 
     @readout("mrad")
     def interval_y_mrad(self, outputs: CameraOutputs) -> float | None:
-        """Sampling interval along, at nadir."""
+        """Sampling interval along the track, at nadir."""
         return outputs.image.interval_y_mrad
 
     @readout("m")

@@ -332,19 +332,19 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     @warning
     def band(self, image: Image) -> Caution | None:
-        """A band that is not the picture's."""
+        """The band differs from the picture's."""
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """A picture that is no radiance, and whose chain does not say how it became what it is."""
+        """The picture is not radiance, and its chain does not say how it was converted."""
         if image.interval_x_mrad is not None and transfer_of(image, of_camera=True).levels:
             return None
         return unit_caution(image.unit, meant="NETD, MRTD and MDTD")
 
     @warning
     def extinction(self, image: Image, given: frozenset[str]) -> Caution | None:
-        """An extinction beside the path that the picture has come through."""
+        """An extinction is entered, but the Atmospheric Path before gives the transmission."""
         if "extinction_per_km" not in given or not image.air:
             return None
         paths = [air for air in image.air if air.is_grey and air.range_m]

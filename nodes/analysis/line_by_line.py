@@ -133,12 +133,17 @@ def difference_table(
         ),
         ("view_first_deg", float(degrees[0]), "deg", "view angle of a line's first sample"),
         ("view_last_deg", float(degrees[-1]), "deg", "view angle of a line's last sample"),
-        ("interval_nadir_mrad", max(intervals_mrad), "mrad", "along the flight, nearest nadir"),
+        (
+            "interval_nadir_mrad",
+            max(intervals_mrad),
+            "mrad",
+            "sampling interval along the track, nearest nadir",
+        ),
         (
             "interval_edge_mrad",
             min(intervals_mrad),
             "mrad",
-            "along the flight, farthest from nadir",
+            "sampling interval along the track, farthest from nadir",
         ),
         (
             "scale_nodes",
@@ -419,12 +424,12 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         "max_view_deg", "deg", "View angle from nadir at which the difference is largest."
     )
     interval_nadir_mrad = table_figure(
-        "interval_nadir_mrad", "mrad", "Largest sampling interval along the flight, nearest nadir."
+        "interval_nadir_mrad", "mrad", "Largest sampling interval along the track, nearest nadir."
     )
     interval_edge_mrad = table_figure(
         "interval_edge_mrad",
         "mrad",
-        "Smallest sampling interval along the flight, farthest from nadir.",
+        "Smallest sampling interval along the track, farthest from nadir.",
     )
     scale_nodes = table_figure(
         "scale_nodes",

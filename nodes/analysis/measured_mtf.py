@@ -217,7 +217,10 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     ] = "edge"
     direction: Annotated[
         Direction,
-        Param("across (an upright edge), along, or automatic: the direction of the larger change"),
+        Param(
+            "direction of the measurement: horizontal (for an upright edge), vertical, or "
+            "automatic: the direction of the larger change"
+        ),
     ] = "automatic"
     region_x: Annotated[
         int, Param("first column of the region", unit="px", low=0, slider=_PIXELS)
@@ -236,7 +239,8 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     clip_left_px: Annotated[
         int | None,
         Param(
-            "first sample of the edge across; empty: found automatically",
+            "first sample of the edge, in the direction of the measurement; empty: found "
+            "automatically",
             unit="px",
             low=0,
             zero_is_empty=False,
@@ -245,7 +249,8 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     clip_right_px: Annotated[
         int | None,
         Param(
-            "last sample of the edge across; empty: found automatically",
+            "last sample of the edge, in the direction of the measurement; empty: found "
+            "automatically",
             unit="px",
             low=0,
             zero_is_empty=False,
@@ -352,5 +357,5 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     edge_angle_deg = _figure(
         "edge_angle_deg",
         "deg",
-        "Direction in which the MTF is measured, normal to the edge: 0 across, 90 along.",
+        "Direction in which the MTF is measured, normal to the edge: 0 horizontal, 90 vertical.",
     )

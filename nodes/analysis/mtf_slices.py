@@ -114,22 +114,22 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
 
     @readout()
     def at_nyquist_x(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the Nyquist frequency of the image's samples across (a PTF in radians)."""
+        """Total at the horizontal Nyquist frequency of the image's samples (a PTF in radians)."""
         return _at(transfer, HORIZONTAL, _ends(transfer, HORIZONTAL)[0])
 
     @readout()
     def at_nyquist_y(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the Nyquist frequency of the image's samples along (a PTF in radians)."""
+        """Total at the vertical Nyquist frequency of the image's samples (a PTF in radians)."""
         return _at(transfer, VERTICAL, _ends(transfer, VERTICAL)[0])
 
     @readout()
     def at_pixel_nyquist_x(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the pixels' Nyquist frequency across, half a cycle per detector pitch."""
+        """Total at the pixels' horizontal Nyquist frequency, half a cycle per detector pitch."""
         return _at(transfer, HORIZONTAL, _ends(transfer, HORIZONTAL)[1])
 
     @readout()
     def at_pixel_nyquist_y(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the pixels' Nyquist frequency along, half a cycle per detector pitch."""
+        """Total at the pixels' vertical Nyquist frequency, half a cycle per detector pitch."""
         return _at(transfer, VERTICAL, _ends(transfer, VERTICAL)[1])
 
 

@@ -135,7 +135,7 @@ def frames_in_file(path: Path, here: NodeContext, image: Image | None) -> tuple[
     stamps = stamps_of(file, header_beside(file))
     known = _described(file, stamps)
     if known.frames < 2:
-        raise DataError(f"{file}: holds a single frame; noise in time needs 2 or more")
+        raise DataError(f"{file}: holds a single frame; temporal noise needs 2 or more")
     if image is not None and image.shape != (known.rows, known.columns):
         raise DataError(
             f"{file}: holds frames of {known.rows} × {known.columns} samples, and the picture "
@@ -173,13 +173,13 @@ def measured_in_file(work: Work, *, path: Path, stamps: tuple[Stamp, ...]) -> Me
 # Noise measured from simulated frames, beside the noise predicted from the chain.
 
 MEANINGS = {
-    "tvh": "random from sample to sample and frame to frame",
-    "vh": "fixed from sample to sample",
-    "v": "fixed from row to row",
-    "h": "fixed from column to column",
-    "t": "whole frames, from one to the next",
-    "tv": "rows, from frame to frame",
-    "th": "columns, from frame to frame",
+    "tvh": "random from sample to sample and from frame to frame",
+    "vh": "of single samples, the same in every frame",
+    "v": "of whole rows, the same in every frame",
+    "h": "of whole columns, the same in every frame",
+    "t": "of whole frames, new in every frame",
+    "tv": "of whole rows, new in every frame",
+    "th": "of whole columns, new in every frame",
 }
 
 

@@ -37,7 +37,7 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     patterns that stay from frame to frame, averaged over all sensors of this kind. Rounding counts
     as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian
     blur is proportional to its variance. A stage that amplifies has a negative share: it recovers
-    this part of the loss. A stage with an MTF of zero has all of it. Phases do not blur.
+    this part of the loss. A stage with an MTF of zero has the whole share. Phases do not blur.
     """
 
     formulas = (
@@ -54,7 +54,8 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     frequency: Annotated[
         float,
         Param(
-            "frequency of the MTFs, as a fraction of the picture's Nyquist frequency",
+            "frequency at which the blur is budgeted, as a fraction of the picture's Nyquist "
+            "frequency",
             unit="Nyquist", low=0, high=1, above=True, slider=(0.05, 1),
         ),
     ] = 0.5  # fmt: skip
@@ -93,7 +94,7 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     sigma_fixed = table_figure(
         "sigma_fixed", "", "Standard deviation of all fixed patterns.", unit_of="image"
     )
-    mtf_x = table_figure("mtf_x", "", "MTF of all stages across, at the frequency of the budget.")
-    mtf_y = table_figure("mtf_y", "", "MTF of all stages along, at the frequency of the budget.")
-    xi = table_figure("xi", "cyc/mrad", "Frequency of the budget across.")
-    eta = table_figure("eta", "cyc/mrad", "Frequency of the budget along.")
+    mtf_x = table_figure("mtf_x", "", "Horizontal MTF of all stages, at the budget's frequency.")
+    mtf_y = table_figure("mtf_y", "", "Vertical MTF of all stages, at the budget's frequency.")
+    xi = table_figure("xi", "cyc/mrad", "Horizontal frequency at which the blur is budgeted.")
+    eta = table_figure("eta", "cyc/mrad", "Vertical frequency at which the blur is budgeted.")

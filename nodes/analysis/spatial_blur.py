@@ -117,8 +117,8 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     error_bound = table_figure(
         "error_bound",
         "",
-        "Largest error from truncated kernels, as a fraction of the largest departure from "
-        "the mean.",
+        "Largest error from truncated kernels, as a fraction of the scene's largest "
+        "departure from its mean.",
     )
 
 
@@ -150,12 +150,12 @@ def response(_: Work, kernels: Kernels, *, grid: Grid) -> CurveData:
         name = "plane, " if min(high, wide) > 1 else ""
         if wide > 1 or high == 1:
             lags = _lags(wide, kernel.before_x, grid.interval_x_mrad)
-            series.append(Series(f"{name}across", lags, kernel.taps[kernel.before_y]))
+            series.append(Series(f"{name}horizontal", lags, kernel.taps[kernel.before_y]))
         if high > 1:
             lags = _lags(high, kernel.before_y, grid.interval_y_mrad)
-            series.append(Series(f"{name}along", lags, kernel.taps[:, kernel.before_x]))
+            series.append(Series(f"{name}vertical", lags, kernel.taps[:, kernel.before_x]))
     if not series:  # nothing blurs
-        series.append(Series("across", np.zeros(1), np.ones(1)))
+        series.append(Series("horizontal", np.zeros(1), np.ones(1)))
     return CurveData("Impulse response", "lag (mrad)", "weight", tuple(series))
 
 

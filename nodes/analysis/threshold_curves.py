@@ -117,8 +117,8 @@ def sensitivity(
         )
     if gain is None:
         raise DataError(
-            "gain_model literal scales the picture by the gain error, so its noise is not a "
-            "temperature difference: use per_pixel or published"
+            "gain_model = literal scales the picture by the gain error, so its noise is not a "
+            "temperature difference: use gain_model = per_pixel or published"
         )
     gain *= math.prod(level.gain for level in levels)
     clipped = unseen(gain, levels, "there is nothing to detect")

@@ -40,13 +40,14 @@ NEGLIGIBLE = 1 / 256  # a change that 8 bits cannot show
 class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", group="Atmosphere"):
     """Blur by atmospheric turbulence and by aerosol scattering (turbidity).
 
-    Turbulence is a Gaussian blur of given width, or Fried's long or short exposure with r0 given or
-    computed from a Cn² profile. The MTF of turbidity falls to a plateau: exp(−τ(ρ/ρc)²), and beyond
-    ρc exp(−τ). τ comes from a level (plateaus 0.99, 0.975, 0.955), from a number, or from the
-    scattering coefficient along the path (looking down or up, with an exponential profile).
-    Absorption attenuates all frequencies alike and does not blur: use Atmospheric Path. Looking up
-    blurs more than looking down, because the turbulence is near the aperture. r0 goes as λ^(6/5),
-    and the aerosol cutoff ρc as 1/λ; a spectral picture is blurred at each band's own wavelength.
+    Turbulence is a Gaussian blur of the width that you enter, or Fried's long or short exposure
+    with r0 entered or computed from a Cn² profile. The MTF of turbidity falls to a plateau:
+    exp(−τ(ρ/ρc)²), and beyond ρc exp(−τ). τ comes from a level (plateaus 0.99, 0.975, 0.955), from
+    a number, or from the scattering coefficient along the path (looking down or up, with an
+    exponential profile). Absorption attenuates all frequencies alike and does not blur: use
+    Atmospheric Path. Looking up blurs more than looking down, because the turbulence is near the
+    aperture. r0 goes as λ^(6/5), and the aerosol cutoff ρc as 1/λ; a spectral picture is blurred at
+    each band's own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """
@@ -241,7 +242,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @warning
     def cutoff(self, given: frozenset[str]) -> Caution | None:
-        """A cutoff beside the particles' radius, which gives one."""
+        """A cutoff frequency is entered, but it already follows from the particle radius."""
         if self.particle_radius_um is None or "turbidity_cutoff_cyc_per_mrad" not in given:
             return None
         return Caution(
@@ -253,7 +254,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @warning
     def path(self, magnitude: Magnitude) -> Caution | None:
-        """More scattering than the extinction of the path that the picture has come through."""
+        """The air scatters more light than Atmospheric Path takes away."""
         image = magnitude.image
         known = [] if image is None else [air for air in image.air if air.range_m]
         scattering = self.scattering_per_km
@@ -274,7 +275,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @warning
     def wavelength(self, context: Context) -> Caution | None:
-        """A wavelength that the picture does not have."""
+        """The wavelength lies outside the picture's band."""
         turbulent = self.turbulence not in ("gaussian", "none")
         particles = self.turbidity != "none" and self.particle_radius_um is not None
         if not (turbulent or particles):
@@ -283,7 +284,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @warning
     def aperture(self, context: Context) -> Caution | None:
-        """An aperture that is not the one of the F number and focal length."""
+        """The aperture differs from focal length divided by F-number."""
         if self.turbulence != "short_exposure" or not context.f_number:
             return None
         if context.focal_length_mm is None:
@@ -300,7 +301,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @readout("m")
     def r0_m(self, context: Context) -> float | None:
-        """Fried's r0 at the wavelength, given or from the Cn² profile; empty where not used."""
+        """Fried's r0 at the blur's wavelength, entered or from Cn²; empty if not used."""
         if self.turbulence in ("gaussian", "none"):
             return None
         if self.fried_r0_m is not None:
@@ -327,7 +328,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @readout()
     def optical_depth(self, context: Context) -> float:
-        """Optical depth τ of the turbidity: of scattering alone."""
+        """Optical depth τ of scattering alone."""
         if self.turbidity == "none":
             return 0.0
         if self.turbidity != "custom":

@@ -252,7 +252,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     @warning
     def unused(self, given: frozenset[str]) -> Caution | None:
-        """A number beside a file that is taken in its place."""
+        """A number is entered, but the file is used instead."""
         if self.path is None:
             return None
         if self.model == "transmission" and "transmission" in given and self.transmission != 1.0:
@@ -276,7 +276,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     @warning
     def dark_air(self, image: Image, outputs: PathOutputs) -> Caution | None:
-        """Air that dims a thermal scene and emits nothing."""
+        """The air dims a thermal scene and emits nothing."""
         if self.model == "modtran" or self.air_K is not None or image.band_um is None:
             return None
         if image.band_um[0] < SHORTEST_THERMAL_UM or outputs.image.air == image.air:
@@ -289,7 +289,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     @warning
     def source(self, image: Image) -> Caution | None:
-        """A black body that weights one band, where the picture has many."""
+        """A black body is entered, but a picture with several bands needs none."""
         if self.source_K is None or image.bands is None:
             return None
         return Caution(
@@ -300,7 +300,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     @warning
     def ranges(self, image: Image, context: Context | None) -> Caution | None:
-        """A range that is not the camera's, or not that of the air before."""
+        """The range differs from the camera's, or from that of the Atmospheric Path before."""
         of_camera = None if image.camera is None else image.camera.range_m
         of_context = None if context is None else context.range_m
         own = self.range_m or of_camera or of_context

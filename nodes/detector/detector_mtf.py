@@ -32,16 +32,16 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     )
 
     detector_x_um: Annotated[
-        float | None, Param("detector pitch across", unit="µm", low=0, slider=(1, 1000))
+        float | None, Param("horizontal detector pitch", unit="µm", low=0, slider=(1, 1000))
     ] = None
     detector_y_um: Annotated[
-        float | None, Param("detector pitch along", unit="µm", low=0, slider=(1, 1000))
+        float | None, Param("vertical detector pitch", unit="µm", low=0, slider=(1, 1000))
     ] = None
     focal_length_mm: Annotated[
         float | None, Param("effective focal length", unit="mm", low=0, slider=(10, 1000))
     ] = None
-    fill_x: Annotated[float | None, Param("fill factor across", low=0, high=1)] = None
-    fill_y: Annotated[float | None, Param("fill factor along", low=0, high=1)] = None
+    fill_x: Annotated[float | None, Param("horizontal fill factor", low=0, high=1)] = None
+    fill_y: Annotated[float | None, Param("vertical fill factor", low=0, high=1)] = None
 
     panel = (
         Section("", ("apply",)),
@@ -61,28 +61,28 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """A detector or focal length that is not the one of Init & Trans."""
+        """The pitch, fill factor or focal length differs from the one on Init & Trans."""
         names = ("detector_x_um", "detector_y_um", "focal_length_mm", "fill_x", "fill_y")
         return apart_from_context(self, context, *names, where=ELECTRONICS)
 
     @readout("mrad")
     def ifov_x_mrad(self, context: Context) -> float:
-        """Instantaneous field of view across, with the fill factor."""
+        """Horizontal instantaneous field of view, with the fill factor."""
         return self._ifov("x", context)
 
     @readout("mrad")
     def ifov_y_mrad(self, context: Context) -> float:
-        """Instantaneous field of view along, with the fill factor."""
+        """Vertical instantaneous field of view, with the fill factor."""
         return self._ifov("y", context)
 
     @readout("cyc/mrad")
     def first_zero_x(self, context: Context) -> float:
-        """First zero of the MTF across."""
+        """First zero of the horizontal MTF."""
         return first_zero_cyc_per_mrad(effective_ifov_mrad=self._ifov("x", context))
 
     @readout("cyc/mrad")
     def first_zero_y(self, context: Context) -> float:
-        """First zero of the MTF along."""
+        """First zero of the vertical MTF."""
         return first_zero_cyc_per_mrad(effective_ifov_mrad=self._ifov("y", context))
 
     def _ifov(self, axis: str, context: Context) -> float:

@@ -225,12 +225,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """A picture that is no radiance."""
+        """The picture is not in units of radiance."""
         return unit_caution(image.unit, meant="electrons of photons")
 
     @warning
     def band(self, image: Image, context: Context) -> Caution | None:
-        """A cold filter that lets through what the picture's band does not hold."""
+        """The cold filter passes wavelengths outside the picture's band."""
         known = image.band_um or context.band_um
         return (
             None
@@ -240,7 +240,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def material(self, image: Image, context: Context) -> Caution | None:
-        """Photons counted beyond the cutoff of the detector material."""
+        """Photons are counted beyond the cutoff of the detector material."""
         known = image.band_um or context.band_um
         if known is None or self.response is not None:
             return None
@@ -258,7 +258,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def dark_current(self) -> Caution | None:
-        """What Rule 07 needs without it, or a number beside it: one of both does nothing."""
+        """A parameter of the dark current has no effect: Rule 07 is off, or replaces the number."""
         if self.rule_07 and self.dark_current_e_per_s:
             return Caution(
                 f"dark_current_e_per_s = {self.dark_current_e_per_s:g} e-/s is not used: "
@@ -278,7 +278,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def optics(self, image: Image, context: Context) -> Caution | None:
-        """Diffraction over other wavelengths than those of the cold filter."""
+        """Diffraction is computed for other wavelengths than the cold filter passes."""
         known = image.band_um or context.band_um
         return None if known is None else optics_caution(image, self._passed(known))
 
@@ -289,7 +289,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def spectrum(self, image: Image, context: Context) -> Caution | None:
-        """Brightness temperatures wanted where light is reflected."""
+        """The band shows reflected light, which has no brightness temperature."""
         band: Band | None = image.band_um or context.band_um
         ends = (self.cut_on_um, None if band is None else band[0])
         shortest = min((end for end in ends if end is not None), default=None)
@@ -305,7 +305,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def response_ends(self, outputs: FocalPlaneOutputs) -> Caution | None:
-        """A response that breaks off within the band."""
+        """The response curve ends within the band."""
         return response_caution(self.efficiency(outputs))
 
     @staticmethod
@@ -339,7 +339,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def overflow(self, outputs: FocalPlaneOutputs) -> Recipe:
-        """A mean, or a brightest, beyond the full well or the converter's numbers."""
+        """The mean or the brightest pixel exceeds the full well or the converter's range."""
         table = outputs.table.recipe.inputs[0]
         return Step.of(overflow_caution, table.inputs[0], reading=self.read_out())
 
@@ -379,17 +379,17 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         "Dynamic range: saturation (full well or last number) over the temporal noise in the dark.",
     )
     gain_figure = _figure("gain_e_per_dn", "e-/DN", "Electrons per digital number.")
-    mean_dn = _figure("mean_dn", "DN", "Digital number of the picture's mean.")
+    mean_dn = _figure("mean_dn", "DN", "Mean signal of the picture, in digital numbers.")
     weighting_figure = _figure(
         "photon_weighting", "", "Spectrum by which photons are counted: scene, source or middle."
     )
     weighting_worth_percent = _figure(
-        "weighting_worth_percent", "%", "Spread of the signal between these spectra."
+        "weighting_worth_percent", "%", "How much the signal differs between these spectra."
     )
 
     @readout()
     def saturated_pixels(self, outputs: FocalPlaneOutputs) -> Any:
-        """Pixels that are clipped at the well or at the last number."""
+        """Number of pixels clipped at the full well or at the converter's highest number."""
         return outputs.table.recipe.inputs[1]
 
 
@@ -397,7 +397,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
 
 def filter_caution(picture: Band, passed: Band, *, in_bands: bool) -> Caution | None:
-    """A cold filter that lets through what the picture's band does not hold."""
+    """The cold filter passes wavelengths outside the picture's band."""
     low, high = passed
     if low >= picture[0] * (1 - NEAR) and high <= picture[1] * (1 + NEAR):
         return None

@@ -348,7 +348,7 @@ def figures(
             "mean_dn",
             _bent(total, reading) / reading.gain_e_per_dn + reading.offset_dn,
             "DN",
-            "digital number of the mean",
+            "mean signal in digital numbers",
         ),
         ("scene_K", levels.scene_K, "K", "brightness temperature of the mean"),
         ("photon_weighting", collection.weights.used, "", "spectrum by which photons are counted"),

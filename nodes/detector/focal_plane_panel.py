@@ -239,7 +239,10 @@ class FocalPlanePanel(SeededModule):
                 raise ParameterError(needed, None, f"a number: {_NEEDED_BY[needed]}", unit=unit)
         if self.bits and self.gain_e_per_dn is None and self.full_well_e is None:
             raise ParameterError(
-                "gain_e_per_dn", None, "a number where bits are on, or full_well_e", unit="e-/DN"
+                "gain_e_per_dn",
+                None,
+                "a number if bits is above 0, or give full_well_e",
+                unit="e-/DN",
             )
 
     def read_out(self) -> ReadOut:

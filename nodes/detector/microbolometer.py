@@ -177,7 +177,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         if (own is None) != (other is None):
             missing = "integration_time_s" if own is None else "reference_integration_time_s"
             raise ParameterError(
-                missing, None, "a number where the other integration time is given", unit="s"
+                missing, None, "a number if the other integration time is given", unit="s"
             )
         if self.corner_Hz:
             self._flicker_band()

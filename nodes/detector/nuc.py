@@ -99,7 +99,9 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
             ("low_K", "high_K", "reference_frames"),
             shown_when=("method", ("one_point", "two_point")),
         ),
-        Section("Since then", ("drift_K",), shown_when=("method", ("one_point", "two_point"))),
+        Section(
+            "Since the correction", ("drift_K",), shown_when=("method", ("one_point", "two_point"))
+        ),
         *SEED_SECTIONS,
     )
 
@@ -174,7 +176,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
 
     @warning
     def nothing(self, image: Image) -> Caution | None:
-        """A picture that no camera has added a pattern to."""
+        """No node before adds a fixed pattern, so nothing is corrected."""
         if self.method == "none" or seen_by_camera(image.recipe) is not None:
             return None
         return Caution(

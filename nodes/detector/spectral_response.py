@@ -166,12 +166,12 @@ class SpectralResponse(
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """A picture that is no radiance."""
+        """The picture is not in units of radiance."""
         return unit_caution(image.unit, meant="radiance that is weighted over wavelength")
 
     @warning
     def source(self, image: Image) -> Caution | None:
-        """A source beside bands that have a spectrum of their own."""
+        """A source is entered, but a picture with several bands needs none."""
         if self.source_K is None or image.bands is None:
             return None
         return Caution(
@@ -182,7 +182,7 @@ class SpectralResponse(
 
     @readout()
     def mean_of_band(self, image: Image, outputs: ImageOutput) -> Step | float:
-        """Mean response over the picture's band, by the light that weights it."""
+        """Mean response over the picture's band, weighted by the light."""
         made = outputs.image.recipe
         if made is image.recipe:
             return 1.0

@@ -19,8 +19,9 @@ from nodes.shared.shared_warnings import ELECTRONICS, apart_caution, apart_from_
 class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     """Blur by time delay and integration: charge steps, and a velocity mismatch with the image.
 
-    sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)), about the exposure's middle. m is the velocity
-    of the image over that of the charge, less 1; s is the pitch over `phases`; N = stages·phases.
+    sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)), about the exposure's middle. m is the image
+    velocity divided by the charge velocity, minus 1; s is the pitch divided by `phases`; N =
+    stages·phases.
     Use it instead of Alongtrack MTF, whose smear within a stage is the step s here. With `phases` =
     0 the charge moves without steps. Empty parameters are taken from Init & Trans. Source: Wong,
     Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
@@ -50,7 +51,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
               slider=(-5, 5)),
     ] = 0.0  # fmt: skip
     direction: Annotated[
-        Literal["y", "x"], Param("axis of the motion: along (y) or across (x)")
+        Literal["y", "x"], Param("axis of the motion: vertical (y) or horizontal (x)")
     ] = "y"
     detector_um: Annotated[
         float | None,
@@ -91,7 +92,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """A pitch or focal length that is not the one of Init & Trans."""
+        """The pitch or focal length differs from the one on Init & Trans."""
         pitch = getattr(context, f"detector_{self.direction}_um")
         return first(
             apart_caution("detector_um", self.detector_um, pitch, unit="µm", where=ELECTRONICS),
@@ -100,7 +101,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
 
     @warning
     def apart(self) -> Caution | None:
-        """Image and charge that part by more than two pixels."""
+        """Image and charge move apart by more than two pixels."""
         pixels = abs(self.stages * self.velocity_mismatch_percent / 100.0)
         if pixels <= 2.0:
             return None
@@ -113,10 +114,10 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
 
     @readout("mrad")
     def step_mrad(self, context: Context) -> float:
-        """Smear of the image while the charge stands, one step of it."""
+        """Smear of the image during one clock step, while the charge does not move."""
         return smear_mrad(**self._how(context))[0]
 
     @readout("mrad")
     def drift_mrad(self, context: Context) -> float:
-        """How far image and charge part over all stages."""
+        """Distance between image and charge after all stages."""
         return smear_mrad(**self._how(context))[1]

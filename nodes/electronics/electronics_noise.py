@@ -388,10 +388,10 @@ class ElectronicsNoise(
         end = 1.08 * max(ends, default=14.0)
         if of_band is not None:
             low, high = band or (0.02 * end, end)
-            name = "typed in" if typed else "band"
+            name = "entered" if typed else "band"
             curves.append(Curve((low, high), (of_band,) * 2, 1, "dashed", name, 2.0))
             marks.append(Mark(low, of_band, brief(of_band), down=0.8, dot=False))
-            where = "typed in" if typed else "of the band"
+            where = "entered" if typed else "of the band"
             words.append(f"D* {where} {brief(of_band)} cm √Hz/W")
         most, least = max(levels, default=1e12), min(levels, default=1e12)
         along = Axis(
@@ -428,7 +428,7 @@ class ElectronicsNoise(
 
     @warning
     def band(self, image: Image) -> Caution | None:
-        """A band that is not the picture's."""
+        """The band differs from the picture's."""
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
@@ -438,12 +438,12 @@ class ElectronicsNoise(
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """A picture that is no radiance."""
+        """The picture is not in units of radiance."""
         return unit_caution(image.unit, meant="NER, NETD and D*")
 
     @warning
     def radiance(self, image: Image) -> Step | None:
-        """Samples that cannot be radiance of the band given here, of a picture without a band."""
+        """The samples cannot be radiances in the band entered here."""
         low, high = self.cut_on_um, self.cut_off_um
         # A picture with a band of its own has been held against that one by Read Image.
         if image.band_um is not None or not low or not high or low >= high:
@@ -454,7 +454,7 @@ class ElectronicsNoise(
 
     @warning
     def scan(self, context: Context) -> Caution | None:
-        """A scan mirror that is not as fast as the scan of Init & Trans."""
+        """The scan mirror's rate disagrees with the scan velocity on Init & Trans."""
         if self.scan_mirror_rate_Hz is None:
             return None
         return apart_caution(

@@ -42,9 +42,9 @@ class Noise3DSource(
 
     Each component is Gaussian with its own standard deviation, in the unit of the picture. v, h and
     vh are the same in every frame of a sequence; the others are new in each. `corner_Hz` adds 1/f
-    noise to each sample, whose temporal spectrum equals that of sigma_tvh at that frequency. It
-    extends from 1/`longest_period_s` to half the frame rate, and any frame can be computed from its
-    number. Its whole variance counts as temporal. 3-D Noise uses only some frames, and measures
+    noise to each sample; at that frequency its temporal spectrum equals the spectrum of sigma_tvh.
+    It extends from 1/`longest_period_s` to half the frame rate, and any frame can be computed from
+    its number. Its whole variance counts as temporal. 3-D Noise uses only some frames, and measures
     slower changes as fixed (vh). Without any component the picture does not change. Sources:
     D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
     """
@@ -113,7 +113,7 @@ class Noise3DSource(
             raise ParameterError(
                 "sigma_tvh",
                 0.0,
-                "above 0 if corner_Hz is above 0: at the corner, 1/f noise equals it",
+                "above 0 if corner_Hz is above 0: at the corner, 1/f noise equals sigma_tvh",
             )
         self._band()
 
@@ -145,7 +145,7 @@ class Noise3DSource(
 
     @warning
     def few_lines(self, image: Image) -> Caution | None:
-        """Rows or columns of noise in a picture that has a single one."""
+        """Row or column noise is set, but the picture has a single row or column."""
         for name, count, what in (("v", image.rows, "row"), ("h", image.columns, "column")):
             used = [n for n in COMPONENTS if name in n and getattr(self, f"sigma_{n}")]
             if count == 1 and used:
@@ -168,7 +168,7 @@ class Noise3DSource(
 
     @readout()
     def flicker(self) -> float:
-        """Noise of 1/f alone, in the picture's unit."""
+        """1/f noise alone, in the picture's unit."""
         return self._flicker_sigma()
 
     def _band(self) -> FlickerBand:

@@ -83,7 +83,7 @@ class ScaledByChance(Linear):
 
     @property
     def by_chance(self) -> str:
-        return "gain_model literal: the gain error as printed scales the picture"
+        return "gain_model = literal: the gain error as printed scales the picture"
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         return power.scaled(self.gain_percent / 100.0 * work.value(self.seen).mean)
@@ -153,7 +153,7 @@ def _shape_of(pattern: Recipe) -> tuple[int, int]:
 def _without_gain(picture: Recipe, *_: Recipe, model: str, **how: Any) -> Recipe:
     if model == "literal":
         raise DataError(
-            "gain_model literal multiplies the picture by the gain error, so without a gain "
+            "gain_model = literal multiplies the picture by the gain error, so without a gain "
             "error nothing remains; use per_pixel or published"
         )
     return picture

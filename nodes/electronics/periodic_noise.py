@@ -51,17 +51,17 @@ class PeriodicNoise(
     )
 
     amplitude: Annotated[float, Param("amplitude, in the picture's unit", slider=(0, 10))] = 0.0
-    xi: Annotated[float, Param("frequency across", unit="cyc/mrad", slider=(-1, 1))] = 0.1
-    eta: Annotated[float, Param("frequency along", unit="cyc/mrad", slider=(-1, 1))] = 0.0
+    xi: Annotated[float, Param("horizontal frequency", unit="cyc/mrad", slider=(-1, 1))] = 0.1
+    eta: Annotated[float, Param("vertical frequency", unit="cyc/mrad", slider=(-1, 1))] = 0.0
     phase_deg: Annotated[
         float, Param("phase at the first sample", unit="deg", slider=(-180, 180))
     ] = 0.0
     modulation: Annotated[float, Param("modulation depth", low=0, high=1)] = 0.0
     modulation_xi: Annotated[
-        float, Param("frequency of the modulation across", unit="cyc/mrad", slider=(-1, 1))
+        float, Param("horizontal frequency of the modulation", unit="cyc/mrad", slider=(-1, 1))
     ] = 0.01
     modulation_eta: Annotated[
-        float, Param("frequency of the modulation along", unit="cyc/mrad", slider=(-1, 1))
+        float, Param("vertical frequency of the modulation", unit="cyc/mrad", slider=(-1, 1))
     ] = 0.0
     modulation_phase_deg: Annotated[
         float, Param("phase of the modulation at the first sample", unit="deg", slider=(-180, 180))
@@ -111,8 +111,8 @@ class PeriodicNoise(
         )
         across = Axis(0.0, end, "from the first sample (mrad)")
         words = (
-            f"sinusoid of amplitude {brief(self.amplitude)} at {brief(self.xi)} cyc/mrad across "
-            f"and {brief(self.eta)} along"
+            f"sinusoid of amplitude {brief(self.amplitude)} at {brief(self.xi)} cyc/mrad "
+            f"horizontally and {brief(self.eta)} vertically"
         )
         if self.modulation > 0:
             words += f", modulated by {brief(100 * self.modulation)} %"

@@ -103,14 +103,14 @@ class PoissonNoise(
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """Numbers of photons made of a temperature, which is not in proportion to them."""
+        """The picture is a temperature, to which numbers of photons are not proportional."""
         if self.mode != "photon" or not is_temperature(image.unit):
             return None
         return unit_caution(image.unit, meant="photons_per_unit")
 
     @warning
     def scale(self, image: Image) -> Caution | None:
-        """The way of 1996, whose size depends on the unit of radiance and not on the light."""
+        """The noise of the 1996 model depends on the unit of radiance, not on the light."""
         if self.mode != "published" or self.percent == 0:
             return None
         unit = image.unit.strip()

@@ -146,7 +146,7 @@ def _faulty_line(lines: list[str], separator: str | None, path: Path) -> FileErr
             continue
         columns = columns or len(cells)
         if cells and len(cells) != columns:
-            allowed = f"{columns} numbers, as the first row, and has {len(cells)}"
+            allowed = f"{columns} numbers, like the first row, but has {len(cells)}"
             return line_refused(path, number, allowed)
     return FileError(f"{path}: is not a matrix of numbers")
 
@@ -172,7 +172,7 @@ def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
     if wrong.any():
         place = tuple(int(index) for index in np.argwhere(wrong)[0])
         raise DataError(
-            f"the matrix has {int(wrong.sum())} samples not finite, the first at {place}"
+            f"{int(wrong.sum())} samples of the matrix are not finite, the first at {place}"
         )
     separator = "," if CSV.matches(Path(os.fspath(path))) else " "
     lines = io.StringIO()

@@ -121,7 +121,7 @@ def _check_axes(header: FitsHeader) -> None:
         shape = ", ".join(f"{key} = {size}" for key, size in sizes.items())
         raise FileError(
             f"{header.path}: {shape}: this FITS file contains a cube of cubes; allowed: "
-            f"{' or '.join(_AXES[2:])} = 1, so that a band is a plane along the other"
+            f"{' or '.join(_AXES[2:])} = 1, so that the other axis counts the bands"
         )
 
 

@@ -5,9 +5,9 @@ Keys are compared without regard to case, with underscores as spaces:
 - unit: ``data units``, ``radiance units``, ``units``, ``unit``, ``BUNIT`` (FITS)
 - focal length: ``focal length mm``, ``focal length``, ``FOCALLEN`` (FITS),
   ``Exif:FocalLength``, ``nominalFocalLength`` (OpenEXR); mm unless µm, mm, cm or m follows
-- field of view across: ``fov x deg``, ``fov x``, ``fov``, ``field of view x``,
+- horizontal field of view: ``fov x deg``, ``fov x``, ``fov``, ``field of view x``,
   ``field of view``, ``horizontal fov``, ``hfov``
-- field of view along: ``fov y deg``, ``fov y``, ``field of view y``, ``vertical fov``, ``vfov``;
+- vertical field of view: ``fov y deg``, ``fov y``, ``field of view y``, ``vertical fov``, ``vfov``;
   degrees unless deg, mrad or rad follows; ``fov = {x, y}`` gives both
 
 The same keys are found in a description of the form ``key = value``, one on a line or separated

@@ -110,8 +110,9 @@ def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:
                 return plain
             if misread:
                 raise FileError(
-                    f"{path}: 64-bit samples in tiles or a single row cannot be read from it; "
-                    "allowed: photometric interpretation 1 (black is 0) or 2 (RGB), bits in order"
+                    f"{path}: 64-bit samples in tiles or a single row cannot be read from this "
+                    "file; allowed: photometric interpretation 1 (black is 0) or 2 (RGB), bits in "
+                    "order"
                 )
             check_deflate(path)
         values = _values(path, picture, info)

@@ -13,7 +13,7 @@ from nodes.files.common.table_cells import line_refused, point_rows, read_once, 
 
 Points = tuple[tuple[float, float], ...]
 _LARGEST_UM = 1e6
-_COLUMNS = "Hz, mrad²/Hz across and, if it differs, mrad²/Hz along"
+_COLUMNS = "Hz, horizontal mrad²/Hz and, if it differs, vertical mrad²/Hz"
 
 
 @read_once

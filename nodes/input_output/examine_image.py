@@ -54,8 +54,8 @@ class ExamineImage(
         ),
         Formula(
             r"\int_{\lambda_1}^{\lambda_2}L_\lambda(T)\,d\lambda=L",
-            where="T: apparent temperature: the temperature of a black body with the same "
-            "radiance in the band",
+            where="T: apparent temperature, at which a black body has the same radiance in the "
+            "band",
             when="radiance in a known band",
         ),
     )
@@ -112,7 +112,7 @@ class ExamineImage(
 
     @warning
     def no_temperature(self, image: Image | Magnitude | Phase | Transfer) -> Caution | None:
-        """Apparent temperatures that are missing, as the picture's unit is not radiance's."""
+        """There is no apparent temperature, because the picture is not in units of radiance."""
         if not isinstance(image, Image) or image.band_um is None:
             return None
         if is_radiance(image.unit) or is_temperature(image.unit):
@@ -123,8 +123,8 @@ class ExamineImage(
             "convert it to W/m²/sr: set scale and unit on Read Image, or units on Focal Plane",
         )
 
-    minimum = table_figure("minimum", "", "Least sample.", unit_of="image")
-    maximum = table_figure("maximum", "", "Greatest sample.", unit_of="image")
+    minimum = table_figure("minimum", "", "Smallest sample.", unit_of="image")
+    maximum = table_figure("maximum", "", "Largest sample.", unit_of="image")
     mean = table_figure("mean", "", "Mean of the samples.", unit_of="image")
     sigma = table_figure("sigma", "", "Standard deviation of the samples.", unit_of="image")
 
@@ -150,7 +150,7 @@ def figures(
     """Statistics and probe as a table, with apparent temperatures where `band_um` is known."""
     measured = statistics(samples, for_each=work.for_each)
     values = {"minimum": measured.minimum, "maximum": measured.maximum, "mean": measured.mean}
-    meanings = {"minimum": "least sample", "maximum": "greatest sample", "mean": "mean"}
+    meanings = {"minimum": "smallest sample", "maximum": "largest sample", "mean": "mean"}
     rows = [TableRow(name, value, unit, meanings[name]) for name, value in values.items()]
     rows.append(TableRow("sigma", measured.sigma, unit, "standard deviation"))
     if probe_x is not None and probe_y is not None:

@@ -43,15 +43,15 @@ _WHOLE = 0.99  # of the wavelengths: less is warned of
 
 
 class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Input and output"):
-    """Read a picture from a file: ENVI, as DIRSIG writes it, or another format listed under `path`.
+    """Read a picture from a file: ENVI (DIRSIG's format), or another format listed under `path`.
 
     Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives
     wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um` (if both are given); for
     every other file these two are the band of the samples. Radiance comes out in W/m²/sr, one
     spectral band in W/m²/sr/µm. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
-    `scale` is 1, that unit is converted; otherwise `unit` is. A cube whose header names no unit
-    needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands are
-    left out. K, DN and similar units are kept; photons are not converted to watts; an unknown
+    `scale` is 1, that unit is converted; otherwise `unit` applies. A cube whose header names no
+    unit needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands
+    are left out. K, DN and similar units are kept; photons are not converted to watts; an unknown
     radiance unit is an error.
 
     A colour picture gives one channel or, with `bands` luminance, all three weighted as the eye
@@ -102,10 +102,10 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     offset: Annotated[float, Param("number added after scaling, in the unit below")] = 0.0
     unit: Annotated[str, Param("unit of the samples after scaling")] = DEFAULT_UNIT
     fov_x_deg: Annotated[
-        float | None, Param("field of view across", unit="deg", low=0, high=180, below=True)
+        float | None, Param("horizontal field of view", unit="deg", low=0, high=180, below=True)
     ] = None
     fov_y_deg: Annotated[
-        float | None, Param("field of view along", unit="deg", low=0, high=180, below=True)
+        float | None, Param("vertical field of view", unit="deg", low=0, high=180, below=True)
     ] = None
     cut_on_um: Annotated[float | None, Param("shortest wavelength", unit="µm", low=0)] = None
     cut_off_um: Annotated[float | None, Param("longest wavelength", unit="µm", low=0)] = None
@@ -237,7 +237,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @warning
     def numbers_without_unit(self, outputs: ImageOutput) -> Caution | None:
-        """Whole numbers of a file that are taken for radiance as they are."""
+        """Whole numbers without a unit are read as radiance."""
         bare = outputs.image.header.bare_integers
         scaled = self.scale != 1.0 or self.offset != 0.0
         if not bare or scaled or not is_radiance(self.unit):
@@ -249,7 +249,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @warning
     def as_stored(self, outputs: ImageOutput) -> Caution | None:
-        """A header with a factor that is not applied."""
+        """The header has a factor or offset that is not applied."""
         fields = outputs.image.header.not_applied
         if not fields or self.scale != 1.0:
             return None
@@ -261,7 +261,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @warning
     def bands_left_out(self, outputs: ImageOutput) -> Caution | None:
-        """Bands that the header marks as bad."""
+        """Bands that the header marks as bad are left out."""
         count = outputs.image.header.bad_bands
         if not count:
             return None
@@ -273,22 +273,22 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @warning
     def bands_with_gaps(self, outputs: ImageOutput) -> Caution | None:
-        """Bands that leave out a part of the wavelengths."""
+        """There are gaps between the bands."""
         share = outputs.image.header.coverage
         if share >= _WHOLE:
             return None
         stated = self._stated_band()
-        ends = "those from the first to the last" if stated is None else "{:g} to {:g} µm"
+        ends = "from the first to the last band" if stated is None else "from {:g} to {:g} µm"
         where = ends.format(*stated or ())
         return Caution(
             f"radiance between the bands is missing: they cover {100 * share:.0f} % of the "
-            f"wavelengths, {where}",
+            f"wavelengths {where}",
             "choose cut_on_um and cut_off_um within the bands, or use a cube without gaps",
         )
 
     @warning
     def chunks_not_there(self, outputs: ImageOutput) -> Caution | None:
-        """A Zarr store that lacks files."""
+        """The Zarr store lacks some of its chunks."""
         count = outputs.image.header.absent_chunks
         if not count:
             return None
@@ -299,7 +299,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @warning
     def wavelengths_without_unit(self, outputs: ImageOutput) -> Caution | None:
-        """Wavelengths of a header that does not say that they are in µm."""
+        """The header gives no unit for its wavelengths; they are read as µm."""
         if not outputs.image.header.wavelengths_assumed:
             return None
         return Caution(
@@ -309,7 +309,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @warning
     def radiance(self, outputs: ImageOutput, given: frozenset[str]) -> Step | None:
-        """Samples that cannot be the radiance they are read as, or look like temperatures."""
+        """The samples look like temperatures, or cannot be radiances."""
         image = outputs.image
         band = image.band_um
         if not is_radiance(image.unit) or self.numbers_without_unit(outputs) is not None:
@@ -324,7 +324,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @warning
     def one_channel(self, outputs: ImageOutput, given: frozenset[str]) -> Caution | None:
-        """A colour picture, of which one channel is read without a choice."""
+        """Only one channel of a colour picture is read, and you did not choose it."""
         channels = outputs.image.header.channels
         if len(channels) < 2 or "band" in given or self.bands == "luminance":
             return None
@@ -336,7 +336,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @warning
     def one_band(self, outputs: ImageOutput, given: frozenset[str]) -> Caution | None:
-        """A cube of bands, planes or frames, of which one is read that nobody has chosen."""
+        """Only one band, plane or frame of a cube is read, and you did not choose it."""
         header = outputs.image.header
         if header.bands < 2 or header.channels or "band" in given:
             return None
@@ -347,7 +347,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @readout("samples")
     def missing_samples(self, outputs: ImageOutput) -> Step | int:
-        """Samples of the file that are NaN or infinite."""
+        """Number of samples in the file that are NaN or infinite."""
         read = outputs.image.recipe
         if self.missing == "refuse" or not isinstance(read, Step) or self.bands == "all":
             return 0

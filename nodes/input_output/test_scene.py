@@ -79,13 +79,13 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     __test__ = False  # not a test class, whatever its name says
 
     kind: Annotated[Kind, Param("what to draw")] = "dormitory"
-    width: Annotated[int, Param("samples across", low=1, high=65536, slider=(16, 2048))] = 512
-    height: Annotated[int, Param("samples along", low=1, high=65536, slider=(16, 2048))] = 512
+    width: Annotated[int, Param("samples per row", low=1, high=65536, slider=(16, 2048))] = 512
+    height: Annotated[int, Param("samples per column", low=1, high=65536, slider=(16, 2048))] = 512
     fov_x_deg: Annotated[
-        float | None, Param("field of view across", unit="deg", low=0, high=180, below=True)
+        float | None, Param("horizontal field of view", unit="deg", low=0, high=180, below=True)
     ] = 30.0
     fov_y_deg: Annotated[
-        float | None, Param("field of view along", unit="deg", low=0, high=180, below=True)
+        float | None, Param("vertical field of view", unit="deg", low=0, high=180, below=True)
     ] = 30.0
     cut_on_um: Annotated[float, Param("shortest wavelength", unit="µm", low=0, above=True)] = 8.0
     cut_off_um: Annotated[float, Param("longest wavelength", unit="µm", low=0, above=True)] = 12.0
@@ -95,7 +95,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     ] = 0
     emissivity: Annotated[
         Emissivity,
-        Param("spectra of the surfaces, if there are bands: those of their materials, or grey"),
+        Param("spectra of the surfaces, if there are bands: from their materials, or grey"),
     ] = "spectra"
     sun_elevation_deg: Annotated[
         float,
@@ -111,7 +111,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         float, Param("direction of the edge's normal or of the wave", unit="deg", slider=(-90, 90))
     ] = 5.0
     frequency: Annotated[
-        float, Param("cycles across the frame, or spokes of the star", low=0, above=True)
+        float, Param("cycles per frame width, or spokes of the star", low=0, above=True)
     ] = 16.0
 
     panel = (

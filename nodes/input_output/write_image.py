@@ -125,7 +125,9 @@ class WriteImage(
         if self.format == _CUBE:
             if known is None:
                 return path.with_name(path.name + ENVI_FRAMES.suffixes[0])
-            raise ParameterError("format", self.format, f"by_suffix, or that of {self.path.name}")
+            raise ParameterError(
+                "format", self.format, f"by_suffix, or the format of {self.path.name}"
+            )
         if self.format == _BY_SUFFIX:
             if known is None:
                 endings = ", ".join(suffixes(*WRITTEN, ENVI_FRAMES, ZARR))
@@ -136,7 +138,9 @@ class WriteImage(
             wanted = next(candidate for candidate in WRITTEN if candidate.name == self.format)
             return path.with_name(path.name + wanted.suffixes[0])
         if known.name != self.format:
-            raise ParameterError("format", self.format, f"by_suffix, or that of {self.path.name}")
+            raise ParameterError(
+                "format", self.format, f"by_suffix, or the format of {self.path.name}"
+            )
         return path
 
     def files(self, inputs: Mapping[str, Any], here: NodeContext, work: Work) -> Files:

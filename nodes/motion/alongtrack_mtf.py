@@ -16,7 +16,7 @@ from nodes.shared.shared_warnings import apart_from_context
 
 
 class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", group="Motion"):
-    """Smear along track by the platform's forward motion while a sample is collected.
+    """Smear along the track by the platform's forward motion while a sample is collected.
 
     sinc(b·eta), b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28. Erratum: the
     width 134 of eq. 4.28 is in cycles/rad.
@@ -46,17 +46,17 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
 
     @warning
     def distance(self, context: Context) -> Caution | None:
-        """A range that is not the one of Init & Trans."""
+        """The range differs from the one on Init & Trans."""
         return apart_from_context(self, context, "range_m")
 
     @warning
     def velocity(self, context: Context) -> Caution | None:
-        """A velocity that is not the one of Init & Trans."""
+        """The velocity differs from the one on Init & Trans."""
         return apart_from_context(self, context, "velocity_m_per_s")
 
     @readout("mrad")
     def blur_y_mrad(self, context: Context) -> float:
-        """Width of the smear along track."""
+        """Width of the smear along the track."""
         velocity = self.velocity_m_per_s
         if velocity is None:
             velocity = context.velocity_m_per_s

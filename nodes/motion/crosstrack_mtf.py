@@ -15,7 +15,7 @@ from nodes.shared.shared_warnings import apart_from_context
 
 
 class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):
-    """Smear across track by the scan within one dwell time; off until you enter a dwell time.
+    """Smear across the track by the scan within one dwell time; off until you enter a dwell time.
 
     sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects it.
     """
@@ -41,12 +41,12 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
 
     @warning
     def velocity(self, context: Context) -> Caution | None:
-        """A scan velocity that is not the one of Init & Trans."""
+        """The scan velocity differs from the one on Init & Trans."""
         return apart_from_context(self, context, "scan_velocity_mrad_per_s")
 
     @readout("mrad")
     def blur_mrad(self, context: Context) -> float:
-        """Width of the smear across."""
+        """Width of the smear across the track."""
         velocity = self.scan_velocity_mrad_per_s
         if velocity is None:
             velocity = context.scan_velocity_mrad_per_s

@@ -68,10 +68,10 @@ class LineOfSight(
     )
 
     rms_x_mrad: Annotated[
-        float, Param("rms motion across", unit="mrad", low=0, high=1e6, slider=(0, 1))
+        float, Param("horizontal rms motion", unit="mrad", low=0, high=1e6, slider=(0, 1))
     ] = 0.0
     rms_y_mrad: Annotated[
-        float, Param("rms motion along", unit="mrad", low=0, high=1e6, slider=(0, 1))
+        float, Param("vertical rms motion", unit="mrad", low=0, high=1e6, slider=(0, 1))
     ] = 0.0
     corner_Hz: Annotated[
         float,
@@ -81,7 +81,10 @@ class LineOfSight(
     ] = 5.0  # fmt: skip
     psd_path: Annotated[
         Path | None,
-        Param("CSV of Hz and mrad²/Hz (across, along), used instead of rms and corner, or empty"),
+        Param(
+            "CSV of Hz and mrad²/Hz (horizontal, vertical), used instead of rms and corner, "
+            "or empty"
+        ),
     ] = None
     integration_time_s: Annotated[
         float, Param("exposure time", unit="s", low=0, high=1e6, slider=(0, 0.05))
@@ -147,7 +150,7 @@ class LineOfSight(
 
     @warning
     def exposure(self) -> Caution | None:
-        """An exposure longer than the time from frame to frame."""
+        """The exposure is longer than the time from frame to frame."""
         frame_s = 1.0 / self.frame_rate_Hz
         if self.integration_time_s <= frame_s * (1 + 1e-9):
             return None
@@ -159,32 +162,32 @@ class LineOfSight(
 
     @readout("mrad")
     def within_x_mrad(self, outputs: OtfOutputs) -> float:
-        """Rms motion across within an exposure, about its mean."""
+        """Horizontal rms motion within an exposure, about its mean."""
         return _rms_within(outputs, "x")
 
     @readout("mrad")
     def within_y_mrad(self, outputs: OtfOutputs) -> float:
-        """Rms motion along within an exposure, about its mean."""
+        """Vertical rms motion within an exposure, about its mean."""
         return _rms_within(outputs, "y")
 
     @readout("mrad")
     def between_x_mrad(self, outputs: OtfOutputs) -> float:
-        """Rms shift across from frame to frame."""
+        """Horizontal rms shift from frame to frame."""
         return _rms_between(outputs, "x")
 
     @readout("mrad")
     def between_y_mrad(self, outputs: OtfOutputs) -> float:
-        """Rms shift along from frame to frame."""
+        """Vertical rms shift from frame to frame."""
         return _rms_between(outputs, "y")
 
     @readout("mrad")
     def shift_x_mrad(self, outputs: OtfOutputs) -> float:
-        """Shift of frame 0 across."""
+        """Horizontal shift of frame 0."""
         return _first_shift(outputs, "x")
 
     @readout("mrad")
     def shift_y_mrad(self, outputs: OtfOutputs) -> float:
-        """Shift of frame 0 along."""
+        """Vertical shift of frame 0."""
         return _first_shift(outputs, "y")
 
 

@@ -40,12 +40,14 @@ class RelativeMotionMTF(
         ),
     )
 
-    image_velocity_x: Annotated[float, Param("velocity of the image across", unit="m/s")] = 0.0
-    image_velocity_y: Annotated[float, Param("velocity of the image along", unit="m/s")] = 0.0
-    platform_velocity_x: Annotated[float, Param("velocity of the platform across", unit="m/s")] = (
+    image_velocity_x: Annotated[float, Param("velocity of the image along x", unit="m/s")] = 0.0
+    image_velocity_y: Annotated[float, Param("velocity of the image along y", unit="m/s")] = 0.0
+    platform_velocity_x: Annotated[float, Param("velocity of the platform along x", unit="m/s")] = (
         0.0
     )
-    platform_velocity_y: Annotated[float, Param("velocity of the platform along", unit="m/s")] = 0.0
+    platform_velocity_y: Annotated[float, Param("velocity of the platform along y", unit="m/s")] = (
+        0.0
+    )
     integration_time_s: Annotated[float, Param("integration time", unit="s", low=0)] = 0.0
     range_m: Annotated[
         float | None, Param("distance; empty: from Init & Trans", unit="m", low=0)
@@ -79,17 +81,17 @@ class RelativeMotionMTF(
 
     @warning
     def distance(self, context: Context) -> Caution | None:
-        """A range that is not the one of Init & Trans."""
+        """The range differs from the one on Init & Trans."""
         return apart_from_context(self, context, "range_m")
 
     @readout("mrad")
     def blur_x_mrad(self, context: Context) -> float:
-        """Width of the smear across, with its sign."""
+        """Width of the horizontal smear, with its sign."""
         return self._blur(self.platform_velocity_x - self.image_velocity_x, context)
 
     @readout("mrad")
     def blur_y_mrad(self, context: Context) -> float:
-        """Width of the smear along, with its sign."""
+        """Width of the vertical smear, with its sign."""
         return self._blur(self.platform_velocity_y - self.image_velocity_y, context)
 
     def _blur(self, velocity: float, context: Context) -> float:

@@ -34,10 +34,10 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
     )
 
     amplitude_x_mrad: Annotated[
-        float, Param("amplitude across", unit="mrad", low=0, slider=(0, 1))
+        float, Param("horizontal amplitude", unit="mrad", low=0, slider=(0, 1))
     ] = 0.0
     amplitude_y_mrad: Annotated[
-        float, Param("amplitude along", unit="mrad", low=0, slider=(0, 1))
+        float, Param("vertical amplitude", unit="mrad", low=0, slider=(0, 1))
     ] = 0.0
     frequency_Hz: Annotated[float | None, Param("frequency of the vibration", unit="Hz", low=0)] = (
         None
@@ -65,7 +65,7 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
 
     @readout("periods")
     def periods(self) -> float | None:
-        """Periods in one exposure; empty for many."""
+        """Periods in one exposure; empty if there are many."""
         if self.frequency_Hz is None or self.integration_time_s is None:
             return None
         return self.frequency_Hz * self.integration_time_s

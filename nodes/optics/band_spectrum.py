@@ -62,8 +62,8 @@ def source_temperature(
     image = magnitude.image
     if image is None:
         raise ParameterError(
-            "source_K", None, "a temperature, because no picture is connected from whose mean "
-                              "it could be taken",
+            "source_K", None, "a temperature, because no picture is connected whose mean "
+                              "could give it",
             unit="K",
         )  # fmt: skip
     if image.unit.strip() in _KELVIN:
@@ -72,7 +72,7 @@ def source_temperature(
         raise ParameterError(
             "source_K",
             None,
-            f"a temperature, as the picture in {image.unit or 'no unit'!r:.40} is no radiance in "
+            f"a temperature, because the picture, in {image.unit or 'no unit'!r:.40}, is not in "
             "W/m²/sr, or weighting uniform",
             unit="K",
         )

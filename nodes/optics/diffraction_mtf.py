@@ -241,12 +241,12 @@ class DiffractionMTF(
 
     @warning
     def band(self, context: Context) -> Caution | None:
-        """Diffraction at wavelengths that the picture does not have."""
+        """Diffraction is computed for wavelengths outside the picture's band."""
         return middle_caution(context.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
     def aperture(self, context: Context) -> Caution | None:
-        """An aperture or obscuration that is not the one of Camera or Init & Trans."""
+        """The aperture or obscuration differs from the one on Camera or Init & Trans."""
         return first(
             apart_caution(
                 "aperture_mm",
@@ -267,12 +267,12 @@ class DiffractionMTF(
 
     @warning
     def kelvin(self, context: Context, magnitude: Magnitude) -> Caution | None:
-        """A picture in kelvin, which diffraction blurs as if it were radiance."""
+        """The picture is in kelvin, and diffraction blurs it as if it were radiance."""
         return kelvin_caution(magnitude, self._band(context), self.source_K)
 
     @warning
     def response_unused(self) -> Caution | None:
-        """A response beside one wavelength, which nothing can weight."""
+        """A response is entered, but it has no effect with a single wavelength."""
         return one_wavelength_caution(self.response, self.wavelengths == 1)
 
     @readout("mm", name="aperture_mm")
@@ -287,7 +287,7 @@ class DiffractionMTF(
 
     @readout("K", name="weighting_K")
     def weighted_by(self, context: Context, magnitude: Magnitude) -> float | Recipe | None:
-        """Temperature of the black body by whose light the band is weighted."""
+        """Temperature of the black body whose spectrum weights the band."""
         band = self._band(context)
         if self.weighting == "uniform" or self.wavelengths == 1 or band[0] == band[1]:
             return None
@@ -299,7 +299,7 @@ class DiffractionMTF(
     def wavelengths_used(
         self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
     ) -> int | Step:
-        """Wavelengths between two kinks, or over the band; bands; panels of a long response."""
+        """Number of wavelengths used; for a cube, of bands; for a long response, of panels."""
         bands = self._bands(magnitude)
         if bands is not None:
             return bands.count
@@ -311,7 +311,7 @@ class DiffractionMTF(
     def estimated_error(
         self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
     ) -> float | Step | None:
-        """What fewer wavelengths would change; of a fixed number it is not known."""
+        """Estimated error from the number of wavelengths; not known for a fixed number."""
         if self.wavelengths != "auto" or self._bands(magnitude) is not None:
             return None
         return 0.0 if self._has_one_wavelength(context) else _needed(outputs, "error")

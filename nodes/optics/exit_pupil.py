@@ -50,12 +50,13 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     radius. For a file this disc is the smallest circle around all samples above 1 % of the largest,
     centred on the array if that makes it at most a sample larger; a `radius` that you enter is
     centred on the array. The read-out `aperture_radius` gives the radius used. A wavefront map
-    (picture, FITS, `.npy`, text, Zemax's listing) is added to these. Outside the aperture it must
-    be NaN, or zero out to the border of the array. The pupil is opaque where the map is unknown. A
-    map in waves applies at its own wavelength; a path in µm is the same at all wavelengths. A
-    complex `.npy` as `path` holds amplitude and phase at its own wavelength only. Row 0 is at the
-    top. W enters as exp(2πiW), so a W that increases to the right moves the picture to the left.
-    Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    (picture, FITS, `.npy`, text, Zemax's listing) is added to defocus and Zernike terms. Outside
+    the aperture the map must be NaN, or zero out to the border of the array. The pupil is opaque
+    where the map is unknown. A map in waves applies at its own wavelength; a path in µm is the same
+    at all wavelengths. A complex `.npy` as `path` holds amplitude and phase at its own wavelength
+    only. Row 0 is at the top. W enters as exp(2πiW), so a W that increases to the right moves the
+    picture to the left. Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of
+    the wavefront).
     """
 
     formulas = (
@@ -70,8 +71,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         Literal["clear", "half_moon", "cassegrain", "hinged", "cassegrain_slit", "spider", "file"],
         Param("shape of the aperture"),
     ] = "clear"
-    size_x: Annotated[int, Param("samples of the pupil array across", low=2, high=8192)] = 512
-    size_y: Annotated[int, Param("samples of the pupil array along", low=2, high=8192)] = 512
+    size_x: Annotated[int, Param("samples per row of the pupil array", low=2, high=8192)] = 512
+    size_y: Annotated[int, Param("samples per column of the pupil array", low=2, high=8192)] = 512
     radius: Annotated[
         float | None,
         Param(
@@ -236,7 +237,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
 
     @warning
     def map_unused(self) -> Caution | None:
-        """A wavefront map beside a geometric shape, which takes none."""
+        """A wavefront map is given, but only the shape `file` uses one."""
         if self.wavefront_path is None or self.shape == "file":
             return None
         return Caution(
@@ -246,7 +247,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
 
     @readout("samples")
     def aperture_radius(self, outputs: PupilOutput) -> Step | float:
-        """Radius of the disc on which the wavefront error is: of a file, the circle's round it."""
+        """Radius of the disc on which the wavefront error is defined."""
         pupil = outputs.pupil
         return Step.of(_circled, pupil.samples) if pupil.radius is None else pupil.radius
 

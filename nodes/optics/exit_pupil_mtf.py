@@ -146,12 +146,12 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
 
     @warning
     def band(self, context: Context) -> Caution | None:
-        """Diffraction at wavelengths that the picture does not have."""
+        """Diffraction is computed for wavelengths outside the picture's band."""
         return middle_caution(context.band_um, self.cut_on_um, self.cut_off_um)
 
     @warning
     def aperture(self, context: Context, pupil: Pupil) -> Caution | None:
-        """An aperture that is not the one of the F number and focal length."""
+        """The aperture differs from focal length divided by F-number."""
         if context.f_number is None or context.focal_length_mm is None or pupil.shape is None:
             return None
         diameter_mm = 20 * pupil.shape.radius * self.size_x_cm / pupil.columns
@@ -159,14 +159,15 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         if not diameter_mm or alike(focal_length_mm / diameter_mm, f_number, near=F_NUMBER_NEAR):
             return None
         return Caution(
-            f"the pupil is {diameter_mm:.4g} mm wide, which at {focal_length_mm:.4g} mm is F/"
-            f"{focal_length_mm / diameter_mm:.3g}, and Init & Trans has F/{f_number:.3g}",
+            f"the pupil is {diameter_mm:.4g} mm wide, which at a focal length of "
+            f"{focal_length_mm:.4g} mm is F/{focal_length_mm / diameter_mm:.3g}, but Init & Trans "
+            f"has F/{f_number:.3g}",
             "make size_x_cm and the pupil's radius agree with f_number and focal_length_mm",
         )
 
     @warning
     def response_unused(self) -> Caution | None:
-        """A response beside one wavelength, which nothing can weight."""
+        """A response is entered, but it has no effect with a single wavelength."""
         return one_wavelength_caution(self.response, self.wavelengths == 1)
 
     def _by_bands(
@@ -223,39 +224,39 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
 
     @readout("cyc/mrad")
     def pupil_interval_x(self, context: Context, pupil: Pupil) -> float:
-        """Frequency interval across that belongs to one pupil sample."""
+        """Horizontal frequency interval that belongs to one pupil sample."""
         scale = self._scale(context, pupil)
         return scale.pitch_x_mm / scale.mean_um
 
     @readout("cyc/mrad")
     def pupil_interval_y(self, context: Context, pupil: Pupil) -> float:
-        """Frequency interval along that belongs to one pupil sample."""
+        """Vertical frequency interval that belongs to one pupil sample."""
         scale = self._scale(context, pupil)
         return scale.pitch_y_mm / scale.mean_um
 
     @readout("cyc/mrad")
     def image_interval_x(self, context: Context) -> float:
-        """Frequency interval of the image across."""
+        """Horizontal frequency interval of the image."""
         return context.grid.frequency_interval_x
 
     @readout("cyc/mrad")
     def image_interval_y(self, context: Context) -> float:
-        """Frequency interval of the image along."""
+        """Vertical frequency interval of the image."""
         return context.grid.frequency_interval_y
 
     @readout("cyc/mrad")
     def cutoff_x(self, context: Context, pupil: Pupil) -> Step | float:
-        """Cutoff across: width of the aperture over the mean wavelength."""
+        """Horizontal cutoff: width of the aperture over the mean wavelength."""
         return _cutoff(pupil, 1, self.pupil_interval_x(context, pupil))
 
     @readout("cyc/mrad")
     def cutoff_y(self, context: Context, pupil: Pupil) -> Step | float:
-        """Cutoff along: height of the aperture over the mean wavelength."""
+        """Vertical cutoff: height of the aperture over the mean wavelength."""
         return _cutoff(pupil, 0, self.pupil_interval_y(context, pupil))
 
     @readout()
     def estimated_error(self, context: Context, pupil: Pupil) -> Step | float:
-        """Estimate that covers the OTF's error."""
+        """Estimated upper limit of the OTF's error."""
         scale = self._scale(context, pupil)
         if self.interpolation == "none":
             return sampled_error(pupil, scale, self.title)

@@ -103,12 +103,12 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     ] = None  # fmt: skip
     detector_x_um: Annotated[
         float | None,
-        Param("pixel pitch across, for cyc/pixel; empty: from Init & Trans", unit="µm", low=0,
+        Param("horizontal pixel pitch, for cyc/pixel; empty: from Init & Trans", unit="µm", low=0,
               slider=(1, 100)),
     ] = None  # fmt: skip
     detector_y_um: Annotated[
         float | None,
-        Param("pixel pitch along, for cyc/pixel; empty: from Init & Trans", unit="µm", low=0,
+        Param("vertical pixel pitch, for cyc/pixel; empty: from Init & Trans", unit="µm", low=0,
               slider=(1, 100)),
     ] = None  # fmt: skip
     apply: Apply = "multiply"
@@ -220,14 +220,14 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
 
     @warning
     def no_file(self) -> Caution | None:
-        """A module without its file."""
+        """No file is given, so the module does nothing."""
         if self.path is not None:
             return None
         return Caution("nothing is blurred: path is empty", "give the path of an MTF table")
 
     @warning
     def end(self, context: Context, outputs: OtfOutputs) -> Caution | None:
-        """A table that ends while there is still contrast, within the picture's frequencies."""
+        """The table ends below the picture's Nyquist frequency, before the MTF is zero."""
         grid = context.grid
         for law, scale, nyquist in _ends(outputs.mtf.factors, grid.nyquist_x, grid.nyquist_y):
             frequencies, values = _points(law)
@@ -243,7 +243,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
 
     @warning
     def above_one(self, outputs: OtfOutputs) -> Caution | None:
-        """An MTF that amplifies, as that of sharpened pictures does."""
+        """The MTF rises above 1, as the MTF of a sharpened picture does."""
         highest = max(
             (max(_points(law)[1]) for law, _, _ in _ends(outputs.mtf.factors, 0.0, 0.0)),
             default=0.0,
@@ -257,23 +257,23 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
 
     @warning
     def no_phase(self, outputs: OtfOutputs) -> Caution | None:
-        """A PTF that does not reach the picture."""
+        """The PTF does not reach the picture."""
         return unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """A pitch or focal length that is not the one of Init & Trans."""
+        """The pitch or focal length differs from the one on Init & Trans."""
         names = ("focal_length_mm", "detector_x_um", "detector_y_um")
         return apart_from_context(self, context, *names, where=ELECTRONICS)
 
     @readout("cyc/mrad")
     def end_x(self, outputs: OtfOutputs) -> float | None:
-        """Last frequency across of which the file has the MTF."""
+        """Highest frequency in the file's horizontal MTF."""
         return _end(outputs.mtf.factors, 0)
 
     @readout("cyc/mrad")
     def end_y(self, outputs: OtfOutputs) -> float | None:
-        """Last frequency along of which the file has the MTF."""
+        """Highest frequency in the file's vertical MTF."""
         return _end(outputs.mtf.factors, 1)
 
 

@@ -30,13 +30,13 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     """Blur by a point spread function from a picture: measured, or from a lens design.
 
     Every point of the picture is blurred to the PSF in the file. Row 0 is at the top, and a tail to
-    the right in the file is a tail to the right in the picture. Formats are those of Read Image,
-    `.npy`, text, and Zemax's listing, whose spacing is used if `sample_pitch` is empty. Samples are
-    divided by their sum. With `centroid` kept, the point is at the middle of the file (for even
-    sizes between samples, at (n − 1)/2), and a centroid elsewhere shifts the picture; with
-    `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the picture's
-    own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF that was
-    measured with a detector includes its pixel: leave out Detector MTF. Without a file nothing
+    the right in the file is a tail to the right in the picture. The file may have any format of
+    Read Image, `.npy`, text, or Zemax's listing, whose spacing is used if `sample_pitch` is empty.
+    Samples are divided by their sum. With `centroid` kept, the point is at the middle of the file
+    (for even sizes between samples, at (n − 1)/2), and a centroid elsewhere shifts the picture;
+    with `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the
+    picture's own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF that
+    was measured with a detector includes its pixel: leave out Detector MTF. Without a file nothing
     changes. Source: Goodman 2005, Introduction to Fourier Optics, section 6.3.
     """
 
@@ -59,12 +59,16 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     ] = None
     sample_pitch: Annotated[
         float | None,
-        Param("sampling interval of the file across, in `pitch_unit`; empty: from the file",
+        Param("horizontal sampling interval of the file, in `pitch_unit`; empty: from the file",
               low=0, slider=(0.1, 20)),
     ] = None  # fmt: skip
     sample_pitch_y: Annotated[
         float | None,
-        Param("sampling interval of the file along; empty: as across", low=0, slider=(0.1, 20)),
+        Param(
+            "vertical sampling interval of the file; empty: equal to the horizontal one",
+            low=0,
+            slider=(0.1, 20),
+        ),
     ] = None
     pitch_unit: Annotated[
         Literal["um", "mrad"], Param("unit of both: µm at the focal plane, or mrad")
@@ -158,54 +162,54 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
 
     @warning
     def no_file(self) -> Caution | None:
-        """A module without its file."""
+        """No file is given, so the module does nothing."""
         if self.path is not None:
             return None
         return Caution("nothing is blurred: path is empty", "give the path of a picture of a point")
 
     @warning
     def border(self, outputs: OtfOutputs) -> Step | None:
-        """Energy that is cut off at the file's border, or a background."""
+        """Energy is cut off at the file's border, or the file has a background."""
         psf = _psf_of(outputs)
         return None if psf is None else Step.of(_border_caution, psf)
 
     @warning
     def coarse(self, outputs: OtfOutputs) -> Step | None:
-        """Samples that are too far apart."""
+        """The samples are too far apart."""
         psf = _psf_of(outputs)
         return None if psf is None else Step.of(_coarse_caution, psf)
 
     @warning
     def no_phase(self, outputs: OtfOutputs) -> Caution | None:
-        """A PTF that does not reach the picture."""
+        """The PTF does not reach the picture."""
         return unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """A focal length that is not the one of Init & Trans."""
+        """The focal length differs from the one on Init & Trans."""
         if self.pitch_unit != "um":
             return None
         return apart_from_context(self, context, "focal_length_mm")
 
     @readout("mrad")
     def centre_x_mrad(self, outputs: OtfOutputs) -> Step | None:
-        """Centre of gravity to the right of the file's middle."""
+        """Distance of the centroid to the right of the file's middle."""
         return _centroid(outputs, 1)
 
     @readout("mrad")
     def centre_y_mrad(self, outputs: OtfOutputs) -> Step | None:
-        """Centre of gravity below the file's middle."""
+        """Distance of the centroid below the file's middle."""
         return _centroid(outputs, 0)
 
     @readout()
     def sum_of_samples(self, outputs: OtfOutputs) -> Step | None:
-        """Sum of the file's samples less the background, by which they are divided."""
+        """Sum of the file's samples minus the background; the samples are divided by it."""
         psf = _psf_of(outputs)
         return None if psf is None else Step.of(_total, psf)
 
     @readout("cyc/mrad")
     def file_nyquist_x(self, outputs: OtfOutputs) -> float | None:
-        """Nyquist frequency of the file's samples across, beyond which the MTF is 0."""
+        """Horizontal Nyquist frequency of the file's samples, beyond which the MTF is 0."""
         factors = outputs.mtf.factors
         return factors[0].cutoff[0] if factors else None  # type: ignore[union-attr, index]
 

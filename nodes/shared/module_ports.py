@@ -45,22 +45,22 @@ class NyquistReadouts(Module):
 
     @readout()
     def mtf_at_nyquist_x(self, outputs: Any) -> TransferAt | None:
-        """MTF at the Nyquist frequency of the image's samples across."""
+        """MTF at the horizontal Nyquist frequency of the image's samples."""
         return at_nyquist(outputs.mtf, "x")
 
     @readout()
     def mtf_at_nyquist_y(self, outputs: Any) -> TransferAt | None:
-        """MTF at the Nyquist frequency of the image's samples along."""
+        """MTF at the vertical Nyquist frequency of the image's samples."""
         return at_nyquist(outputs.mtf, "y")
 
     @readout()
     def mtf_at_pixel_nyquist_x(self, context: Context, outputs: Any) -> TransferAt | None:
-        """MTF at the pixels' Nyquist frequency across, half a cycle per pitch of the detector."""
+        """MTF at the pixels' horizontal Nyquist frequency, half a cycle per detector pitch."""
         return at_pixel_nyquist(outputs.mtf, context, "x")
 
     @readout()
     def mtf_at_pixel_nyquist_y(self, context: Context, outputs: Any) -> TransferAt | None:
-        """MTF at the pixels' Nyquist frequency along, half a cycle per pitch of the detector."""
+        """MTF at the pixels' vertical Nyquist frequency, half a cycle per detector pitch."""
         return at_pixel_nyquist(outputs.mtf, context, "y")
 
 
@@ -116,12 +116,12 @@ class PtfModule(Module):
 
     @readout("rad")
     def ptf_at_nyquist_x(self, outputs: PtfOutputs) -> TransferAt | None:
-        """PTF at the Nyquist frequency of the image's samples across."""
+        """PTF at the horizontal Nyquist frequency of the image's samples."""
         return at_nyquist(outputs.ptf, "x")
 
     @readout("rad")
     def ptf_at_pixel_nyquist_x(self, context: Context, outputs: PtfOutputs) -> TransferAt | None:
-        """PTF at the pixels' Nyquist frequency across, half a cycle per pitch of the detector."""
+        """PTF at the pixels' horizontal Nyquist frequency, half a cycle per detector pitch."""
         return at_pixel_nyquist(outputs.ptf, context, "x")
 
 
@@ -145,8 +145,7 @@ LongestPeriod = Annotated[
 ]
 WeightingSource = Annotated[
     float | None,
-    Param("black body whose spectrum weights a single band; empty: that of the scene, or of "
-          "sunlight",
+    Param("black body whose spectrum weights a single band; empty: the scene's, or sunlight",
           unit="K", low=0,
           high=1e6, slider=(250, 6500)),
 ]  # fmt: skip

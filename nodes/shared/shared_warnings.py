@@ -129,7 +129,7 @@ def apart_from_context(
     )
 
 
-ELECTRONICS = "on Init & Trans, which the electronics go by"
+ELECTRONICS = "on Init & Trans, which the electronics use"
 
 
 def alike(one: float, other: float, *, near: float = NEAR) -> bool:

@@ -74,12 +74,12 @@ class AntiAlias(Module, key="anti_alias", title="Anti-alias Filter", group="Tran
 
     @readout("cyc/mrad")
     def new_nyquist_x(self, image: Image) -> float | None:
-        """Nyquist frequency across once the samples are dropped."""
+        """Horizontal Nyquist frequency after the samples are dropped."""
         return None if image.interval_x_mrad is None else 0.5 / image.interval_x_mrad / self.factor
 
     @readout("cyc/mrad")
     def new_nyquist_y(self, image: Image) -> float | None:
-        """Nyquist frequency along once the samples are dropped."""
+        """Vertical Nyquist frequency after the samples are dropped."""
         return None if image.interval_y_mrad is None else 0.5 / image.interval_y_mrad / self.factor
 
 

@@ -13,7 +13,7 @@ from core.physics.sampling.interpolation import block_mean_mtf
 from nodes.shared.module_ports import ImageOutput
 from nodes.transform.sample_pixels import detector_averages, width_mrad
 
-_DIRECTIONS = {"x": "across", "y": "along"}
+_DIRECTIONS = {"x": "horizontally", "y": "vertically"}
 _OF_A_PIXEL = 0.35  # of a block's width; a narrower average takes 5 % off at Nyquist, or less
 
 
@@ -39,9 +39,9 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
     )
 
     factor_x: Annotated[
-        int, Param("samples per pixel across", low=1, high=65536, slider=(1, 8))
+        int, Param("samples per pixel, horizontally", low=1, high=65536, slider=(1, 8))
     ] = 2
-    factor_y: Annotated[int, Param("samples per pixel along", low=1, high=65536)] = 1
+    factor_y: Annotated[int, Param("samples per pixel, vertically", low=1, high=65536)] = 1
     mode: Annotated[BinMode, Param("mean (radiance) or sum (counts) of each block")] = "mean"
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
@@ -59,7 +59,7 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
 
     @warning
     def pixel_counted_twice(self, image: Image) -> Caution | None:
-        """Blocks averaged behind Detector MTF, which has averaged over the pixel already."""
+        """The pixel is averaged twice: by Detector MTF and by this node."""
         averages = detector_averages(image)
         for axis, interval, factor in (
             ("x", image.interval_x_mrad, self.factor_x),

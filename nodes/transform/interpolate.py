@@ -49,7 +49,7 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
         Formula(
             r"L'(x)=\sum_j L_j\,w(x-j),\quad w(d)=1-|d|",
             where="x: position of a new sample, in old samples; the first lies half a new "
-            "sample from the edge; the same along",
+            "sample from the edge; the same for y",
             when="order 1, |d| < 1",
         ),
         Formula(r"w(d)=\frac{3}{2}|d|^3-\frac{5}{2}|d|^2+1", when="order 3, |d| ≤ 1"),
@@ -57,10 +57,11 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
     )
 
     width: Annotated[
-        int | None, Param("samples across; empty: as before", low=1, high=65536, slider=(16, 2048))
+        int | None, Param("samples per row; empty: as before", low=1, high=65536, slider=(16, 2048))
     ] = None
     height: Annotated[
-        int | None, Param("samples along; empty: as before", low=1, high=65536, slider=(16, 2048))
+        int | None,
+        Param("samples per column; empty: as before", low=1, high=65536, slider=(16, 2048)),
     ] = None
     order: Annotated[Literal[0, 1, 3], Param("0 nearest, 1 bilinear, 3 cubic")] = 1
 

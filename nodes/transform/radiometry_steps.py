@@ -188,5 +188,5 @@ class Radiometry(Module):
 
     @warning
     def band(self, image: Image) -> Caution | None:
-        """A band that is not the picture's."""
+        """The band differs from the picture's."""
         return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)

@@ -45,7 +45,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
     factor_x: Annotated[
         float | None,
         Param(
-            "samples per pixel across; empty: the pitch of Init & Trans or Camera",
+            "samples per pixel, horizontally; empty: from the pitch of Init & Trans or Camera",
             unit="samples",
             low=_LEAST,
             high=65536,
@@ -55,7 +55,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
     factor_y: Annotated[
         float | None,
         Param(
-            "samples per pixel along; empty: the pitch of Init & Trans or Camera",
+            "samples per pixel, vertically; empty: from the pitch of Init & Trans or Camera",
             unit="samples",
             low=_LEAST,
             high=65536,
@@ -64,12 +64,12 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
     ] = None
     offset: Annotated[
         float,
-        Param("offset of the samples from the pixels' centres, right and down",
+        Param("offset of the samples from the pixels' centres, to the right and down",
               unit="pixels", low=-1, high=1, slider=(-0.5, 0.5)),
     ] = 0.0  # fmt: skip
     offset_y: Annotated[
         float | None,
-        Param("the same along, if it differs; empty: as across", unit="pixels", low=-1, high=1,
+        Param("offset down, if it differs; empty: equal to offset", unit="pixels", low=-1, high=1,
               slider=(-0.5, 0.5), zero_is_empty=False),
     ] = None  # fmt: skip
 
@@ -114,7 +114,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
 
     @warning
     def pitch(self, image: Image) -> Caution | None:
-        """Samples per pixel that are not those of the detector's pitch."""
+        """The samples per pixel disagree with the detector's pitch."""
         return first(
             *(
                 apart_caution(
@@ -130,30 +130,30 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
 
     @warning
     def no_average(self, image: Image) -> Caution | None:
-        """Pixels that are sampled and nowhere averaged over."""
+        """The pixels are sampled, but nothing averages over their area."""
         if detector_averages(image) or max(self._ratio("x", image), self._ratio("y", image)) <= 1:
             return None
         measured = (
-            "; ignore this if the table in MTF File includes the pixels, as `imagechain "
-            "measure` writes it"
+            "; ignore this if the table in MTF File already includes the pixel MTF, as tables "
+            "from `imagechain measure` do"
             if passes_table(image)
             else ""
         )
         return Caution(
             "the picture will be too sharp: there is no Detector MTF before this node, so "
             "nothing averages over the pixels and the samples are points",
-            "put Detector MTF before Back Transform, or take Combine Pixels, which averages"
+            "put Detector MTF before Back Transform, or use Combine Pixels, which averages"
             f"{measured}",
         )
 
     @readout("cyc/mrad")
     def nyquist_x(self, outputs: ImageOutput) -> float | None:
-        """Nyquist frequency of the pixels across."""
+        """Horizontal Nyquist frequency of the pixels."""
         return _nyquist(outputs.image.interval_x_mrad)
 
     @readout("cyc/mrad")
     def nyquist_y(self, outputs: ImageOutput) -> float | None:
-        """Nyquist frequency of the pixels along."""
+        """Vertical Nyquist frequency of the pixels."""
         return _nyquist(outputs.image.interval_y_mrad)
 
 

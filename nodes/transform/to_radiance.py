@@ -15,8 +15,8 @@ class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Tran
     """Convert a picture of temperatures to radiance, by Planck's law in the band.
 
     The radiance is ε·L(T) + (1 − ε)·L(surroundings); without surroundings nothing is reflected. The
-    picture's unit must be a temperature (K, °C, °F, mK), as Read Image gives it: digital numbers
-    and radiance are refused. An image of emissivities can replace the single value. Sources:
+    picture's unit, set on Read Image, must be a temperature (K, °C, °F, mK): digital numbers and
+    radiance are refused. An image of emissivities can replace the single value. Sources:
     Planck's and Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
     """
 
@@ -36,9 +36,9 @@ class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Tran
     def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
         if not is_temperature(image.unit):
             named = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
-            what = "radiance already" if is_radiance(image.unit) else "no temperature"
+            what = "already radiance" if is_radiance(image.unit) else "not a temperature"
             raise DataError(
-                f"the picture, {named}, is {what}: To Radiance takes K, °C, °F or mK, the unit on "
+                f"the picture, {named}, is {what}: To Radiance needs K, °C, °F or mK, the unit on "
                 "Read Image"
             )
         surface = self.surface(image)

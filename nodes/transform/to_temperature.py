@@ -49,9 +49,11 @@ def _factor(unit: str) -> float:
     if known is None or known.photons or known.spectral:
         named = f"in {unit!r:.40}" if unit.strip() else "without a unit"
         what = (
-            "temperature already" if is_temperature(unit) else "not the radiance of a band in watts"
+            "already a temperature"
+            if is_temperature(unit)
+            else "not the radiance of a band in watts"
         )
         raise DataError(
-            f"the picture, {named}, is {what}: To Temperature takes W/m²/sr, the unit on Read Image"
+            f"the picture, {named}, is {what}: To Temperature needs W/m²/sr, the unit on Read Image"
         )
     return known.factor

@@ -113,7 +113,7 @@ def refuse_long_table(file: Path, most_bytes: int, what: str) -> None:
     """Refuse a file that is too long for a table of that."""
     length = file.stat().st_size
     if length > most_bytes:
-        raise FileError(f"{file}: {length} bytes are no table of {what}")
+        raise FileError(f"{file}: {length} bytes are too many for a table of {what}")
 
 
 def table_lines(file: Path, *, what: str, wanted: str, most_bytes: int = 10_000_000) -> list[str]:
@@ -121,7 +121,7 @@ def table_lines(file: Path, *, what: str, wanted: str, most_bytes: int = 10_000_
     try:
         return file.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise FileError(f"{file}: is no text{wanted}") from error
+        raise FileError(f"{file}: is not a text file{wanted}") from error
 
 
 def point_rows(
@@ -168,9 +168,9 @@ def lens_lines(path: Path, *, what: str) -> list[str]:
     except OSError as error:
         raise FileError(f"{path}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
-        raise FileError(f"{path}: is no text of {what}") from error
+        raise FileError(f"{path}: is not a text file of {what}") from error
     if any(ord(sign) < 32 and sign not in "\t\n\r\f\x1a" for sign in text):
-        raise FileError(f"{path}: is no text of {what}")
+        raise FileError(f"{path}: is not a text file of {what}")
     return text.rstrip("\x1a").splitlines()
 
 

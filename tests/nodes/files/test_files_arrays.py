@@ -141,7 +141,7 @@ def test_text_matrix_written_by_others(tmp_path):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"1 2\n3\n", "line 2: must be 2 numbers, as the first row, and has 1"),
+        (b"1 2\n3\n", "line 2: must be 2 numbers, like the first row, but has 1"),
         (b"1 2\n3 x\n", "not a matrix of numbers: line 2 contains text"),
         (b"1;2\n", "not a matrix of numbers: line 1 contains text"),
         (b"\n# nothing\n", "contains no numbers"),
@@ -176,7 +176,9 @@ def test_curves(tmp_path):
 
 def test_what_cannot_be_written_leaves_no_file(tmp_path):
     path = tmp_path / "m.txt"
-    with pytest.raises(DataError, match=r"1 samples not finite, the first at \(0, 1\)"):
+    with pytest.raises(
+        DataError, match=r"1 samples of the matrix are not finite, the first at \(0, 1\)"
+    ):
         arrays.write_matrix(path, [[0, np.nan]])
     with pytest.raises(DataError, match="is not a matrix"):
         arrays.write_matrix(path, np.zeros((2, 2, 2)))

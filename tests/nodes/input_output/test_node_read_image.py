@@ -154,8 +154,8 @@ def test_a_cube_of_which_all_bands_are_bad_is_refused(tmp_path, fwhm):
 
 
 @pytest.mark.parametrize(
-    ("interval", "share"), [({}, "80 % of the wavelengths, those from the first to the last"),
-                            ({"cut_on_um": 7.0, "cut_off_um": 9.5}, "60 % of the wavelengths, 7 t"),
+    ("interval", "share"), [({}, "80 % of the wavelengths from the first to the last band"),
+                            ({"cut_on_um": 7.0, "cut_off_um": 9.5}, "60 % of the wavelengths from"),
                             ({"cut_on_um": 7.75, "cut_off_um": 8.25}, None)]
 )  # fmt: skip
 def test_bands_that_cover_a_part_of_the_range_are_warned_of(tmp_path, interval, share):

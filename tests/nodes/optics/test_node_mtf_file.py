@@ -240,9 +240,9 @@ GOOD = "frequency (cyc/mm),mtf\n0,1\n10,0.5\n"
         ("frequency (cyc/mm),mtf,phase_x\n0,1,1\n1,1,1\n", "column phase_x: the table has 1 at"),
         ("frequency (cyc/mm),mtf\n0,0.9\n10,0.5\n", "0.9 at frequency 0; allowed: 1 within 0.001"),
         ("frequency (cyc/mm),mtf_x,radial\n0,1,1\n10,0.5,.5\n", "direction = 'file'"),
-        (bytes(range(256)) * 40, "is no text of columns, frequency and MTF"),
-        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "is no text of columns"),
-        ("frequency (cyc/mm),mtf\n" + "0,1\n" * 3_000_000, "12000023 bytes are no table"),
+        (bytes(range(256)) * 40, "is not a text file of columns, frequency and MTF"),
+        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "is not a text file of columns"),
+        ("frequency (cyc/mm),mtf\n" + "0,1\n" * 3_000_000, "12000023 bytes are too many"),
     ],
 )  # fmt: skip
 def test_bad_files_are_one_clear_line(tmp_path, text, words):

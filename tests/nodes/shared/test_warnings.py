@@ -192,7 +192,7 @@ CASES = {
     ("combine_pixels", "pixel_counted_twice"): (
         # 20 µm at 100 mm; 1° in 16 samples of 1.0908 mrad
         {"seen": {"detector_x_um": 200.0}, "factor_x": 2},
-        ("Detector MTF (detector)", "2 mrad across", "2.182 mrad", "averaged twice", "0.707"),
+        ("Detector MTF (detector)", "2 mrad horizontally", "2.182 mrad", "averaged twice", "0.707"),
         {"factor_x": 2},
     ),
     ("sample_pixels", "pitch"): (

@@ -103,10 +103,10 @@ def test_radiance_in_other_units_and_a_band_typed_here(chain):
 @pytest.mark.parametrize(
     ("unit", "key", "words"),
     [
-        ("W/m²/sr", "to_radiance", ("'W/m²/sr'", "radiance already")),
-        ("DN", "to_radiance", ("'DN'", "no temperature", "K, °C, °F or mK")),
-        ("", "to_radiance", ("without a unit", "no temperature")),
-        ("K", "to_temperature", ("'K'", "temperature already")),
+        ("W/m²/sr", "to_radiance", ("'W/m²/sr'", "already radiance")),
+        ("DN", "to_radiance", ("'DN'", "not a temperature", "K, °C, °F or mK")),
+        ("", "to_radiance", ("without a unit", "not a temperature")),
+        ("K", "to_temperature", ("'K'", "already a temperature")),
         ("counts", "to_temperature", ("'counts'", "not the radiance of a band in watts")),
         ("", "to_temperature", ("without a unit", "not the radiance")),
         ("W/m²/sr/µm", "to_temperature", ("not the radiance of a band",)),

@@ -311,4 +311,4 @@ def test_a_table_may_have_been_measured_behind_the_pixels(tmp_path, column):
         plan = engine.plan(linked_network(nodes, links), folder=tmp_path)
         warned = engine.warnings(plan, engine.work(Policy()))
         remedies += [str(one) for one in warned if one.check == "no_average"]
-    assert ["includes the pixels" in line for line in remedies] == [True, False]
+    assert ["includes the pixel MTF" in line for line in remedies] == [True, False]

@@ -100,7 +100,7 @@ def _signal(picture: Matrix, target: Target) -> Matrix:
     if columns < LEAST_COLUMNS or rows < LEAST_ROWS:
         raise DataError(
             f"the region is too small to find an edge in: {columns} samples across the edge and "
-            f"{rows} along it, of at least {LEAST_COLUMNS} and {LEAST_ROWS}"
+            f"{rows} along it; needed: at least {LEAST_COLUMNS} and {LEAST_ROWS}"
         )
     if not np.ptp(picture) > 0.0:
         raise DataError(f"no {target} found: the region is uniform")
@@ -179,8 +179,8 @@ def _refuse_direction(slope: float) -> None:
     angle = math.degrees(math.atan(abs(slope)))
     if angle > _LARGEST_ANGLE_DEG:
         raise DataError(
-            f"the edge is at about {angle:.0f}° to the rows' normal, where across and along "
-            f"cannot be distinguished: turn it to 2° to 10°, at most {_LARGEST_ANGLE_DEG:g}°"
+            f"the edge is at about {angle:.0f}° to the rows' normal, where horizontal and vertical "
+            f"edges cannot be distinguished: turn it to 2° to 10°, at most {_LARGEST_ANGLE_DEG:g}°"
         )
 
 

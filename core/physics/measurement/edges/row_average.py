@@ -76,7 +76,7 @@ def row_average(
     rows, columns = picture.shape
     if columns < LEAST_SAMPLES:
         raise DataError(
-            f"the region is too small: {columns} samples across the edge, of at least "
+            f"the region is too small: {columns} samples across the edge; needed: at least "
             f"{LEAST_SAMPLES}"
         )
     profile = np.mean(picture, axis=0)

@@ -228,14 +228,14 @@ def test_the_published_netd_of_a_typed_detectivity():
     network = load_network(shipped_networks()["kodak_kir310_1996"], library=LIBRARY)
     network = network.with_parameter("electronics", "background_K", 305.0)
     found = previewed(network, "electronics")
-    assert curve(found, "typed in")[1][0] == 3e13
+    assert curve(found, "entered")[1][0] == 3e13
     assert found.parts[1].bars[0].size == pytest.approx(0.0065, abs=5e-5)  # table 5.4, at 305 K
 
 
 def test_a_manual_detector_has_no_curve():
     found = loose(region="LWIR", material="manual", d_star=2e10)
-    assert [c.name for c in found.parts[0].curves] == ["typed in"]
-    assert curve(found, "typed in")[1][0] == 2e10
+    assert [c.name for c in found.parts[0].curves] == ["entered"]
+    assert curve(found, "entered")[1][0] == 2e10
 
 
 EXPECTED = {  # camera_values.json, camera-shared-0

@@ -202,7 +202,7 @@ def test_sum_of_pixels_is_no_hotter_scene():
 
 def test_gain_error_as_printed_is_refused():
     engine, plan, work = sensor(noise={"gain_model": "literal", "gain_percent": 1.0})
-    with pytest.raises(DataError, match="gain_model literal"):
+    with pytest.raises(DataError, match="gain_model = literal"):
         engine.value(plan, "merit.table", work)
 
 

@@ -101,4 +101,4 @@ def test_the_literal_gain_error_is_refused(tmp_path):
         links=(*network.links, Link.between("out.image", "noise.image")),
     )
     plan = engine.plan(network, folder=tmp_path)
-    assert "gain_model literal multiplies the picture" in str(plan.errors()[0])
+    assert "gain_model = literal multiplies the picture" in str(plan.errors()[0])

@@ -135,7 +135,7 @@ def test_amounts_are_deviations_and_losses():
     )
     losses = bars(value("budget.blur"))
     f = 0.5 * 0.5 / X
-    assert losses["across"] == pytest.approx(
+    assert losses["horizontal"] == pytest.approx(
         {
             "Gaussian MTF (a)": 2 * (math.pi * 0.4 * f) ** 2,
             "Gaussian MTF (b)": 2 * (math.pi * 0.2 * f) ** 2,
@@ -172,7 +172,7 @@ def test_what_amplifies_makes_up_for_blur():
     figures = value("budget.table").as_dict()
     assert figures["noise.mtf_x"] == pytest.approx(gain, rel=1e-9)
     lost = 2 * (math.pi * 0.4 * f) ** 2
-    assert bars(value("budget.blur"))["across"] == pytest.approx(
+    assert bars(value("budget.blur"))["horizontal"] == pytest.approx(
         {"Gaussian MTF": 100.0, "Electronics": -100 * math.log(gain) / lost}, rel=1e-9
     )
 
@@ -251,4 +251,4 @@ def test_noise_through_what_is_not_known_is_refused():
 def test_blur_before_what_is_not_known_does_not_count():
     data = ported(crossed())("budget.blur")
     assert data.title == "Blur behind crossed"
-    assert bars(data)["across"] == {"Gaussian MTF": 100.0}
+    assert bars(data)["horizontal"] == {"Gaussian MTF": 100.0}

@@ -121,7 +121,7 @@ def test_what_is_refused(tmp_path):
     )  # fmt: skip
     assert line({"path": "none.npy"}) == "noise: none.npy: no such file"
     assert line({"path": "one.npy"}) == (
-        "noise: one.npy: holds a single frame; noise in time needs 2 or more"
+        "noise: one.npy: holds a single frame; temporal noise needs 2 or more"
     )
     assert line({"path": "f.npy"}, image={"path": "small.npy"}) == (
         "noise: f.npy: holds frames of 80 × 120 samples, and the picture that predicts their noise "

@@ -206,7 +206,7 @@ def test_separable_factors_are_two_passes_and_others_a_plane(tmp_path):
     assert table.as_dict() == {
         "taps": 80, "taps_x": 32, "taps_y": 48, "taps_plane": 0, "error_bound": 0.0,
     }  # fmt: skip
-    assert [series.label for series in curve.series] == ["across", "along"]
+    assert [series.label for series in curve.series] == ["horizontal", "vertical"]
     for series in curve.series:
         assert series.y.sum() == pytest.approx(1.0, abs=1e-14)
         assert series.x[np.argmax(series.y)] == 0.0
@@ -216,7 +216,7 @@ def test_separable_factors_are_two_passes_and_others_a_plane(tmp_path):
     found = table.as_dict()
     assert (found["taps_x"], found["taps_y"], found["taps_plane"]) == (7, 7, 49)
     labels = [series.label for series in curve.series]
-    assert labels == ["plane, across", "plane, along", "across", "along"]
+    assert labels == ["plane, horizontal", "plane, vertical", "horizontal", "vertical"]
     table, _ = values(tmp_path, picture, ("smear", "pixel"), ports=ports, half_width_px=3)
     assert table.as_dict()["taps"] == 49  # one plane takes the detector in
 
