@@ -378,7 +378,9 @@ def _brought(
     value = source.outputs[link.output]
     if value.port_type not in port.types:
         kinds = " or ".join(port.types)
-        raise NetworkError(f"{link.source}.{link.output} is no {kinds} for the input {link.input}")
+        raise NetworkError(
+            f"{link.source}.{link.output} is not what the input {link.input} takes: {kinds}"
+        )
     return value
 
 

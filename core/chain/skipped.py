@@ -191,14 +191,15 @@ class _Account:
         if recipe.mirrored:
             text = (
                 f"edges mirrored by cosine and sine transforms of {size} samples: "
-                f"no frame of {2 * grid.columns} × {2 * grid.rows}"
+                f"no frame of {2 * grid.columns} × {2 * grid.rows} was needed"
             )
             yield Skip(maker, "mirrored_edges", text, share=0.25)
         factors = recipe.factor_x * recipe.factor_y
         if factors > 1:
             small = f"{grid.columns // recipe.factor_x} × {grid.rows // recipe.factor_y}"
             text = (
-                f"pixels averaged on the spectrum: one inverse of {small} samples, none of {size}"
+                f"pixels averaged on the spectrum: one inverse transform of {small} samples, "
+                f"not of {size}"
             )
             yield Skip(name, "folded", text, share=1 / factors)
         rank = recipe.rank(self.work)

@@ -192,8 +192,8 @@ class Lineage:
             return
         if not self.noise.leaves_change:
             raise ValueError(
-                "a step that adds noise makes no linear change: make it two steps, or give it a "
-                "noise_free that makes it too"
+                "a step cannot both add noise and make a linear change: split it into two steps, "
+                "or give it a noise_free that makes the same change"
             )
 
 

@@ -96,7 +96,7 @@ def read_text(path: str | PathLike[str]) -> str:
     except OSError as error:
         raise FileError(f"cannot read {path}: {error.strerror or error}") from None
     except ValueError:
-        raise FileError(f"cannot read {fspath(path)!r}: not a possible file name") from None
+        raise FileError(f"cannot read {fspath(path)!r}: not a valid file name") from None
     if len(content) > LARGEST:
         raise NetworkError(f"{path}: larger than {LARGEST >> 20} MiB, the most a network may have")
     try:

@@ -335,7 +335,7 @@ class _Survey:
             hint = close(reference.parameter, own) or f"; it shows {', '.join(own) or 'none'}"
             return f"the macro {shown(name)} shows no parameter {reference.text}{hint}"
         hint = close(name, [*self.nodes, *dict.fromkeys(macro for macro, _, _ in ports)])
-        return f"{reference.text} names {shown(name)}, which is no node{hint}"
+        return f"{reference.text} names {shown(name)}, which is not a node{hint}"
 
 
 def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> Expression:
@@ -344,7 +344,9 @@ def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> Expression:
         raise ExpressionError("an expression must be text")
     if len(raw) > 1:
         others = ", ".join(shown(name) for name in raw if name != EXPRESSION)
-        raise ExpressionError(f"it has {others:.80} beside its expression, which are not allowed")
+        raise ExpressionError(
+            f"it has {others:.80} in addition to its expression, which is not allowed"
+        )
     if parameter.kind not in ("number", "integer"):
         kind = {"switch": "a switch", "choice": "a choice", "path": "a file name"}
         what = kind.get(parameter.kind, "a text" if parameter.kind == "text" else "a list")

@@ -150,7 +150,7 @@ class Network(_Frozen):
         _check_extra(self.extra, NETWORK_FIELDS)
         for name, node in self.nodes.items():
             if name != node.id:
-                raise NetworkError(f"the node {node.id} stands under the id {shown(name)}")
+                raise NetworkError(f"the node {node.id} is stored under the id {shown(name)}")
         _set(
             self,
             nodes=MappingProxyType(dict(self.nodes)),
@@ -223,7 +223,7 @@ class Network(_Frozen):
         """The node of that id; a `NetworkError` if there is none."""
         if name not in self.nodes:
             hint = close(name, self.nodes)
-            raise NetworkError(f"{shown(name)} is no node of this network{hint}")
+            raise NetworkError(f"{shown(name)} is not a node of this network{hint}")
         return self.nodes[name]
 
     def links_into(self, node: str) -> tuple[Link, ...]:

@@ -55,7 +55,7 @@ def _version(document: dict[str, Any]) -> int:
         raise NetworkError(f"version = {version} is not allowed: a whole number, 1 or more")
     if version > VERSION:
         raise NetworkError(
-            f"version {version} is of a newer Imagechain: this one reads up to {VERSION}"
+            f"version {version} is from a newer Imagechain: this one reads up to {VERSION}"
         )
     return int(version)
 
@@ -114,7 +114,7 @@ def _node(name: str, value: Any, where: str, level: int) -> Node:
     if not module:
         raise NetworkError(f"{where}.module must not be empty")
     if (module == MACRO) != ("macro" in value):
-        missing = f"has the module {MACRO} and" if module == MACRO else f"is no {MACRO} but"
+        missing = f"has the module {MACRO} and" if module == MACRO else f"is not a {MACRO} but"
         has = "no field macro" if module == MACRO else "has a field macro"
         raise NetworkError(f"{where} {missing} {has}")
     return Node(

@@ -195,7 +195,7 @@ class _Survey:
             other = link.target if side == "output" else link.source
             hint = self._close(name, self.network.nodes)
             self._add(
-                f"the link {link} names {shown(name)}, which is no node of this network{hint}",
+                f"the link {link} names {shown(name)}, which is not a node of this network{hint}",
                 other if other in self.network.nodes else None,
             )
             return None
@@ -222,7 +222,7 @@ class _Survey:
             for port in needed:
                 if (name, port.name) not in linked:
                     kinds = " or ".join(port.types)
-                    self._add(f"the input {port.name} needs a link that brings {kinds}", name)
+                    self._add(f"the input {port.name} needs a link that carries {kinds}", name)
 
     def _needed_of_disabled(self, declared: Declaration, leaving: list[Link]) -> list[Port]:
         """A disabled module needs what it passes on, and can give nothing else."""
@@ -232,8 +232,8 @@ class _Survey:
             made = link.output in through or link.output in ("mtf", "ptf")  # then 1, or 0
             if declared.output(link.output) and not made:
                 self._add(
-                    f"the link {link} brings nothing: {declared.title} is disabled and passes "
-                    f"{_and(through.values())} on, it makes no {link.output}",
+                    f"the link {link} carries nothing: {declared.title} is disabled; it passes "
+                    f"{_and(through.values())} on and makes no {link.output}",
                     link.source,
                 )
         sources = {source for output, source in through.items() if output in used}
@@ -389,7 +389,7 @@ def _of_links(
         leaving = link.source == node.id and node.disabled and link.output in face.outputs
         if leaving and not unfinished and passing_input(node, link.output, library) is None:
             yield NetworkError(
-                f"the link {link} brings nothing: the macro is disabled, and no input of its "
-                f"passes on as {shown(link.output)}",
+                f"the link {link} carries nothing: the macro is disabled, and none of its inputs "
+                f"is passed on as {shown(link.output)}",
                 node=node.id,
             )

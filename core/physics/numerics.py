@@ -139,7 +139,7 @@ def brent_root(
     if at_before == 0.0:
         return before
     if at_best != 0.0 and (at_before > 0.0) == (at_best > 0.0):
-        allowed = f"two places with a zero between; it is {at_before:g} and {at_best:g} there"
+        allowed = f"a zero between them; the values there are {at_before:g} and {at_best:g}"
         raise ParameterError("low, high", (low, high), allowed)
     other, at_other = before, at_before  # the zero lies between `best` and `other`
     step = last_step = best - before

@@ -153,7 +153,7 @@ def _require_an_end(chain: ScanChain, intervals_mrad: Vector) -> None:
         of_each = f" of {terms:,} terms each" if terms > 1 else ""
         raise DataError(
             f"{groups} intervals on {rows * columns:,} frequencies{of_each} would take too long by "
-            f"direct sums (at most {MOST_EVALUATIONS:g} together): take method = nodes"
+            f"direct sums (at most {MOST_EVALUATIONS:g} together): set method = nodes"
         )
 
 

@@ -349,7 +349,8 @@ def perceived_share(
     magnified = positive("magnification", magnification)
     power = np.ones((1, 1)) if spectrum is None else all_from_zero("spectrum", spectrum)
     if power.ndim != 2 or not power.sum() > 0.0:
-        raise ParameterError("spectrum", f"an array of shape {power.shape}", "two axes, some power")
+        shape = f"an array of shape {power.shape}"
+        raise ParameterError("spectrum", shape, "two axes, and power above 0")
     rows, columns = power.shape
     # A white spectrum is one cell: cut finely enough for the channel's logarithm.
     finer_x, finer_y = max(1, 256 // columns), max(1, 64 // rows)

@@ -95,7 +95,7 @@ class Aperture:
         annular_otf(frequency_ratio=0.0, obscuration_ratio=self.obscuration_ratio)
         wavefront_factor(frequency_ratio=0.0, rms_waves=self.rms_waves * scale)
         if not abs(self.defocus_waves * scale) <= MOST_DEFOCUS_WAVES:
-            allowed = f"at most {MOST_DEFOCUS_WAVES:g} waves of the shortest wavelength in size"
+            allowed = f"at most ±{MOST_DEFOCUS_WAVES:g} waves of the shortest wavelength"
             raise ParameterError("defocus_waves", self.defocus_waves, allowed, unit="waves")
 
 
@@ -339,7 +339,7 @@ def annular_defocus_otf(
         raise DataError("frequency_ratio holds a value that is negative or not finite")
     if not np.all(w20 <= MOST_DEFOCUS_WAVES):
         worst = float(w20[~(w20 <= MOST_DEFOCUS_WAVES)][0])
-        allowed = f"at most {MOST_DEFOCUS_WAVES:g} in size"
+        allowed = f"from -{MOST_DEFOCUS_WAVES:g} to {MOST_DEFOCUS_WAVES:g}"
         raise ParameterError("defocus_waves", worst, allowed, unit="waves")
     flat, rate = v.ravel(), (8.0 * np.pi * w20 * v).ravel()
     otf = np.zeros(flat.size)

@@ -260,7 +260,7 @@ def defocus_otf(*, frequency_ratio: ArrayLike, w20_waves: float) -> NDArray[np.f
     """
     w20 = abs(float(w20_waves))
     if not w20 <= MOST_DEFOCUS_WAVES:
-        allowed = f"at most {MOST_DEFOCUS_WAVES:g} in size"
+        allowed = f"from -{MOST_DEFOCUS_WAVES:g} to {MOST_DEFOCUS_WAVES:g}"
         raise ParameterError("defocus_waves", w20_waves, allowed, unit="waves")
     v = np.abs(np.asarray(frequency_ratio, dtype=np.float64))
     if not np.all(np.isfinite(v)):

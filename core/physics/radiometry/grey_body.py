@@ -35,7 +35,7 @@ def in_kelvin(samples: NDArray[Any], *, unit: str) -> FloatArray:
     if unit == "°F":
         return (values + 459.67) / 1.8
     if unit not in _OFFSETS_K:
-        raise DataError(f"{unit!r:.40} is no unit of temperature: K, °C, °F or mK")
+        raise DataError(f"{unit!r:.40} is not a unit of temperature; allowed: K, °C, °F or mK")
     return values + _OFFSETS_K[unit]
 
 

@@ -405,7 +405,7 @@ def _solve(radiance: BandIntegral, logs: FloatArray) -> FloatArray:
         if np.all(settled):  # quadratic: the step just made left about 1e-18
             break
     else:
-        raise ArithmeticError("brightness temperature: Newton's iteration did not settle")
+        raise ArithmeticError("brightness temperature: Newton's iteration did not converge")
     return 1.0 / inverse
 
 

@@ -175,7 +175,7 @@ def _powers(tokens: list[str | int], *, chained: bool) -> _Powers:
     """Names with their exponents; `chained`: a stroke divides by all up to the next one."""
     powers, place = _product(tokens, 0, chained)
     if place != len(tokens):
-        raise ValueError("a bracket too many")
+        raise ValueError("one bracket is too many")
     return powers
 
 
@@ -239,13 +239,13 @@ def _radiance(powers: _Powers, body: str) -> RadianceUnit:
             factor *= watts
             seen["power"] += 1
         else:
-            raise ValueError(f"{name} is no unit of radiance")
+            raise ValueError(f"{name} is not part of a unit of radiance")
     if seen != {"power": 1, "s": -1 if photons else 0, "sr": -1}:
-        raise ValueError("no radiance")
+        raise ValueError("not a unit of radiance")
     areas = [length for length, power in lengths if power == -2]
     others = [(length, power) for length, power in lengths if power != -2]
     if len(areas) != 1 or len(others) > 1:
-        raise ValueError("no radiance")
+        raise ValueError("not a unit of radiance")
     factor /= areas[0] ** 2
     if not others:
         return RadianceUnit(_rounded(factor), photons)
@@ -255,7 +255,7 @@ def _radiance(powers: _Powers, body: str) -> RadianceUnit:
         return RadianceUnit(_rounded(factor * per_um), photons, "µm", per_um)
     if power == 1 and length in (1.0, 1e-2):
         return RadianceUnit(_rounded(factor * length / 1e-2), photons, "cm⁻¹")
-    raise ValueError("no radiance")
+    raise ValueError("not a unit of radiance")
 
 
 def _length_m(name: str) -> float | None:

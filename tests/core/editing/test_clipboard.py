@@ -127,7 +127,7 @@ def test_duplicates_are_fed_by_the_same_wires(kodak, library):
 
 def test_nobody_cannot_be_copied(kodak, library):
     for function in (copied, duplicated):
-        with pytest.raises(NetworkError, match="nobody is no node"):
+        with pytest.raises(NetworkError, match="nobody is not a node"):
             function(kodak, ["nobody"], library)
 
 

@@ -243,7 +243,7 @@ def test_faults_name_the_node_inside_and_the_macro(camera, library):
         ("init.f_numbr", "Init Trans|init"),
         ("'camera/optics'.nothing", "has no parameter"),
         ("camera.nothing", "the macro camera shows no parameter camera.nothing"),
-        ("camra.spot", "camra, which is no node"),
+        ("camra.spot", "camra, which is not a node"),
     ):
         wrong = network.with_parameter("electronics", "bias_percent", expression(text))
         (fault,) = problems(wrong, library=library)

@@ -243,9 +243,9 @@ class TestEngine:
             (
                 "blur.magnitude",
                 Region(0, 0, 1, 1),
-                "blur: region = '0:1,0:1' is not allowed: only an image has one, and no magnitude",
+                "blur: region = '0:1,0:1' is not allowed: only an image has one, not a magnitude",
             ),
-            ("init.context", Region(0, 0, 1, 1), "and no context"),
+            ("init.context", Region(0, 0, 1, 1), "not a context"),
         ],
     )
     def test_what_has_no_such_region(self, port, region, told):

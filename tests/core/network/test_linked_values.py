@@ -72,7 +72,7 @@ def test_a_value_out_of_range_is_refused_with_all_that_helps(document, small_lib
     [
         ("init.near_m / 0", "1 / 0 divides by zero"),
         ("9^9^9^9", "too large"),
-        ("int.near_m", "int.near_m names int, which is no node; did you mean init?"),
+        ("int.near_m", "int.near_m names int, which is not a node; did you mean init?"),
         ("init.nearm", "Init & Trans has no parameter init.nearm; did you mean near_m?"),
         ("scene.kind", "scene.kind is point; an expression needs numbers"),
         ("scene.path", "scene.path is empty"),
@@ -135,7 +135,7 @@ def test_a_whole_number_stays_whole(document, small_library):
 def test_what_is_no_expression_is_refused(document, small_library):
     for raw, part in (
         ({"expression": 5}, "an expression must be text"),
-        ({"expression": "1", "more": 2}, "it has more beside its expression"),
+        ({"expression": "1", "more": 2}, "it has more in addition to its expression"),
         ({"other": "1"}, "a number of at least 0"),
     ):
         network = linked(document, small_library, jitter__sigma_mrad=raw)

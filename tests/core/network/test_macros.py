@@ -140,8 +140,8 @@ def test_a_disabled_macro_with_nothing_to_pass_on(document):
     document["nodes"]["slices"] = {"module": "mtf_slices"}
     document["links"].append(["camera.spectrum", "slices.transfer"])
     assert faults(document)[0] == (
-        "camera: the link camera.spectrum → slices.transfer brings nothing: the macro is "
-        "disabled, and no input of its passes on as spectrum"
+        "camera: the link camera.spectrum → slices.transfer carries nothing: the macro is "
+        "disabled, and none of its inputs is passed on as spectrum"
     )
 
 
@@ -254,7 +254,7 @@ def test_a_cycle_through_a_macro(document):
             {"module": "macro"},
             "has the module macro and no field macro",
         ),
-        (("nodes", "scene", "macro"), {}, "nodes.scene is no macro but has a field macro"),
+        (("nodes", "scene", "macro"), {}, "nodes.scene is not a macro but has a field macro"),
         (MACRO, [], "nodes.camera.macro must be an object, not a list"),
         ((*MACRO, "nodes"), 1, "nodes.camera.macro.nodes must be an object, not a whole"),
         ((*MACRO, "outputs", "image"), 3, "macro.outputs.image must be a text, NODE.NAME, not 3"),

@@ -50,7 +50,7 @@ def test_with_parameter_and_seed_leave_the_old_one(network):
     assert changed.seed == 7
     assert network.nodes["jitter"].params == {"sigma_mrad": 0.5}
     assert list(changed.nodes) == list(network.nodes)
-    with pytest.raises(NetworkError, match=r"jiter is no node.*did you mean jitter\?"):
+    with pytest.raises(NetworkError, match=r"jiter is not a node.*did you mean jitter\?"):
         network.with_parameter("jiter", "sigma_mrad", 0.1)
 
 
@@ -66,7 +66,7 @@ def test_with_a_node_all_else_is_what_it_was(network):
     assert copy.deepcopy(changed) == changed
     with pytest.raises(TypeError):
         changed.nodes["x"] = None
-    with pytest.raises(NetworkError, match="blur is no node"):
+    with pytest.raises(NetworkError, match="blur is not a node"):
         network.with_node(replace(node, id="blur"))
 
 
@@ -79,7 +79,7 @@ def test_seeds_that_are_not_allowed(network, seed):
 def test_ids_and_extra_fields_are_checked():
     with pytest.raises(NetworkError, match="is not allowed as a node's id"):
         Node("a.b", "x")
-    with pytest.raises(NetworkError, match="stands under the id b"):
+    with pytest.raises(NetworkError, match="is stored under the id b"):
         Network(nodes={"b": Node("a", "x")})
     with pytest.raises(NetworkError, match="the extra field params"):
         Node("a", "x", extra={"params": {}})

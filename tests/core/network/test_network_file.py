@@ -193,7 +193,7 @@ def test_files_that_cannot_be_read(small_library, tmp_path):
         ("gone", "No such file or directory"),
         ("", "it is not a regular file"),
         ("pipe", "it is not a regular file"),
-        ("a\0b", "not a possible file name"),
+        ("a\0b", "not a valid file name"),
         ("x" * 300, "File name too long"),
     ]:
         with pytest.raises(FileError, match=reason) as caught:

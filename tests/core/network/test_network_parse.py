@@ -76,7 +76,7 @@ def test_depth_does_not_depend_on_the_caller(document, small_library):
         (["version"], "1", "version must be a whole number, not a text"),
         (["version"], True, "version must be a whole number, not true or false"),
         (["version"], 0, "version = 0 is not allowed: a whole number, 1 or more"),
-        (["version"], 99, "version 99 is of a newer Imagechain: this one reads up to 2"),
+        (["version"], 99, "version 99 is from a newer Imagechain: this one reads up to 2"),
         (["name"], 3, "name must be a text, not a whole number"),
         (["description"], None, "description must be a text, not null"),
         (["seed"], 1.0, "seed must be a whole number, not a number"),

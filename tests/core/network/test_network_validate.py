@@ -111,25 +111,28 @@ FAULTS = [
         _more(("more.image", "more.image"), more="noise"),
         "more: the links form a cycle: more → more",
     ),
-    (MISSING_INPUT, "jitter: the input magnitude needs a link that brings magnitude"),
+    (MISSING_INPUT, "jitter: the input magnitude needs a link that carries magnitude"),
     (
         _without("look.picture"),
-        "look: the input picture needs a link that brings image or transfer",
+        "look: the input picture needs a link that carries image or transfer",
     ),
     (
         _both(
             _set("nodes", "jitter", "disabled", True),
             _without("jitter.magnitude", "jitter.context"),
         ),
-        "jitter: the input magnitude needs a link that brings magnitude",
+        "jitter: the input magnitude needs a link that carries magnitude",
     ),
     (
         DISABLED_SOURCE,
-        "scene: the link scene.image → init.image brings nothing: Scene is disabled and passes "
-        "nothing on, it makes no image",
+        "scene: the link scene.image → init.image carries nothing: Scene is disabled; it passes "
+        "nothing on and makes no image",
     ),
-    (SECOND_OUTPUT, "add noise: the link add noise.noise → look.picture brings nothing: Noise is"),
-    (TO_NOWHERE, "scene: the link scene.image → gone.image names gone, which is no node of this"),
+    (SECOND_OUTPUT, "add noise: the link add noise.noise → look.picture carries nothing: Noise is"),
+    (
+        TO_NOWHERE,
+        "scene: the link scene.image → gone.image names gone, which is not a node of this",
+    ),
     (_set("links", 0, 0, "scen.image"), "init: the link scen.image → init.image names scen, which"),
 ]
 
@@ -146,7 +149,7 @@ def test_a_wrong_input_leaves_the_right_one_open(document, small_library):
     assert _lines(document, small_library) == [
         "jitter: Jitter MTF has no input zzz (the link init.magnitude → jitter.zzz): "
         "it has context, magnitude",
-        "jitter: the input magnitude needs a link that brings magnitude",
+        "jitter: the input magnitude needs a link that carries magnitude",
     ]
 
 

@@ -80,8 +80,8 @@ def why_clipped(
         noise, quantum = _noise_between(samples)
         if noise > max(_NOISE_SHOWS * contrast, quantum):
             return (
-                "clipped: both sides have the picture's extreme values and no noise, and the "
-                f"noise on the step between them is {noise / contrast:.2g} of the contrast"
+                "clipped: both sides are constant, at the picture's smallest and largest values, "
+                f"but the step between them has noise of {noise / contrast:.2g} of the contrast"
             )
     half = 0.5 * float(np.abs(samples.distance).max())
     for side, other, limit in ((dark, bright, extremes[0]), (bright, dark, extremes[1])):
@@ -95,8 +95,8 @@ def why_clipped(
         quiet = side is bright and float(side.std()) < _QUIET * float(other.std())
         if share > _PILED and (piled or quiet):
             return (
-                f"clipped: {share:.0%} of the samples on one side have the picture's extreme value "
-                f"{limit:.6g}"
+                f"clipped: {share:.0%} of the samples on one side are at the limit of the "
+                f"picture's values, {limit:.6g}"
             )
     return ""
 
@@ -138,8 +138,8 @@ def why_cut_off(
         beyond = float(np.std(samples.value[distance > _BESIDE]))
         if outward > 0.0 or noise > _FADED * beyond * np.exp(_SURE / np.sqrt(count)):
             return (
-                f"clipped: beside it the samples have the picture's extreme value {limit:.6g} "
-                f"and no noise, but the noise on the step is {noise / (high - low):.2g} of the "
+                f"clipped: beside it the samples are constant at {limit:.6g}, the limit of the "
+                f"picture's values, but the step has noise of {noise / (high - low):.2g} of the "
                 "contrast"
             )
     ends = [
@@ -148,7 +148,7 @@ def why_cut_off(
     ]
     wide = float(np.ptp(distance[between])) > _PIXEL_RAMP
     if "corner" in ends and (wide or "soft" in ends):
-        return "clipped: it meets the picture's extreme value at a sharp corner"
+        return "clipped: it meets the limit of the picture's values at a sharp corner"
     return ""
 
 
@@ -179,26 +179,27 @@ def why_piled_up(*, value: Vector, distance: Vector, extremes: tuple[float, floa
         noise = _disorder(distance[between], value[between]) / contrast
         if noise > _DISORDER:
             return (
-                "clipped: both sides have the picture's extreme values and no noise, and the "
-                f"noise on the step between them is {noise:.2g} of the contrast"
+                "clipped: both sides are constant, at the picture's smallest and largest values, "
+                f"but the step between them has noise of {noise:.2g} of the contrast"
             )
     for side, other, limit, outward in ((dark, bright, low, -1.0), (bright, dark, high, 1.0)):
         share = float(np.mean(value[side] == limit))
         if share < _PILED:
             continue
         what = (
-            f"{share:.0%} of the samples on one side have the picture's extreme value {limit:.6g}"
+            f"{share:.0%} of the samples on one side are at the limit of the picture's values, "
+            f"{limit:.6g}"
         )
         if share < _ALL_AT_LIMIT:
             if _has_noise(distance[side], value[side], extremes):
-                return f"clipped: {what}, while other samples there have noise"
+                return f"clipped: {what}, while the other samples there have noise"
             continue
         noisy = _has_noise(distance[other], value[other], extremes)
         if noisy and outward > 0.0:
             return f"clipped: {what}, while the other side has noise"
         limits = _CORNER if noisy else _SHARP_CORNER
         if (noisy or wide) and _is_corner(value, outward * distance, limit, limits):
-            return f"clipped: {what}, and the edge meets this value at a sharp corner"
+            return f"clipped: {what}, and the edge meets it at a sharp corner"
     return ""
 
 
@@ -227,8 +228,8 @@ def without_those_at(
         for place, share in reaching:
             if made[place].used:
                 reason = (
-                    f"clipped: {share:.0%} of its samples have the picture's extreme value "
-                    f"{limit:.6g}, where {cut} others are cut off"
+                    f"clipped: {share:.0%} of its samples are at the limit of the picture's "
+                    f"values, {limit:.6g}, where {cut} other edges are cut off"
                 )
                 made[place] = replace(made[place], used=False, why_not=reason)
     return made
@@ -342,7 +343,8 @@ def refuse_corner(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread) -> Non
     wide = float(np.ptp(between)) > _PIXEL_RAMP
     if "corner" in ends and (wide or "soft" in ends):
         raise DataError(
-            "the picture is clipped: the edge meets its extreme value at a sharp corner. " + _REMEDY
+            "the picture is clipped: the edge meets the limit of its values at a sharp corner. "
+            + _REMEDY
         )
 
 

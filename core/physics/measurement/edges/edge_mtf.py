@@ -94,7 +94,7 @@ def measure_edge(
     if len(samples.value) < _LEAST_SAMPLES:
         raise DataError(
             f"{len(samples.value)} samples lie about the edge at x = {edge.x:.1f}, "
-            f"y = {edge.y:.1f}, of at least {_LEAST_SAMPLES}"
+            f"y = {edge.y:.1f}; needed: at least {_LEAST_SAMPLES}"
         )
     fit = fit_spread(samples=samples, reach=edge.reach, half_length=edge.length / 2.0)
     if fit.gap > _LARGEST_GAP:

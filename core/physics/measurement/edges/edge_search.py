@@ -279,8 +279,8 @@ def _settled(
     if fit.gap > _LARGEST_GAP:
         return replace(
             edge,
-            why_not=f"not slanted enough: at {edge.angle_deg:.1f}° its samples lie at distances "
-            f"{fit.gap:.2g} samples apart, of at most {_LARGEST_GAP:g}",
+            why_not=f"not slanted enough: at {edge.angle_deg:.1f}° the distances of its samples "
+            f"have gaps of {fit.gap:.2g} samples; allowed: at most {_LARGEST_GAP:g}",
         )
     return replace(edge, used=True)
 
@@ -565,7 +565,7 @@ def _judged(edge: FoundEdge, others: Sequence[FoundEdge]) -> FoundEdge:
                 edge,
                 used=False,
                 why_not=f"soft in the scene: its spread is {edge.softness:.2g} samples wide, "
-                f"that of others {sharpest:.2g}",
+                f"the spread of others {sharpest:.2g}",
             )
     return edge
 

@@ -226,7 +226,7 @@ def _check(levels: Sequence[FlatField], dark: FlatField | None) -> None:
     for field in [*levels, *([dark] if dark is not None else [])]:
         if not all(map(math.isfinite, (field.mean_dn, field.temporal_dn2, field.fixed_dn2))):
             raise DataError(
-                "the numbers of a level are too large to compute their variance; a camera "
+                "the samples of a level are too large to compute their variance; a camera "
                 "gives some millions at most"
             )
     brightest = max(level.mean_dn for level in levels)

@@ -156,7 +156,8 @@ def noise_of_picture(
     if flat is None or np.count_nonzero(flat.chosen) < _LEAST_BLOCKS:
         return _nothing(
             f"{0 if flat is None else np.count_nonzero(flat.chosen)} blocks of {SIDE} × {SIDE} "
-            f"samples are flat, of at least {_LEAST_BLOCKS}: texture or edges are everywhere",
+            f"samples are flat, but at least {_LEAST_BLOCKS} are needed: texture or edges are "
+            "everywhere",
             mean,
             step,
         )
@@ -206,8 +207,8 @@ def _measured(
             known = f"{math.sqrt(at_mean):.4g} within {spread:.1%}"
         refusal = (
             f"the flat areas, {len(level)} blocks of level {level.min():.4g} to {level.max():.4g}, "
-            f"give the noise at the picture's mean level, {mean:.4g}: {known}, with a confidence "
-            f"of 95 %, of at most {_WITHIN:.0%}"
+            f"give the noise at the picture's mean level, {mean:.4g}: {known}, at a confidence of "
+            f"95 %; allowed: at most {_WITHIN:.0%}"
         )
     if not refusal and step is not None:
         shown = rounding + (_COARSE_STEPS * step) ** 2

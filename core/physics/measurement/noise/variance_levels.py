@@ -84,15 +84,15 @@ def _gain(line: VarianceLine, level: Vector) -> Figure:
     if line.slope <= _RISES * line.slope_error:
         reason = (
             f"the variance does not rise clearly with the level: by {line.slope:.3g} ± "
-            f"{line.slope_error:.2g} a unit {between}"
+            f"{line.slope_error:.2g} per unit {between}"
         )
         return None, None, reason
     gain, error = 1.0 / line.slope, line.slope_error / line.slope**2
     if _CONFIDENCE * error > _GAIN_WITHIN * gain:
         reason = (
-            f"the levels do not lead to a gain: {gain:.4g} ± {error:.2g} {between}, within "
-            f"{_CONFIDENCE * error / gain:.1%} with a confidence of 99 %, of at most "
-            f"{_GAIN_WITHIN:.0%}"
+            f"the gain cannot be determined from these levels: {gain:.4g} ± {error:.2g} {between}, "
+            f"uncertain by {_CONFIDENCE * error / gain:.1%} at a confidence of 99 %; allowed: at "
+            f"most {_GAIN_WITHIN:.0%}"
         )
         return None, None, reason
     return gain, error, ""
@@ -105,8 +105,8 @@ def _read_noise(
     low, high = np.quantile(level, (0.01, 0.99))
     if not with_gain and not low <= offset <= high:
         reason = (
-            f"the flat areas, of level {level.min():.4g} to {level.max():.4g}, do not lead to the "
-            f"level without light, {offset:.4g}"
+            f"the flat areas have levels from {level.min():.4g} to {level.max():.4g}, too far from "
+            f"the level without light, {offset:.4g}"
         )
         return None, None, reason
     variance, error = line.at(offset)
