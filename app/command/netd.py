@@ -55,7 +55,7 @@ def carry_out(options: Options, stop: threading.Event) -> None:
     """Measure the camera; prints the figures when all is written."""
     paths, kelvins = zip(*options.fields, strict=True)
     files = [open_frames(path) for path in paths]
-    check_one_camera(files, of_one="noise in time")
+    check_one_camera(files, of_one="temporal noise")
 
     def made() -> Measured:
         with Progress(2 * len(files)) as progress:
@@ -118,7 +118,7 @@ def _frames(file: FrameFile, check: Callable[[], None]) -> Iterator[Frames]:
 def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField) -> None:
     """Levels without noise, or of which mean and noise are cut off."""
     if not math.isfinite(field.temporal_dn2):
-        raise DataError(f"{file.path}: the numbers are too large to compute their variance")
+        raise DataError(f"{file.path}: the samples are too large to compute their variance")
     if not field.temporal_dn2 > 0.0:
         raise DataError(
             f"{file.path}: all frames are the same: the field is saturated, rounding hides the "
@@ -202,15 +202,15 @@ def _remarks(measured: Measured) -> list[str]:
     departure = response.departure_percent
     if departure is not None and departure > _DEPARTS:
         lines.append(
-            "warning: a mean departs from Planck's law (for any effective wavelength) by "
+            "warning: a mean deviates from Planck's law (for any effective wavelength) by "
             f"{departure:.2g} % of the range of all means: the temperatures are wrong, the "
             "camera drifted, or its response is nonlinear"
         )
     few = min(field.noise.frames for _, field in files)
     if few < _FEW:
         lines.append(
-            f"{few} frames: what whole frames, rows and columns do in time is hardly known, and "
-            f"what is fixed only down to NETD/√{few}"
+            f"with only {few} frames, the temporal noise of whole frames, rows and columns is "
+            f"uncertain, and fixed noise is known only down to NETD/√{few}"
         )
     bad = max(field.field.bad for _, field in files)
     if bad:

@@ -155,7 +155,7 @@ def _none(
 ) -> str:
     if not solution.seen:
         why = "".join(f": {reason}" for reason in list(reasons.values())[:1])
-        return f"no value of {port} gives {figure.text} at all{why}"
+        return f"{figure.text} has no value for any {port}{why}"
     first, last = solution.seen[0], solution.seen[-1]
     text = (
         f"no value of {port} from {shown_value(first.value, unit)} to "
@@ -169,7 +169,7 @@ def _none(
         text += f", at {word} {_at(extreme, unit, figure)}"
     for edge in solution.edges:
         side = "above" if edge.without > edge.sample.value else "below"
-        text += f"; {side} {shown_value(edge.sample.value, unit)} it has no value"
+        text += f"; {side} {shown_value(edge.sample.value, unit)} {figure.text} has no value"
         text += f": {reasons[edge.without]}" if edge.without in reasons else ""
     return text
 

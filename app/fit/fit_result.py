@@ -280,7 +280,7 @@ def _weak(
             r = float(correlation[i, j])
             if math.isfinite(r) and abs(r) > _CORRELATED:
                 lines.append(
-                    f"{parameters[j].port} and {first.port} are hardly told apart: their errors "
+                    f"{parameters[j].port} and {first.port} can hardly be separated: their errors "
                     f"have a correlation of {r:.4f}"
                 )
     return lines

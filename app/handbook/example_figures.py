@@ -160,10 +160,10 @@ def _transfer(declared: Declaration, value: Transfer, samples: Samples) -> str:
     with plot(name, _WIDE, _HIGH) as (drawn, out):
         axis = drawn.subplots()
         alike = bool(np.abs(np.interp(xi, eta, along) - across).max() < _ALIKE)
-        both = "across and along" if alike else "across (ξ)"
+        both = "horizontal and vertical" if alike else "horizontal (ξ)"
         axis.plot(xi, across, color=COLOURS[0], lw=1.8, label=both)
         if not alike:
-            axis.plot(eta, along, color=COLOURS[1], lw=1.8, ls="--", label="along (η)")
+            axis.plot(eta, along, color=COLOURS[1], lw=1.8, ls="--", label="vertical (η)")
         axis.set_xlabel("cycles/mrad")
         axis.set_ylabel("MTF" if value.part == "mtf" else "PTF (rad)")
         axis.margins(x=0)

@@ -68,7 +68,7 @@ def measurement_json(measured: PictureMeasurement) -> str:
 
 
 def measurement_csv(measured: PictureMeasurement) -> str:
-    """The pooled MTF as a table that the module MTF File reads: cycles a pixel, across, along.
+    """The pooled MTF as a table that the module MTF File reads: frequency, horizontal, vertical.
 
     Raises
     ------
@@ -79,8 +79,8 @@ def measurement_csv(measured: PictureMeasurement) -> str:
     known = {name: curve for name, curve in curves.items() if curve is not None}
     if not known:
         raise DataError(
-            f"there is no MTF to write: across, {measured.reason_x}; along, "
-            f"{measured.reason_y}: a page (.html) shows each edge and what would help"
+            f"there is no MTF to write (horizontal: {measured.reason_x}; vertical: "
+            f"{measured.reason_y}): a page (.html) shows each edge and what would help"
         )
     last = min(float(curve.frequency[-1]) for curve in known.values())
     frequency = next(iter(known.values())).frequency

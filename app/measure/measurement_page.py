@@ -96,8 +96,8 @@ def _mtf(measured: PictureMeasurement) -> list[Block]:
     if measured.x is None and measured.y is None:
         return [
             *blocks,
-            Text(f"Not measured across: {measured.reason_x}."),
-            Text(f"Not measured along: {measured.reason_y}."),
+            Text(f"No horizontal MTF: {measured.reason_x}."),
+            Text(f"No vertical MTF: {measured.reason_y}."),
         ]
     caption = (
         "MTF of everything from the scene to the stored samples, pooled over the edges used "
@@ -168,11 +168,11 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Heading(2, "Edges used"),
             Grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
             Text(
-                "MTF50 in cycles/sample along the edge's normal. Normals within "
-                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° count as across, those near ±90° as "
-                "along. The standard error is that of the pooled MTF in this direction if "
-                "only this edge were used. Edges in other directions show how the blur "
-                "changes with direction."
+                "MTF50 in cycles/sample along the edge's normal. Edges with a normal within "
+                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF, those near ±90° "
+                "the vertical one. The standard error is that of the pooled MTF in this direction "
+                "if only this edge were used. Edges in other directions show how the blur changes "
+                "with direction."
             ),
         ]
     if refused:
@@ -284,7 +284,7 @@ def mtf_png(measured: PictureMeasurement) -> bytes:
         axes = drawn.subplots(1, 2, sharey=True)
         for axis, direction in zip(axes, ("x", "y"), strict=True):
             curve = measured.x if direction == "x" else measured.y
-            words = "a. Across (x)" if direction == "x" else "b. Along (y)"
+            words = "a. Horizontal (x)" if direction == "x" else "b. Vertical (y)"
             axis.set_title(words, pad=4 if measured.interval_x_mrad else 12)
             axis.set_xlabel("frequency (cycles/sample)")
             axis.axhline(0.0, color="#555555", lw=0.8)

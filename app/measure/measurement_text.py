@@ -22,9 +22,9 @@ from core.physics.measurement.levels.photon_transfer import PhotonTransfer
 # Of what changes from frame to frame: what stays is the scene's as well.
 TEMPORAL = {
     "tvh": "random from sample to sample and from frame to frame",
-    "t": "whole frames, from one to the next",
-    "tv": "rows, from frame to frame",
-    "th": "columns, from frame to frame",
+    "t": "of whole frames, new in every frame",
+    "tv": "of whole rows, new in every frame",
+    "th": "of whole columns, new in every frame",
 }
 _GAMMA = {
     "usual": "8-bit numbers in this format usually have a gamma",
@@ -58,8 +58,8 @@ def figure_rows(measured: PictureMeasurement) -> list[Row]:
     used = sum(edge.used for edge in measured.edges)
     rows: list[Row] = [
         ("edges", str(used), "", f"edges used, of {len(measured.edges)} found"),
-        *_mtf_rows("x", "across", measured.x, measured.interval_x_mrad, measured.pitch_um),
-        *_mtf_rows("y", "along", measured.y, measured.interval_y_mrad, measured.pitch_um),
+        *_mtf_rows("x", "horizontal", measured.x, measured.interval_x_mrad, measured.pitch_um),
+        *_mtf_rows("y", "vertical", measured.y, measured.interval_y_mrad, measured.pitch_um),
     ]
     if measured.noise is not None:
         alone = "" if measured.flats is None else ", from the picture alone"
@@ -75,9 +75,9 @@ def _mtf_rows(
     many = "1 edge" if curve.edges == 1 else f"{curve.edges} edges"
     rows: list[Row] = []
     if curve.mtf50 is not None:
-        of = f"MTF of one half {words}"
+        of = f"frequency at which the {words} MTF is one half"
         for unit, per_sample, meaning in (
-            ("cyc/sample", 1.0, f"{of}, of {many}"),
+            ("cyc/sample", 1.0, f"{of}, from {many}"),
             ("cyc/mrad", interval, f"{of}, in angle"),
             ("cyc/mm", None if pitch_um is None else 1e-3 * pitch_um, f"{of}, on the detector"),
         ):
@@ -89,7 +89,7 @@ def _mtf_rows(
         value, error = (
             float(np.interp(NYQUIST, curve.frequency, of)) for of in (curve.mtf, curve.sigma)
         )
-        meaning = f"MTF {words} at the Nyquist frequency, including the pixel"
+        meaning = f"{words} MTF at the Nyquist frequency, including the pixel"
         rows.append((f"mtf_nyquist_{name}", with_error(value, error), "", meaning))
     return rows
 
@@ -103,12 +103,12 @@ def _noise_rows(noise: NoiseFigures, unit: str, alone: str) -> list[Row]:
             text = number_text(float(f"{value:.3g}"))
             rows.append((name, text, unit, f"noise of whole {words}"))
     for line in noise.lines:
-        where = f"{line.across:.4f} across, {line.down:.4f} down cycles/sample"
+        where = f"{line.across:.4f} cycles/sample horizontally and {line.down:.4f} vertically"
         amplitude = with_error(line.amplitude, line.amplitude_error)
-        rows.append(("line", amplitude, unit, f"amplitude of the wave of {where}"))
+        rows.append(("line", amplitude, unit, f"amplitude of a wave of {where}"))
     if noise.gain_e_per_dn is not None:
         gain = with_error(noise.gain_e_per_dn, noise.gain_error)
-        rows.append(("gain", gain, "e-/DN", f"electrons of one digital number{alone}"))
+        rows.append(("gain", gain, "e-/DN", f"electrons per digital number{alone}"))
     if noise.read_noise_dn is not None:
         read = with_error(noise.read_noise_dn, noise.read_noise_error)
         rows.append(
@@ -215,33 +215,33 @@ def remarks(measured: PictureMeasurement) -> list[str]:
     if measured.repeated:
         lines.append(f"warning: {repeated_words(len(measured.repeated))}")
     for words, curve, reason in (
-        ("across", measured.x, measured.reason_x),
-        ("along", measured.y, measured.reason_y),
+        ("horizontal", measured.x, measured.reason_x),
+        ("vertical", measured.y, measured.reason_y),
     ):
         if curve is None:
-            lines.append(f"no MTF {words}: {reason}")
+            lines.append(f"no {words} MTF: {reason}")
             continue
         if curve.mtf50 is None:
-            lines.append(f"no MTF50 {words}: the MTF does not fall to one half")
+            lines.append(f"no {words} MTF50: the MTF does not fall to one half")
         if np.any(curve.mtf > 1.0 + np.maximum(_ABOVE_ONE * curve.sigma, _LEAST_ABOVE)):
             lines.append(
-                f"the MTF {words} exceeds 1: the picture was sharpened, and this is the MTF of "
+                f"the {words} MTF exceeds 1: the picture was sharpened, and this is the MTF of "
                 "the sharpened picture"
             )
         if curve.edges <= _FEW:
             many = "one edge" if curve.edges == 1 else f"{curve.edges} edges"
             others = sum(edge.used for edge in measured.edges) - curve.edges
             lines.append(
-                f"{many} within {LARGEST_ANGLE_DEG:g}° of {words}: the MTF depends on edges in "
-                "other directions, and few edges check its error"
+                f"only {many} with a normal within {LARGEST_ANGLE_DEG:g}° of the {words}: the MTF "
+                "also depends on edges in other directions, and few edges check its error"
                 if others > 0
-                else f"the MTF {words} comes from only {many}, so its error could not be checked"
+                else f"the {words} MTF comes from only {many}, so its error could not be checked"
             )
         if curve.scatter > _SCATTERED:
             lines.append(
-                f"edges {words} differ by {curve.scatter:.2g} times what their own errors "
-                "allow: the blur varies over the picture, or some edges are not sharp in the "
-                "scene; the error is widened accordingly"
+                f"the {words} MTFs of the edges differ by {curve.scatter:.2g} times what their own "
+                "errors allow: the blur varies over the picture, or some edges are not sharp in "
+                "the scene; the error is widened accordingly"
             )
     if measured.noise is None:
         lines.append(f"no noise: {measured.noise_reason}")

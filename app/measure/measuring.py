@@ -478,16 +478,16 @@ def pooled(
 
 def _no_edge(near: Sequence[MeasuredEdge], direction: str) -> str:
     """Why there is no MTF in a direction."""
-    across = "across" if direction == "x" else "along"
+    words = "horizontal" if direction == "x" else "vertical"
     if not near:
         return (
-            f"no straight edge was found whose normal lies within {LARGEST_ANGLE_DEG:g}° of "
-            f"{direction} ({across})"
+            f"no straight edge was found whose normal lies within {LARGEST_ANGLE_DEG:g}° of the "
+            f"{words}"
         )
     if removed := sum(edge.why_not == BY_HAND for edge in near):
         many = "1 edge" if removed == 1 else f"{removed} edges"
         return f"{many} that would give it {'is' if removed == 1 else 'are'} {BY_HAND}"
     if len(near) == 1:
         return f"the one edge that would give it cannot be used: {near[0].why_not}"
-    words = in_words(edge.why_not for edge in near)
-    return f"none of the {len(near)} edges that would give it can be used: {words}"
+    reasons = in_words(edge.why_not for edge in near)
+    return f"none of the {len(near)} edges that would give it can be used: {reasons}"

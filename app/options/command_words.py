@@ -146,10 +146,11 @@ def _edit_words(parser: Parser) -> None:
         help="window (default), canvas, panel, curves, or the first viewer's picture within --size",
     )  # fmt: skip
     add("--size", "WxH",
-        "size of the window (default: as last time, at first by the screen; screenshot: 1600x900)",
+        "size of the window (default: the last size; at the first start, to fit the screen; "
+        "screenshot: 1600x900)",
         window_size, dest="window_size")  # fmt: skip
     parser.add_argument("--look", action=Word, choices=("dark", "light"),
-                        help="colours (default: as last time)")  # fmt: skip
+                        help="colours (default: the last ones)")  # fmt: skip
 
 
 def _run_words(parser: Parser) -> None:
@@ -198,8 +199,8 @@ def _tradeoff_words(parser: Parser) -> None:
     add("--figure", "NODE.READOUT",
         "figure to compute: a read-out of a node, or an MTF of the chain: total.mtf_nyquist_x "
         "or total.mtf_half_nyquist_x (or _y) at the samples' Nyquist frequency or half of it, "
-        "and with pixel_ before nyquist at the pixels'; may be repeated (default: those "
-        "figures of the electronics and MTFs of the chain that change)",
+        "total.mtf_pixel_nyquist_x or total.mtf_half_pixel_nyquist_x at the pixels'; may be "
+        "repeated (default: the electronics' figures and the chain's MTFs, if they change)",
         many=True, dest="figures")  # fmt: skip
     add("--output", "FILE",
         f"write the figures, as {' '.join(suffixes(*OUTPUTS))}; may be repeated",
@@ -277,11 +278,11 @@ def _solve_words(parser: Parser) -> None:
 def _measure_words(parser: Parser) -> None:
     parser.description = (
         "Measure MTF and noise in pictures of a camera, real or simulated. The command finds "
-        "usable edges, measures the MTF across each with its standard error (ISO 12233), and pools "
-        "edges across and along. It says why other edges are not used. Noise comes from flat "
-        "areas. Several pictures of one size, or files of frames, count as pictures of one "
-        "camera: their edges are pooled, and if they show the same scene, the noise is split into "
-        "time, rows and columns."
+        "usable edges, measures the MTF of each with its standard error (ISO 12233), and pools "
+        "them into a horizontal and a vertical MTF. It says why other edges are not used. Noise "
+        "comes from flat areas. Several pictures of one size, or files of frames, count as "
+        "pictures of one camera: their edges are pooled, and if they show the same scene, the "
+        "noise is split into time, rows and columns."
     )
     parser.epilog = (
         "A colour picture is measured by its luminance (0.2126 R + 0.7152 G + 0.0722 B of the "

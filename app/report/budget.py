@@ -159,7 +159,7 @@ def budget(facts: Fact) -> list[Block]:
         blocks.append(Drawn(bars_png(noise, blur), caption, "shares of noise and blur"))
     for what, section, shares in (("Noise", _noise, noise), ("Blur", _blur, blur)):
         reason = contributions[f"{what.lower()}_reason"]
-        unknown = Text(f"{what} cannot be shared among its sources: {reason}.")
+        unknown = Text(f"{what} cannot be split among its sources: {reason}.")
         blocks += section(shares) if shares else [unknown]
     return blocks
 
@@ -187,7 +187,7 @@ def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
                 [100.0 * stage[f"share_{name}"] for stage in stages] for name in ("x", "y")
             )
             names = _distinct([stage["title"] for stage in stages], stages)
-            _bars(axis, names, [(across, _ACROSS, "across"), (along, _ALONG, "along")])
+            _bars(axis, names, [(across, _ACROSS, "horizontal"), (along, _ALONG, "vertical")])
             axis.set_title("Blur")
             axis.set_xlabel("share of −ln |MTF| (%)")
             _legend(axis)
@@ -301,7 +301,7 @@ def _blur(blur: Fact) -> list[Block]:
     ]
     rows.append(("All together", "", number(blur["mtf_x"]), "", number(blur["mtf_y"]), ""))
     heads = ("stage", "node", "|MTF| x", "share x (%)", "|MTF| y", "share y (%)")
-    text = f"At {xi} cyc/mrad across and {eta} along."
+    text = f"At {xi} cyc/mrad horizontally and {eta} vertically."
     if blur["behind"] is not None:
         text += (
             f" The effect of {blur['behind']} is not a known transfer function: only the "

@@ -40,8 +40,8 @@ def judged(facts: Fact) -> list[Block]:
 
 def _introduction(edges: Fact) -> str:
     text = (
-        f"An edge takes the place of {edges['source']}, from its lowest to its highest value, and "
-        f"runs through the whole chain; the MTF is measured in {edges['picture']}"
+        f"An edge from the lowest to the highest value of {edges['source']} replaces it and "
+        f"passes through the whole chain; the MTF is measured in {edges['picture']}"
     )
     if edges["silenced"]:
         text += f", without the noise of {', '.join(edges['silenced'])}"

@@ -277,7 +277,7 @@ def _noise(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
         caption += _not_shown([picture["port"] for picture in alive[_MOST_NOISES:]])
         blocks.append(Drawn(drawn, caption, "noise pictures and histograms"))
     if still:
-        blocks.append(Text(f"The same everywhere: {_listed(still)}."))
+        blocks.append(Text(f"Constant noise pictures, not drawn: {_listed(still)}."))
     return blocks
 
 
@@ -362,11 +362,12 @@ def data_sheet(facts: Fact) -> list[Block]:
         blocks.append(Grid(("noise", "electrons", "kelvin"), rows, numbers=(1, 2)))
     mtf = sheet["mtf"]
     if mtf is not None:
-        where = f"{_rounded(mtf['nyquist_x'])} cyc/mrad across, {_rounded(mtf['nyquist_y'])} along"
+        x, y = _rounded(mtf["nyquist_x"]), _rounded(mtf["nyquist_y"])
         blocks.append(Heading(3, "MTF at the pixels' Nyquist frequency"))
-        blocks.append(Text(f"At {where}: half a cycle per pixel of the final picture."))
+        where = f"At {x} cyc/mrad horizontally and {y} vertically"
+        blocks.append(Text(f"{where}: half a cycle per pixel of the final picture."))
         shown = [(r["label"], r["node"], _rounded(r["x"]), _rounded(r["y"])) for r in mtf["rows"]]
-        blocks.append(Grid(("stage", "node", "across", "along"), shown, numbers=(2, 3)))
+        blocks.append(Grid(("stage", "node", "horizontal", "vertical"), shown, numbers=(2, 3)))
     return blocks
 
 
@@ -409,8 +410,8 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
     drawn_as = facts["drawn_as"]
     if acting:
         caption = (
-            "MTF of every stage, signed, at the frequencies of the picture's FFT, a. across "
-            "and b. along. "
+            "MTF of every stage, signed, at the frequencies of the picture's FFT: a. horizontal, "
+            "b. vertical. "
         )
         caption += (
             "Total: the product before pixels are combined."
@@ -422,9 +423,9 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
             evaluation, responses, named(caption, drawn_as.get("stages")), "every stage"
         )
     if acting and responses.products:
-        caption = "The product of all stages, across and along."
+        caption = "The product of all stages, horizontal and vertical."
         if responses.products[1:]:
-            caption = "The product of all stages with the electronics, across and along."
+            caption = "The product of all stages with the electronics, horizontal and vertical."
         drawn = product_png(responses, chain)
         blocks.append(Drawn(drawn, named(caption, drawn_as.get("total")), "product of the MTFs"))
     if responses.beside:

@@ -56,7 +56,7 @@ SENSOR_FIGURES: Mapping[str, tuple[tuple[str, str], ...]] = MappingProxyType(
 _MERITS: Mapping[str, tuple[tuple[tuple[str, ...], str], ...]] = {
     "measured_mtf": ((("mtf50",), "MTF50, measured"),),
     "noise_3d": ((("temporal", "fixed"), "Noise: temporal, fixed"),),
-    "compare_images": ((("rmse",), "RMS difference"), (("max_error",), "Greatest difference")),
+    "compare_images": ((("rmse",), "RMS difference"), (("max_error",), "Largest difference")),
     "line_by_line": ((("rms_percent",), "RMS difference"),),
     "camera_geometry": ((("swath_m",), "Swath"), (("gsd_x_m", "gsd_y_m"), "GSD")),
     "figures_of_merit": (

@@ -134,7 +134,7 @@ def _chosen(network: Network, library: Library, node: str | None, option: str) -
     if node is not None:
         if node not in scenes:
             hint = close(node, scenes) or f": there are {', '.join(scenes) or 'none'}"
-            raise UsageError(f"{shown(node)} is no scene of the network{hint}")
+            raise UsageError(f"{shown(node)} is not a scene of the network{hint}")
         return node
     seen = [name for name in scenes if name in delivering(network, library)]
     if len(seen) == 1:
@@ -143,7 +143,7 @@ def _chosen(network: Network, library: Library, node: str | None, option: str) -
         raise UsageError("the network has no scene that a picture could replace")
     which = f"{option[:-1]} {seen[0]}=FILE" if option else f"node={seen[0]!r}"
     names = ", ".join(map(shown, seen))
-    raise UsageError(f"the network has {len(seen)} scenes, {names}: say which, as in {which}")
+    raise UsageError(f"the network has {len(seen)} scenes, {names}: name one, as in {which}")
 
 
 class _Replacing:
@@ -216,7 +216,7 @@ class _Replacing:
                 f"{self._option('band_um')}, or use a network for that band"
             )
         kept = before is not None and before.bands is not None
-        how = "each kept" if kept else "summed"
+        how = "kept separate" if kept else "summed"
         share = coverage(info, wanted)
         part = "" if (low, high) == wanted else f", {100 * share:.0f} % of {_um(wanted)}"
         outside = self._outside((low, high))
@@ -278,8 +278,8 @@ class _Replacing:
         if before is None:
             reason = self._plan.nodes[self._name].error
             raise UsageError(
-                f"{self._info.path}: names no unit, and the network's own scene, to whose range "
-                f"its samples would be scaled, cannot be read ({reason}): give "
+                f"{self._info.path}: the file gives no unit, and its samples cannot be scaled to "
+                f"the range of the network's own scene, which cannot be read ({reason}): give "
                 f"{self._option('unit')}"
             )
         if before.rows * before.columns > _MOST_SAMPLES:
@@ -321,8 +321,9 @@ class _Replacing:
 
     def _refusal(self) -> UsageError:
         return UsageError(
-            f"{self._info.path}: names no unit, and too large or not finite to be scaled to the "
-            f"range of the network's own scene: give {self._option('unit')}"
+            f"{self._info.path}: the file gives no unit, and its samples are too large or not "
+            "finite, so they cannot be scaled to the range of the network's own scene: give "
+            f"{self._option('unit')}"
         )
 
     def _conversion(self, unit: str) -> str:
@@ -384,7 +385,7 @@ class _Replacing:
             return None
         step = min(before[0] / wide, before[1] / high)
         angle = step * wide, step * high
-        side = "across" if math.isclose(angle[0], before[0]) else "along"
+        side = "as wide" if math.isclose(angle[0], before[0]) else "as high"
         self._where.append(
             f"field of view {_deg(angle)}, {side} as before{self._hint('fov_deg', 'gives another')}"
         )

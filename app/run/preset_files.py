@@ -198,7 +198,7 @@ def _is_set(value: Any) -> bool:
 
 def _file(module: str, folder: Path) -> Path:
     if not all(name.isidentifier() for name in module.split(".")):
-        raise NetworkError(f"{shown(module)} is not a module whose parameters can be kept")
+        raise NetworkError(f"{shown(module)} is not a module whose parameters can be saved")
     return folder / f"{module}.json"
 
 

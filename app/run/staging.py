@@ -72,7 +72,7 @@ class Staging:
         """
         real = real_target(target)
         if real in self._claimed:
-            raise FileError(f"cannot write: two outputs are to go to {target}")
+            raise FileError(f"cannot write: two outputs would be written to {target}")
         self.check(target)
         if guard is not None:
             guard(target)
@@ -113,7 +113,7 @@ class Staging:
         if real not in self._claimed:
             self.claim(target, guard)
         if any(staged.target == real for staged in self._staged):
-            raise FileError(f"cannot write: two outputs are to go to {target}")
+            raise FileError(f"cannot write: two outputs would be written to {target}")
         file = self._place(real, target) / f"{len(self._staged)}{real.suffix}"
         try:
             writer(file)

@@ -254,7 +254,7 @@ def _twice(sinks: Mapping[str, Path], own: Iterable[Path]) -> Iterator[FileError
     for node, target in sinks.items():
         real = os.path.realpath(target)
         if real in taken:
-            yield FileError(f"cannot write: two outputs are to go to {target}", node=node)
+            yield FileError(f"cannot write: two outputs would be written to {target}", node=node)
         taken.add(real)
 
 

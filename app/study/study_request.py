@@ -375,4 +375,4 @@ def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: L
             )
         check_suffix(save.port, value, path)
         if save.bounds and not isinstance(value, Image):
-            raise UsageError(f"{save.shown}: only an image has a region, and no {value.port_type}")
+            raise UsageError(f"{save.shown}: only an image has a region, not a {value.port_type}")

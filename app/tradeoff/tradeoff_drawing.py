@@ -130,10 +130,12 @@ def page(results: Results) -> str:
     caption += f", a curve for each {results.second.text}." if results.second else "."
     if results.present is not None:
         present = shown_value(results.present, results.varied.unit)
-        caption += f" The network as it stands has {present}"
+        caption += f" The network itself has {present}"
         caption += " (dashed line)." if results.varied.is_numeric else "."
     if results.failures():
-        caption += " A cross marks a value without the figure; the gaps below say why."
+        caption += (
+            " A cross marks a value at which the figure could not be computed; see the gaps below."
+        )
     blocks = [
         Heading(1, title),
         Drawn(trade_off_png(results), caption, caption),

@@ -25,10 +25,10 @@ ELECTRONICS = "electronics_noise"
 SENSORS = (ELECTRONICS, "focal_plane", "microbolometer")
 _PLACES: Mapping[str, tuple[Axis, float, str]] = MappingProxyType(
     {
-        "mtf_nyquist_x": ("x", 1.0, "at the Nyquist frequency of the samples across"),
-        "mtf_nyquist_y": ("y", 1.0, "at the Nyquist frequency of the samples along"),
-        "mtf_half_nyquist_x": ("x", 0.5, "at half the Nyquist frequency of the samples across"),
-        "mtf_half_nyquist_y": ("y", 0.5, "at half the Nyquist frequency of the samples along"),
+        "mtf_nyquist_x": ("x", 1.0, "at the horizontal Nyquist frequency of the samples"),
+        "mtf_nyquist_y": ("y", 1.0, "at the vertical Nyquist frequency of the samples"),
+        "mtf_half_nyquist_x": ("x", 0.5, "at half the horizontal Nyquist frequency of the samples"),
+        "mtf_half_nyquist_y": ("y", 0.5, "at half the vertical Nyquist frequency of the samples"),
     }
 )
 _OF_PIXELS: Mapping[str, tuple[Axis, float, str]] = MappingProxyType(

@@ -35,7 +35,7 @@ Array = NDArray[Any]
 
 
 class Camera:
-    """A chain as a function: ``camera(frame)`` equals a run on that scene, bit for bit.
+    """A chain as a function: ``camera(frame)`` equals a run on that scene to the bit.
 
     `Chain.camera` makes it. Only its outputs are computed. What all frames share is computed once;
     everything else is discarded after each frame. It can be sent to other processes.

@@ -51,7 +51,7 @@ class Chain:
     name : str
         Title, for reports and files.
     seed : int
-        Seed of the noise; the same seed gives the same noise, bit for bit.
+        Seed of the noise; the same seed gives noise that is identical to the bit.
     description : str
         What the chain shows.
     """
@@ -315,7 +315,7 @@ class Chain:
         node : str, optional
             The node of the scene, if the chain has several.
         fov_deg : (float, float), optional
-            Field of view across and along, degrees.
+            Horizontal and vertical field of view, degrees.
         range_m : float, optional
             Distance to the scene, m.
         sample_m : float, optional
@@ -384,10 +384,10 @@ class Chain:
         outputs : sequence of str, optional
             Compute only these, ``NODE.PORT``; the rest is computed when you access it.
         region : (slice, slice), optional
-            Rows and columns of the pictures to compute, bit for bit as in the whole picture.
+            Rows and columns of the pictures to compute; bit-identical to the whole picture.
         memory : int or str, optional
             Memory for pictures, in bytes or as "2GB"; by default half of what the process may use.
-            Larger pictures are computed in blocks, with the same bits, and kept on disk as
+            Larger pictures are computed in blocks, with bit-identical results, and kept on disk as
             memory-mapped arrays.
         scratch : path, optional
             Folder for these arrays, by default the current one. Their files are removed with the
@@ -442,7 +442,7 @@ class Chain:
     ) -> Camera:
         """Plan the chain once for many frames: ``camera(frame)`` returns the picture of each.
 
-        The pictures equal those of `run` with that scene, bit for bit; there are no curves or
+        The pictures are bit-identical to those of `run` with that scene; there are no curves or
         read-outs.
 
         Parameters

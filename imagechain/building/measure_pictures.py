@@ -48,7 +48,7 @@ def measure(
     band : int, optional
         Band or colour of files that have several, counted from 0.
     fov_x_deg : float, optional
-        Field of view across, degrees, instead of the files' own.
+        Horizontal field of view, degrees, instead of the files' own.
     pitch_um : float, optional
         Pixel pitch, µm, for frequencies in cycles/mm.
     offset_dn : float, optional
@@ -61,7 +61,7 @@ def measure(
     Returns
     -------
     MeasuredPictures
-        MTF across and along, edges, noise, with errors.
+        Horizontal and vertical MTF, edges and noise, with errors.
 
     Raises
     ------

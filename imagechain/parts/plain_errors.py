@@ -20,7 +20,7 @@ T = TypeVar("T")
 def plain_errors(function: Callable[P, T]) -> Callable[P, T]:
     """Cut the traceback of errors at a public function: no inner frames and no causes.
 
-    The cause of a plug-in's error stays, because its author needs the traceback.
+    The cause of a plug-in's error is kept, because its author needs the traceback.
     """
 
     @wraps(function)

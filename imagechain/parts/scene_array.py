@@ -47,7 +47,7 @@ def scene(
         follows from the attributes ``interval_x_mrad`` and ``interval_y_mrad``, or from
         coordinates whose ``units`` are an angle.
     fov_x_deg, fov_y_deg : float, optional
-        Field of view across and along, degrees.
+        Horizontal and vertical field of view, degrees.
     unit : str, optional
         Unit of the samples times `scale`, for example ``K``; by default W/m²/sr (bands: per µm).
     band_um : (float, float), optional

@@ -63,7 +63,7 @@ class Picture:
 
     @property
     def interval_mrad(self) -> tuple[float | None, float | None]:
-        """Sampling interval across and along, mrad; None if unknown."""
+        """Horizontal and vertical sampling interval, mrad; None if unknown."""
         return self._image.interval_x_mrad, self._image.interval_y_mrad
 
     @property

@@ -24,10 +24,10 @@ from imagechain.parts.plain_errors import plain_errors
 class MeasuredPictures:
     """MTF, edges and noise of pictures.
 
-    `x` and `y` are the pooled MTFs across and along, with `frequency` (cycles/sample), `mtf`,
-    `sigma` (its standard error), `mtf50` and `mtf50_sigma`. They are None if there is no MTF;
-    `reason_x` and `reason_y` say why. `edges` lists all edges that were found, each with `used`,
-    `why_not`, `found` (place, angle, levels) and its own `curve`. `noise` has `sigma`,
+    `x` and `y` are the pooled horizontal and vertical MTFs, with `frequency` (cycles/sample),
+    `mtf`, `sigma` (its standard error), `mtf50` and `mtf50_sigma`. They are None if there is no
+    MTF; `reason_x` and `reason_y` say why. `edges` lists all edges that were found, each with
+    `used`, `why_not`, `found` (place, angle, levels) and its own `curve`. `noise` has `sigma`,
     `sigma_error`, `gain_e_per_dn` and `read_noise_dn`.
     """
 
@@ -36,22 +36,22 @@ class MeasuredPictures:
 
     @property
     def x(self) -> MtfCurve | None:
-        """Pooled MTF across."""
+        """Pooled horizontal MTF."""
         return self._measured.x
 
     @property
     def y(self) -> MtfCurve | None:
-        """Pooled MTF along."""
+        """Pooled vertical MTF."""
         return self._measured.y
 
     @property
     def reason_x(self) -> str:
-        """Why there is no MTF across; empty if there is one."""
+        """Why there is no horizontal MTF; empty if there is one."""
         return self._measured.reason_x
 
     @property
     def reason_y(self) -> str:
-        """Why there is no MTF along; empty if there is one."""
+        """Why there is no vertical MTF; empty if there is one."""
         return self._measured.reason_y
 
     @property

@@ -413,7 +413,7 @@ def test_errors_are_the_commands_one_line(tmp_path):
     for place, value, message in (
         ("blur.sigma_x_mrad", -1, "blur: sigma_x_mrad = -1 mrad is not allowed: a number of"),
         ("blur.sigma_x", 1, "blur: sigma_x = 1 is not allowed: Gaussian MTF has no such param"),
-        ("blurr.sigma_x_mrad", 1, "blurr is no node of this network; did you mean blur?"),
+        ("blurr.sigma_x_mrad", 1, "blurr is not a node of this network; did you mean blur?"),
         ("sigma", 1, "sigma is not a parameter: write NODE.PARAMETER"),
     ):
         with pytest.raises(ic.ImagechainError) as caught:

@@ -27,7 +27,7 @@ def test_arrays_and_files(tmp_path):
     measured = ic.measure(frames, fov_x_deg=1.0)
     assert measured.x.mtf50 == pytest.approx(MTF50, abs=4.0 * measured.x.mtf50_sigma)
     assert (measured.y, measured.x.edges) == (None, 2)
-    assert "along" in measured.reason_y
+    assert "vertical" in measured.reason_y
     assert measured.noise.sigma == pytest.approx(0.2, rel=0.03)
     assert "mtf50_x" in repr(measured)
     on_detector = ic.measure(frames, pitch_um=10.0).to_dict()["mtf"]["x"]

@@ -91,15 +91,15 @@ USAGE = {
     "modules too much": (["modules", "jitter_mtf", "x"], "x"),
     "final picture twice": (
         ["run", "net.json", "--output-dir", ".", "--save", "pixels.image=./final.png"],
-        "two outputs are to go to final.png",
+        "two outputs would be written to final.png",
     ),
     "read-outs twice": (
         ["run", "net.json", "--output-dir", ".", "--report", "readouts.json"],
-        "two outputs are to go to readouts.json",
+        "two outputs would be written to readouts.json",
     ),
     "table twice": (
         ["run", "net.json", "--output-dir", ".", "--save", "blur.mtf=mtf.csv"],
-        "two outputs are to go to mtf.csv",
+        "two outputs would be written to mtf.csv",
     ),
     "long folder": (["run", "net.json", "--output-dir", "a" * 300], "cannot write to " + "a" * 300),
     "long folder, seen from the root": (
@@ -284,10 +284,10 @@ def test_sinks_to_one_place(fails, write, small):
         small["nodes"][name] = {"module": "write_image", "params": {"path": path}}
         small["links"].append(["back.image", f"{name}.image"])
     write(small)
-    assert "two: cannot write: two outputs are to go to a.tif" in fails("run", "net.json")
+    assert "two: cannot write: two outputs would be written to a.tif" in fails("run", "net.json")
     del small["nodes"]["two"], small["links"][-1]
     write(small)
-    twice = "one: cannot write: two outputs are to go to a.tif"
+    twice = "one: cannot write: two outputs would be written to a.tif"
     assert twice in fails("run", "net.json", "--save", "pixels.image=./a.tif")
     small["nodes"]["one"]["params"]["path"] = "final.png"
     write(small)

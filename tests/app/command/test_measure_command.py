@@ -146,10 +146,10 @@ def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
     assert set(facts["mtf"]["x"]) == set(facts["mtf"]["y"]) == {"reason"}
     assert not any(one["used"] for one in facts["edges"])
     assert facts["noise"]["sigma"] == pytest.approx(NOISE, rel=0.03)
-    assert "no MTF across: " in done.stdout
+    assert "no horizontal MTF: " in done.stdout
     done = imagechain("measure", "flat.npy", "--json", "n.json", "--csv", "n.csv")
     assert done.returncode == 2
-    assert done.stderr.startswith("imagechain: there is no MTF to write: ")
+    assert done.stderr.startswith("imagechain: there is no MTF to write (horizontal: ")
     assert not (tmp_path / "n.json").exists()
 
 

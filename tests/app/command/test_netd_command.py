@@ -73,7 +73,7 @@ def test_a_wrong_temperature_is_warned_of(imagechain, fields):
     words = ("cold.npy=20C", "middle.npy=25C", "hot.npy=30C", "more.npy=36C")
     done = imagechain("netd", *words)
     assert done.returncode == 0, done.stderr
-    assert "a mean departs from Planck's law" in done.stdout
+    assert "a mean deviates from Planck's law" in done.stdout
 
 
 def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_path):
@@ -105,9 +105,9 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_p
     [
         (("none.npy=3K", "hot.npy=9K"), "none.npy: no such file"),
         (("huge.npy=3K", "hot.npy=9K"),
-         "huge.npy: the numbers are too large to compute their variance"),
+         "huge.npy: the samples are too large to compute their variance"),
         (("one.npy=3K", "hot.npy=9K"),
-         "one.npy: contains a single frame; noise in time needs 2 or more"),
+         "one.npy: contains a single frame; temporal noise needs 2 or more"),
         (("hot.npy=300K", "small.npy=310K"),
          "small.npy: contains frames of 20 × 20 samples, but hot.npy has 48 × 64: give files "
          "from one camera"),

@@ -127,7 +127,7 @@ def test_frames_of_a_simulated_camera(imagechain, small, write, tmp_path):
             "zero",
         ),
         (("flat0.npy", "--output", "dark.json", "--dark", "dark.npy", "--output", "dark.json"),
-         "cannot write: two outputs are to go to dark.json"),
+         "cannot write: two outputs would be written to dark.json"),
     ],
 )  # fmt: skip
 def test_what_is_refused(imagechain, flats, tmp_path, words, line):

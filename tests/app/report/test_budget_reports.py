@@ -100,9 +100,9 @@ def test_what_cannot_be_followed_says_why(imagechain, write, tmp_path):
     assert found["blur_reason"] == "the effect of back is not a known transfer function"
     page = (tmp_path / "r.html").read_text()
     assert (
-        "Noise cannot be shared among its sources: the noise after back cannot be computed" in page
+        "Noise cannot be split among its sources: the noise after back cannot be computed" in page
     )
-    assert "Blur cannot be shared among its sources: the effect of back is not" in page
+    assert "Blur cannot be split among its sources: the effect of back is not" in page
 
 
 def test_a_picture_of_nothing_but_noise_is_shared_out(imagechain, write, tmp_path):

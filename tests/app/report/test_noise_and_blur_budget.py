@@ -248,10 +248,10 @@ def test_nothing_to_tell_says_why():
     }
     page = " ".join(block.text for block in budget(facts) if isinstance(block, Text))
     assert (
-        "Noise cannot be shared among its sources: no noise is added on the way to scene.image."
+        "Noise cannot be split among its sources: no noise is added on the way to scene.image."
         in page
     )
-    assert "Blur cannot be shared among its sources: no transfer function other than 1" in page
+    assert "Blur cannot be split among its sources: no transfer function other than 1" in page
 
 
 def test_no_final_picture_is_a_reason():

@@ -202,7 +202,7 @@ def cube(tmp_path, unit="W/m^2/sr/um"):
     return "cube.img"
 
 
-@pytest.mark.parametrize(("bands", "said"), [(0, "summed"), (8, "each kept")])
+@pytest.mark.parametrize(("bands", "said"), [(0, "summed"), (8, "kept separate")])
 def test_a_cube(scene_of, write, small, tmp_path, bands, said):
     small["nodes"]["scene"]["params"] |= {"bands": bands, "kind": "dormitory"}
     small["nodes"]["scene"]["params"] |= {"cut_on_um": 9.0, "cut_off_um": 13.0}
@@ -220,7 +220,7 @@ def test_a_cube_of_another_band_than_the_scene_before(scene_of, write, small, tm
 def test_several_scenes_are_asked_about(fails, picture):
     file = picture(GREY)
     error = fails("run", "magnitude_of_one_phase_of_another", "--scene", file)
-    assert "2 scenes, star, building: say which, as in --scene star=FILE" in error
+    assert "2 scenes, star, building: name one, as in --scene star=FILE" in error
 
 
 @pytest.mark.parametrize(

@@ -81,5 +81,5 @@ def test_names_that_are_none_are_refused(tmp_path):
     for name in ("", "  ", "a\nb"):
         with pytest.raises(ImagechainError, match="is not a name for a set"):
             save_set(name, node(SHARP), tmp_path)
-    with pytest.raises(ImagechainError, match="is not a module whose parameters can be kept"):
+    with pytest.raises(ImagechainError, match="is not a module whose parameters can be saved"):
         sets_of("../elsewhere", tmp_path)

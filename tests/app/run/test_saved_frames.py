@@ -111,7 +111,7 @@ def test_a_disk_that_is_full(frames, noisy, tmp_path):
         ),
         (
             ("--frames", "2", "--save", "electronics.image=f.bsq", "--save", "scene.image=f.bsq"),
-            "cannot write: two outputs are to go to f.bsq",
+            "cannot write: two outputs would be written to f.bsq",
         ),
         (
             (

@@ -45,7 +45,7 @@ FAULTS = {
     "no file": ("back.image[0:9,:]=", "give a file name"),
     "no image": (
         "init.magnitude[:,:]=a.npy",
-        "--save init.magnitude[:,:]=a.npy: only an image has a region, and no magnitude",
+        "--save init.magnitude[:,:]=a.npy: only an image has a region, not a magnitude",
     ),
     "no such port": ("back.imag[0:9,:]=a.npy", "mean image?"),
     "one file twice": ("back.image[0:9,:]=./b.npy", "two outputs"),

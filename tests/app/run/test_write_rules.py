@@ -287,7 +287,7 @@ def test_two_outputs_in_one_file_are_told_by_check_too(paths, small, write, run,
         small["nodes"][f"out{number}"] = {"module": "write_image", "params": {"path": path}}
         small["links"].append(["back.image", f"out{number}.image"])
     net = write(small, "nets/net.json")
-    line = f"out{len(paths) - 1}: cannot write: two outputs are to go to nets/{paths[-1]}"
+    line = f"out{len(paths) - 1}: cannot write: two outputs would be written to nets/{paths[-1]}"
     assert refused(net) == f"imagechain: {line}\n"
     code, out, _ = run("check", net)
     assert (code, out.splitlines()[-1]) == (2, line)
