@@ -27,6 +27,9 @@ NEVER = (
     r"^Of (a|an|the|such|this|these|each|checks|pictures)\b",
     r"\bas (it|they) (is|are) there\b",
     r"\bhalf (detect|recognize|identify|succeed)\b",
+    r"[a-z] (across|along)(?=[.,;:)]|$)",  # across what?
+    r"\bsame bits\b|\bbit for bit\b",
+    r"\bwhich is no\b",
 )
 
 

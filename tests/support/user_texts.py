@@ -66,6 +66,8 @@ def _of_code(path: Path) -> Iterator[Text]:
                 owner = parents.get(parent)
                 if _is_docstring(parent, owner) and (public or _is_module(owner)):
                     yield Text(f"{name}:{node.lineno}", "docstring", words)
+                elif _is_meaning(parent, owner):
+                    yield Text(f"{name}:{node.lineno}", "help", words)
             elif _is_prose(words):
                 yield Text(f"{name}:{node.lineno}", _kind(node, parents, name), words)
 
@@ -90,15 +92,24 @@ def _is_module(owner: ast.AST | None) -> bool:
     if not isinstance(owner, ast.ClassDef):
         return False
     bases = [base.id for base in owner.bases if isinstance(base, ast.Name)]
-    return any(base == "Module" or base.endswith("Base") for base in bases) or any(
-        "module" in ast.unparse(decorator) for decorator in owner.decorator_list
+    return any(word.arg == "key" for word in owner.keywords) or any(
+        base == "Module" or base.endswith("Base") for base in bases
+    )
+
+
+def _is_meaning(node: ast.Expr, owner: ast.AST | None) -> bool:
+    """The docstring of a read-out or a warning, which the module's page shows."""
+    return (
+        isinstance(owner, ast.FunctionDef)
+        and owner.body[0] is node
+        and any(re.match(r"(readout|warning)\b", ast.unparse(one)) for one in owner.decorator_list)
     )
 
 
 def _is_prose(words: str) -> bool:
     plain = re.sub(r"\{[^}]*\}", "", words)
     return len(re.findall(r"[a-z]{2,}", plain)) >= 2 and " " in plain.strip() and (
-        not _CODE_LIKE.search(words.strip()))  # fmt: skip
+        not _CODE_LIKE.search(re.sub(r"\{[^{}]*\}", "…", words).strip()))  # fmt: skip
 
 
 def _kind(node: ast.AST, parents: dict[ast.AST, ast.AST], name: str) -> str:
@@ -124,13 +135,14 @@ def _of_page(path: Path) -> Iterator[Text]:
     block: list[str] = []
     first = 1
     for number, line in enumerate([*path.read_text(encoding="utf-8").splitlines(), ""], start=1):
-        if line.startswith("```"):
+        fence = line.lstrip().startswith("```")
+        if fence:
             fenced = not fenced
-        if not line.strip() or line.startswith(("```", "|", "#", "- ", "* ")) or fenced:
+        if not line.strip() or fence or line.startswith(("|", "#", "- ", "* ")) or fenced:
             if block and re.search(r"[a-z]{2,} ", " ".join(block)):
                 yield Text(f"{name}:{first}", "page", "\n".join(block))
             block = []
-        if line.strip() and not fenced and not line.startswith("```"):
+        if line.strip() and not fenced and not fence:
             first = first if block else number
             block.append(line)
 
