@@ -197,12 +197,12 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         what = (
             "contrast of 15 % and 7 % reflectance" if self.snr_of == "contrast" else "mean signal"
         )
-        words = "as typed" if self.snr is not None else f"{what} divided by temporal noise"
+        words = "as entered" if self.snr is not None else f"{what} divided by temporal noise"
         return View(across, along, elevation, rer, self.noise_gain, self.overshoot, words)
 
     @warning
     def contrast(self, image: Image) -> Caution | None:
-        """A contrast of a scene whose reflectance is not known."""
+        """The SNR is an estimate, because the scene's reflectance is not known."""
         if self.snr is not None or self.snr_of == "mean":
             return None
         if transfer_of(image).reflectance is not None:
@@ -210,12 +210,12 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         return Caution(
             "the SNR is an estimate: the scene is not in reflectance, so its mean radiance counts "
             "as that of a surface of 15 %, and the contrast of 15 % and 7 % as 8/15 of it",
-            "give the scene in reflectance with Reflected Light, type snr, or set snr_of to mean",
+            "give the scene in reflectance with Reflected Light, enter snr, or set snr_of to mean",
         )
 
     @warning
     def view(self, given: frozenset[str]) -> Caution | None:
-        """A look angle beside an elevation, or a range beside a typed distance."""
+        """A look angle or range is not used, because elevation_deg or gsd_m is given."""
         if self.elevation_deg is not None and self.off_nadir_deg:
             return Caution(
                 f"off_nadir_deg = {self.off_nadir_deg:g}° is not used: elevation_deg = "

@@ -248,12 +248,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def obscuration(self, image: Image, context: Context) -> Caution | None:
-        """Diffraction at an obscuration whose light is counted."""
+        """Diffraction and radiometry use different obscurations."""
         return obscuration_caution(image, context)
 
     @warning
     def transmission(self, context: Context) -> Caution | None:
-        """A transmission beside a T-number."""
+        """The transmission is not used, because the T-number includes it."""
         return t_number_caution(context, self.optics_transmission)
 
     @warning

@@ -329,7 +329,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     @warning
     def transmission(self, context: Context) -> Caution | None:
-        """A transmission beside a T-number."""
+        """The transmission is not used, because the T-number includes it."""
         return t_number_caution(context, self.optics_transmission)
 
     @warning

@@ -433,7 +433,7 @@ class ElectronicsNoise(
 
     @warning
     def transmission(self, context: Context) -> Caution | None:
-        """A transmission beside a T-number."""
+        """The transmission is not used, because the T-number includes it."""
         return t_number_caution(context, self.optics_transmission)
 
     @warning

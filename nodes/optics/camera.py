@@ -185,7 +185,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def light(self) -> Caution | None:
-        """More light by the T-number than a lens of that F-number passes."""
+        """The T-number means more light than a lens of that F-number passes."""
         sheet = self.sheet()
         if not (sheet.t_number and sheet.f_number):
             return None
