@@ -382,8 +382,8 @@ def skipping(settings: Settings) -> list[Table]:
     heads |= {"skipped": f"left out of {len(STRENGTHS)}", "error": "rms error / (max − min)"}
     text = (
         "The default is an eighth of the rounding of the samples: what it leaves out cannot "
-        "be distinguished from rounding. The error stays below a larger tolerance too, and the "
-        "run is faster. T0 is "
+        "be distinguished from rounding. With a larger tolerance the error stays below it too, "
+        "and the run is faster. T0 is "
         "in single precision in all rows."
     )
     title = f"Stages left out: {len(STRENGTHS)} weak stages, {settings.small}², mirrored"

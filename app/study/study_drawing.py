@@ -345,8 +345,8 @@ def summary_page(result: StudyRows) -> str:
     """The picture, what varied, each figure's spread with its ends' points, and what failed."""
     study = result.study
     caption = (
-        f"Figures of {len(result.rows)} points; a cross, or white on a map, marks a point without "
-        "the figure."
+        f"Figures of {len(result.rows)} points; a cross, or white on a map, marks a point "
+        "at which the figure has no value."
     )
     blocks: list[Block] = [
         Heading(1, f"{study.name or 'Image chain'}: study"),

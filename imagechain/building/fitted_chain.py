@@ -73,7 +73,7 @@ class FittedChain:
         return self._result.notes
 
     def to_dict(self) -> dict[str, Any]:
-        """The whole result, as `imagechain fit --json` writes it."""
+        """The whole result as a dictionary, like the JSON of `imagechain fit --json`."""
         content: dict[str, Any] = fit_facts(self._result)
         return content
 

@@ -79,7 +79,7 @@ class MeasuredPictures:
         return MeasuredPictures(without_edge(self._measured, edge))
 
     def to_dict(self) -> dict[str, Any]:
-        """The whole result, as `imagechain measure --json` writes it."""
+        """The whole result as a dictionary, like the JSON of `imagechain measure --json`."""
         content: dict[str, Any] = json.loads(measurement_json(self._measured))
         return content
 
