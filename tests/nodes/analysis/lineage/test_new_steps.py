@@ -116,5 +116,5 @@ def test_noise_and_a_blur_are_two_steps():
     marked = picture_step(picture="image", linear=_attenuation, noise=_shot)(both)
     _, image = chain()
     step = replace(image.recipe, function=marked)
-    with pytest.raises(ValueError, match="make it two steps"):
+    with pytest.raises(ValueError, match="split it into two steps"):
         _ = step.lineage
