@@ -1492,17 +1492,17 @@ def charge_diffusion_mtf(
     cut_on_um: float | Expression | None = None,
     cut_off_um: float | Expression | None = None,
 ) -> Part:
-    """Blur by charge diffusion: carriers born outside the depletion region wander to it.
+    """Blur by charge diffusion: carriers generated outside the depletion region diffuse to it.
 
     Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²); α
     is the absorption coefficient, d depletion_um, L₀ diffusion_length_um, and f the frequency on
-    the detector. The back side is a thinned detector with a passivated surface: carriers are born
-    mostly at the back and cross the undepleted silicon, thickness_um less depletion_um. If
-    absorption_per_um is empty, it is that of silicon at 295 K over the band (the cold filter's or
-    the picture's), and each wavelength counts by the carriers that it gives, with the same number
-    of photons per wavelength. Red and near-infrared light goes deep and blurs most from the front;
-    blue light blurs most from the back. Sources: Seib 1974; Crowell and Labuda 1969; Holst and
-    Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
+    the detector. Back side means a thinned detector with a passivated surface: carriers are
+    generated mostly at the back and cross the undepleted silicon, thickness_um minus depletion_um.
+    If absorption_per_um is empty, silicon at 295 K is assumed over the band (the cold filter's or
+    the picture's), and each wavelength counts by the carriers that it generates, with the same
+    number of photons per wavelength. Lit from the front, red and near-infrared light blurs most,
+    because it is absorbed deep; lit from the back, blue light blurs most. Sources: Seib 1974;
+    Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
 
     Parameters
     ----------
@@ -1752,8 +1752,8 @@ def focal_plane(
     thermal scene: there `scene` means `source`. NETD, SNR and well fill refer to the picture's
     mean; if the mean is clipped, there is no NETD, SNR or NEI. `frames_averaged` reduces shot and
     read noise with the square root of the number of frames, and the average is rounded once. Noise,
-    responsivity and SNR are those behind the nonlinearity; signal and well fill are of the
-    electrons collected. `saturated` is 1 where the well is full or the converter has clipped.
+    responsivity and SNR include the nonlinearity; signal and well fill count the electrons
+    collected. `saturated` is 1 where the well is full or the converter has clipped.
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,

@@ -1,4 +1,4 @@
-"""Charge Diffusion MTF: carriers wander before they are collected."""
+"""Charge Diffusion MTF: carriers diffuse before they are collected."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ _SILICON_UM = (0.25, 1.2)
 class ChargeDiffusionMTF(
     MtfModule, key="charge_diffusion_mtf", title="Charge Diffusion MTF", group="Detector"
 ):
-    """Blur by charge diffusion: carriers born outside the depletion region wander to it.
+    """Blur by charge diffusion: carriers generated outside the depletion region diffuse to it.
 
     Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²); α
     is the absorption coefficient, d depletion_um, L₀ diffusion_length_um, and f the frequency on
-    the detector. The back side is a thinned detector with a passivated surface: carriers are born
-    mostly at the back and cross the undepleted silicon, thickness_um less depletion_um. If
-    absorption_per_um is empty, it is that of silicon at 295 K over the band (the cold filter's or
-    the picture's), and each wavelength counts by the carriers that it gives, with the same number
-    of photons per wavelength. Red and near-infrared light goes deep and blurs most from the front;
-    blue light blurs most from the back. Sources: Seib 1974; Crowell and Labuda 1969; Holst and
-    Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
+    the detector. Back side means a thinned detector with a passivated surface: carriers are
+    generated mostly at the back and cross the undepleted silicon, thickness_um minus depletion_um.
+    If absorption_per_um is empty, silicon at 295 K is assumed over the band (the cold filter's or
+    the picture's), and each wavelength counts by the carriers that it generates, with the same
+    number of photons per wavelength. Lit from the front, red and near-infrared light blurs most,
+    because it is absorbed deep; lit from the back, blue light blurs most. Sources: Seib 1974;
+    Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
     """
 
     formulas = (
@@ -49,7 +49,7 @@ class ChargeDiffusionMTF(
         Formula(
             r"\eta(k)=\int_0^{b}\alpha e^{-\alpha x}\,\frac{\cosh kx}{\cosh kb}\,dx+e^{-\alpha b}"
             r"\left(1-e^{-\alpha d}\right),\quad H=\frac{\eta(1/L_f)}{\eta(1/L_0)}",
-            where="b: thickness less d; x: depth from the back",
+            where="b: thickness minus d; x: depth from the back",
             when="back",
         ),
     )

@@ -76,8 +76,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     thermal scene: there `scene` means `source`. NETD, SNR and well fill refer to the picture's
     mean; if the mean is clipped, there is no NETD, SNR or NEI. `frames_averaged` reduces shot and
     read noise with the square root of the number of frames, and the average is rounded once. Noise,
-    responsivity and SNR are those behind the nonlinearity; signal and well fill are of the
-    electrons collected. `saturated` is 1 where the well is full or the converter has clipped.
+    responsivity and SNR include the nonlinearity; signal and well fill count the electrons
+    collected. `saturated` is 1 where the well is full or the converter has clipped.
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
