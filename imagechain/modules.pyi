@@ -791,8 +791,8 @@ def camera(
     pitch_um : float | Expression | None
         horizontal pixel pitch [µm]: a number of at least 0 or empty; default empty
     pitch_y_um : float | Expression | None
-        vertical pixel pitch; empty: equal to the horizontal pitch [µm]: a number of at least 0 or
-        empty; default empty
+        vertical pixel pitch; empty: equal to pitch_x_um [µm]: a number of at least 0 or empty;
+        default empty
     fill_x : float | Expression | None
         horizontal fill factor; empty: 1: a number from 0 to 1 or empty; default empty
     fill_y : float | Expression | None
@@ -1186,8 +1186,8 @@ def psf_file(
         horizontal sampling interval of the file, in `pitch_unit`; empty: from the file: a number of
         at least 0 or empty; default empty
     sample_pitch_y : float | Expression | None
-        vertical sampling interval of the file; empty: equal to the horizontal one: a number of at
-        least 0 or empty; default empty
+        vertical sampling interval of the file; empty: equal to sample_pitch: a number of at least 0
+        or empty; default empty
     pitch_unit : Literal['um', 'mrad']
         unit of both: µm at the focal plane, or mrad: one of um, mrad; default 'um'
     focal_length_mm : float | Expression | None

@@ -79,7 +79,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     pitch_y_um: Annotated[
         float | None,
         Param(
-            "vertical pixel pitch; empty: equal to the horizontal pitch",
+            "vertical pixel pitch; empty: equal to pitch_x_um",
             unit="µm",
             low=0,
             slider=(2, 50),

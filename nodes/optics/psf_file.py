@@ -65,7 +65,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     sample_pitch_y: Annotated[
         float | None,
         Param(
-            "vertical sampling interval of the file; empty: equal to the horizontal one",
+            "vertical sampling interval of the file; empty: equal to sample_pitch",
             low=0,
             slider=(0.1, 20),
         ),
