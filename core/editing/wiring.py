@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -17,6 +17,7 @@ from core.editing.operations import (
     Together,
     fresh_name,
     named,
+    set_parameter,
 )
 from core.errors import NetworkError
 from core.modules.declaration import (
@@ -28,6 +29,7 @@ from core.modules.declaration import (
     where_absent,
 )
 from core.names import close, shown
+from core.network.linked_values import naming, with_values
 from core.network.network import Link, Network, Node, passed_through, reached
 
 Output = tuple[str, str]
@@ -508,8 +510,25 @@ def _taken_out(
             if past and past.source != past.target and misfit(network, library, past) is None:
                 new.append(past)
     text = f"{verb} {named([shown(name) for name in names])}"
-    removal = Remove(tuple(names), text)
-    return Together((removal, Rewire(add=tuple(new))), text) if new else removal
+    steps: tuple[Operation, ...] = (
+        *_kept_values(network, library, gone),
+        Remove(tuple(names), text),
+    )
+    if new:
+        steps = (*steps, Rewire(add=tuple(new)))
+    return Together(steps, text) if len(steps) > 1 else steps[0]
+
+
+def _kept_values(network: Network, library: Library, gone: set[str]) -> Iterator[Operation]:
+    """Parameters that follow those nodes keep the values that they have from them."""
+    followers = [(node, name) for node, name in naming(network, gone) if node not in gone]
+    if not followers:
+        return
+    held = with_values(network, library=library)
+    for node, name in followers:
+        value = held.value(node, name)
+        if value is not None and not isinstance(value, Mapping):
+            yield set_parameter(node, name, value)
 
 
 def _origin(
