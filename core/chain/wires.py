@@ -82,6 +82,8 @@ class Image:
         What the air that it has come through consists of, all along one way.
     responses : tuple of ResponseCurve
         What has weighted its wavelengths behind the air: filters, a detector's material.
+    exposure_s, frame_rate_Hz : float or None
+        How long the detector collected it, and how often it takes a frame, where it says so.
     """
 
     port_type: ClassVar[str] = "image"
@@ -100,6 +102,8 @@ class Image:
     bands: BandStack | None = None
     air: tuple[AirPath, ...] = ()
     responses: tuple[ResponseCurve, ...] = ()
+    exposure_s: float | None = None
+    frame_rate_Hz: float | None = None
 
     @property
     def key(self) -> str:

@@ -34,7 +34,7 @@ from nodes.analysis.threshold_curves import (
 )
 from nodes.shared.context_defaults import given_band, with_interval
 from nodes.shared.module_ports import CutOff, CutOn, table_figure
-from nodes.shared.shared_warnings import alike, band_caution, unit_caution
+from nodes.shared.shared_warnings import NEAR, alike, band_caution, unit_caution
 
 Scanning = Literal["automatic", "parallel_scan", "serial_scan", "staring"]
 
@@ -356,6 +356,26 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             f"extinction_per_km = {self.extinction_per_km:g} 1/km is not used: the ranges take "
             "the transmission of the Atmospheric Path before this node",
             "clear it here, or set it there",
+        )
+
+    @warning
+    def timing(self, image: Image, context: Context) -> Caution | None:
+        """The frame rate differs from the detector's, or a frame is shorter than the exposure."""
+        rate, exposure_s = self.frame_rate_Hz, image.exposure_s
+        if rate is None:
+            return None
+        if image.frame_rate_Hz is not None and not alike(rate, image.frame_rate_Hz):
+            return Caution(
+                f"frame_rate_Hz = {rate:g} Hz here, {image.frame_rate_Hz:g} Hz on Microbolometer",
+                "enter the same frame rate on both, or link one to the other",
+            )
+        if exposure_s is None or context.platform != "array" or exposure_s * rate <= 1 + NEAR:
+            return None
+        return Caution(
+            f"the exposure does not fit into a frame: integration_time_s is "
+            f"{1000 * exposure_s:.4g} ms, and a frame {1000 / rate:.4g} ms at frame_rate_Hz = "
+            f"{rate:g} Hz",
+            "lower frame_rate_Hz or the integration time",
         )
 
     def _frames(self) -> float:

@@ -418,6 +418,8 @@ def edge_curve(work: Work, edge: EdgeQuality) -> CurveData:
 def limits_caution(work: Work, table: TableData) -> Caution | None:
     figures = table.as_dict()
     values = {name: figures[name] for name in ("gsd_inch", "rer", "overshoot", "snr")}
+    if figures["giqe5"] is None:
+        return None
     known = {name: math.inf if value is None else float(value) for name, value in values.items()}
     beyond = beyond_limits(**known)
     if not beyond:

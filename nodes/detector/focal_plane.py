@@ -17,6 +17,7 @@ from core.modules.preview import Preview
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.detector.spectral_photons import QuantumEfficiency
 from core.physics.optics.diffraction_otf import Aperture
+from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Factor
 from nodes.detector import focal_plane_steps as steps
 from nodes.detector.focal_plane_figures import (
@@ -37,7 +38,7 @@ from nodes.detector.spectral_response import (
     radiance_per_photon,
     response_preview,
 )
-from nodes.shared.context_defaults import t_number_caution
+from nodes.shared.context_defaults import of_context, t_number_caution
 from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import table_figure
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, Band, alike, unit_caution
@@ -177,7 +178,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         clean = self._bent(mean, levels, here)
         noise = here.step(difference, electrons, clean)
         count = here.step(steps.count_of, saturated)
-        image = replace(image, band_um=collection.weights.band_um)
+        image = replace(
+            image, band_um=collection.weights.band_um, exposure_s=self.integration_time_s
+        )
         return FocalPlaneOutputs(
             image=self._given_in(image, electrons, levels, numbers, here),
             electrons=image.with_recipe(electrons, unit="e-"),
@@ -255,6 +258,44 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     def transmission(self, context: Context) -> Caution | None:
         """The transmission is not used, because the T-number includes it."""
         return t_number_caution(context, self.optics_transmission)
+
+    @warning
+    def stages(self, image: Image) -> Caution | None:
+        """The number of TDI stages differs from the one on TDI MTF."""
+        for factor in passed_factors(image):
+            for law in factor.laws:
+                stages = dict(law.parameters).get("stages")
+                if stages is not None and stages != self.tdi_stages:
+                    return Caution(
+                        f"tdi_stages = {self.tdi_stages} here, {stages} on {factor.node}: light "
+                        "and blur belong to different detectors",
+                        f"enter the number once, and link it: tdi_stages = {factor.node}.stages",
+                    )
+        return None
+
+    @warning
+    def line_time(self, context: Context) -> Caution | None:
+        """The integration time does not fit the speed over the ground."""
+        speed, range_m = context.velocity_m_per_s, context.range_m
+        if context.platform != "push" or not speed or not range_m:
+            return None
+        pixel_mrad = ifov_mrad(
+            pitch_um=of_context("detector_y_um", context, unit="µm"),
+            focal_length_mm=of_context("focal_length_mm", context, unit="mm"),
+        )
+        ground_m = pixel_mrad * range_m / 1000.0
+        line_s = ground_m / abs(speed)
+        own, stages = self.integration_time_s, self.tdi_stages
+        if own <= line_s * (1 + NEAR) and (stages == 1 or own >= line_s * (1 - NEAR)):
+            return None
+        return Caution(
+            f"integration_time_s = {own:.4g} s does not fit the scan: at {abs(speed):g} m/s the "
+            f"image moves by a pixel ({ground_m:.4g} m on the ground) in {line_s:.4g} s"
+            + (" per stage" if stages > 1 else ""),
+            f"set integration_time_s to {line_s:.4g}"
+            + (" or less" if stages == 1 else "")
+            + ", or correct range, velocity or pitch",
+        )
 
     @warning
     def dark_current(self) -> Caution | None:

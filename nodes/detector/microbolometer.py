@@ -207,7 +207,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         noise = here.step(difference, made, slow)
         mtf, ptf = transfers(factors, with_interval(image, context), self.title)
         return BolometerOutputs(
-            image=image.with_recipe(made),
+            image=image.with_recipe(made, frame_rate_Hz=self.frame_rate_Hz),
             noise=image.with_recipe(noise),
             mtf=mtf,
             ptf=ptf,

@@ -254,7 +254,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def pixels(self, outputs: CameraOutputs) -> Caution | None:
-        """The picture has fewer samples than the camera has pixels."""
+        """The picture has fewer than two samples per pixel."""
         sheet, image = self.sheet(), outputs.image
         for name, pitch, interval in (
             ("wide", sheet.pitch_x_mrad, image.interval_x_mrad),
@@ -265,6 +265,12 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
                     f"aliasing cannot be simulated: a sample is {interval:.4g} mrad {name} "
                     f"and a pixel {pitch:.4g} mrad, so the picture is sampled more "
                     "coarsely than the camera",
+                    "use a picture with two or more samples per pixel",
+                )
+            if pitch and interval and pitch < 2 * interval * (1 - NEAR):
+                return Caution(
+                    f"aliasing is simulated in part only: the picture has {pitch / interval:.3g} "
+                    f"samples per pixel, each {interval:.4g} mrad {name}",
                     "use a picture with two or more samples per pixel",
                 )
         return None

@@ -216,14 +216,14 @@ CASES = {
         {"pixels_x": 8, "pixels_y": 8, "pitch_um": 218.166, "focal_length_mm": 100.0},
     ),
     ("camera", "pixel_shape"): (
-        {"pitch_um": 200.0, "pitch_y_um": 300.0, "focal_length_mm": 100.0},
+        {"pitch_um": 300.0, "pitch_y_um": 450.0, "focal_length_mm": 100.0},
         ("1 times", "1.5 times"),
-        {"pitch_um": 200.0, "pitch_y_um": 201.0, "focal_length_mm": 100.0},
+        {"pitch_um": 300.0, "pitch_y_um": 301.0, "focal_length_mm": 100.0},
     ),
     ("camera", "pixels"): (
         {"pitch_um": 15.0, "focal_length_mm": 100.0},
         ("1.091 mrad", "0.15 mrad", "more coarsely"),
-        {"pitch_um": 15.0, "focal_length_mm": 10.0},
+        {"pitch_um": 25.0, "focal_length_mm": 10.0},
     ),
     ("diffraction_mtf", "band"): (
         {"cut_on_um": 3.0, "cut_off_um": 5.0, "source_K": 300.0},
