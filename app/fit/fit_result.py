@@ -325,6 +325,6 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
     return [
         *lines,
         f"the chain does not reproduce {what}: the residuals are {left} the noise; the "
-        "standard errors are widened accordingly, but what the chain lacks may have shifted "
-        "the values further",
+        "standard errors are widened to match, but the values may be off by more: add the "
+        "missing effect to the chain and fit again",
     ]

@@ -399,7 +399,7 @@ def _netd_words(parser: Parser) -> None:
         "apart: two give SiTF midway between them, three also its change. NETD is the noise that "
         "is random in time, row and column (sigma_tvh); noise of whole rows, columns and frames is "
         "listed separately, and included in the total. Bad pixels are left out. Rounding is "
-        "included. Changes slower than the sequence count as fixed pattern. "
+        "included. Drift slower than the sequence is counted as fixed pattern. "
         "Example: imagechain netd cold.tif=20C middle.tif=25C "
         "hot.tif=30C --output netd.json"
     )

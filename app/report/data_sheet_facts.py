@@ -55,7 +55,7 @@ _FOCAL_PLANE: Rows = (
     ("Full well", "full_well_e", "e-"),
     ("Bits", "bits", ""),
     ("Gain", "gain_e_per_dn", "e-/DN"),
-    ("Electrons of the scene", "signal_e", "e-"),
+    ("Signal electrons from the scene", "signal_e", "e-"),
     ("Electrons of the optics", "optics_e", "e-"),
     ("Electrons of the housing", "housing_e", "e-"),
     ("Dark electrons", "dark_e", "e-"),
@@ -307,7 +307,9 @@ def _row(
     if not row["from"]:
         return row | {"verdict": ABSENT}
     if not _is_number(row["value"]) or not _is_number(row["within"]) or row["within"] < 0:
-        raise NetworkError(f"{where} ({row['figure']}): value and within must be numbers")
+        raise NetworkError(
+            f'{where} ({row["figure"]}): "value" and "within" must be numbers, "within" 0 or above'
+        )
     ours = _figure(evaluation, nyquist, row["from"], where)
     if not _is_number(ours):
         return row | {"verdict": ABSENT}

@@ -283,7 +283,7 @@ def read_values(text: str) -> CopiedValues:
     if not isinstance(values, dict) or not values:
         raise NetworkError(f"{SOURCE} {strange}")
     if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
-        raise NetworkError(f"{SOURCE}: the units must be an object with a text for each parameter")
+        raise NetworkError(f"{SOURCE}: units must be an object with a string for each parameter")
     return CopiedValues(values, units)
 
 

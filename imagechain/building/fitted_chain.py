@@ -86,7 +86,7 @@ class FittedChain:
         Raises
         ------
         ImagechainError
-            If the suffix is another, or the file cannot be written.
+            If the suffix is not supported, or the file cannot be written.
         """
         file = Path(fspath(path))
         if JSON.matches(file):

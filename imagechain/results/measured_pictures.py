@@ -90,7 +90,8 @@ class MeasuredPictures:
         Raises
         ------
         ImagechainError
-            If the suffix is another, there is no MTF for a table, or the file cannot be written.
+            If the suffix is not supported, no MTF was measured for a table, or the file cannot be
+            written.
         """
         file = Path(fspath(path))
         write_measurement(self._measured, file)

@@ -37,7 +37,8 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     patterns that stay from frame to frame, averaged over all sensors of this kind. Rounding counts
     as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian
     blur is proportional to its variance. A stage that amplifies has a negative share: it recovers
-    this part of the loss. A stage with an MTF of zero has the whole share. Phases do not blur.
+    this part of the loss. A stage with an MTF of zero is assigned all of the blur. Phases do not
+    blur.
     """
 
     formulas = (

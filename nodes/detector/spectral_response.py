@@ -103,8 +103,8 @@ class SpectralResponse(
         node, band = here.node, image.band_um
         if band is None:
             raise DataError(
-                "the image has no band over which the response could be weighted: give "
-                "cut_on_um and cut_off_um where it is read"
+                "the image has no band to apply the response to: set cut_on_um and cut_off_um on "
+                "Read Image"
             )
         response = self.response(band, here)
         if response.is_one_over(*band):

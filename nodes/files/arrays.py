@@ -142,13 +142,13 @@ def _faulty_line(lines: list[str], separator: str | None, path: Path) -> FileErr
             [float(cell) for cell in cells]
         except ValueError:
             if line and not line.startswith("#"):
-                return FileError(f"{path}: is not a matrix of numbers: line {number} contains text")
+                return FileError(f"{path}: not a matrix of numbers; line {number} contains text")
             continue
         columns = columns or len(cells)
         if cells and len(cells) != columns:
             allowed = f"{columns} numbers, like the first row, but has {len(cells)}"
             return line_refused(path, number, allowed)
-    return FileError(f"{path}: is not a matrix of numbers")
+    return FileError(f"{path}: not a matrix of numbers")
 
 
 def read_matrix_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> Samples:

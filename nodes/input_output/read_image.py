@@ -331,7 +331,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         read = channels[self.band] if self.band < len(channels) else f"number {self.band}"
         return Caution(
             f"only channel {read} of {', '.join(channels)} of this colour picture is read",
-            f"choose another with band, 0 to {len(channels) - 1}, or set bands to luminance",
+            f"for another channel set band, 0 to {len(channels) - 1}; for their mix set bands to "
+            "luminance",
         )
 
     @warning

@@ -54,6 +54,7 @@ def _factor(unit: str) -> float:
             else "not the radiance of a band in watts"
         )
         raise DataError(
-            f"the picture, {named}, is {what}: To Temperature needs W/m²/sr, the unit on Read Image"
+            f"the picture, {named}, is {what}: To Temperature needs radiance in W/m²/sr; set the "
+            "unit on Read Image"
         )
     return known.factor
