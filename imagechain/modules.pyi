@@ -1056,6 +1056,41 @@ def exit_pupil_mtf(
     image_interval_y (cyc/mrad), cutoff_x (cyc/mrad), cutoff_y (cyc/mrad), estimated_error.
     """
 
+def veiling_glare(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    share_percent: float | Expression = 0.0,
+    length_mrad: float | Expression = 10.0,
+) -> Part:
+    """Spread a share of the light widely, as scatter and ghosts in the lens do.
+
+    The point spread function has two parts: 1 − g of the light stays where the other modules put
+    it, and g falls off around it as ℓ/(2π(r² + ℓ²)^(3/2)), half of it within √3·ℓ. The MTF drops to
+    1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail
+    loses g of its contrast. Enter the veiling glare index of the lens, if no other is known; ISO
+    9358 measures it in a small black area within an evenly bright field. Light that leaves the
+    frame is mirrored or repeated, as for all filters. Sources: ISO 9358:1994; the MTF is the Hankel
+    transform of the spread, Bracewell 2000, The Fourier Transform and Its Applications, table 13.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or output the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    share_percent : float | Expression
+        share of the light that is spread [%]: a number from 0 to 100; default 0.0
+    length_mrad : float | Expression
+        length of the spread: half of it falls within 1.73 lengths [mrad]: a number above 0 to
+        1e+06; default 10.0
+
+    Notes
+    -----
+    Veiling Glare, in the group Optics.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y.
+    """
+
 def gaussian_mtf(
     *,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
@@ -1535,6 +1570,37 @@ def charge_diffusion_mtf(
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
     absorption_per_um (1/µm).
+    """
+
+def crosstalk(
+    *,
+    kernel: str = '0 0 0; 0 1 0; 0 0 0',
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+) -> Part:
+    """Blur by crosstalk: each pixel passes a share of its signal to its neighbours.
+
+    The kernel has 3 × 3 or 5 × 5 numbers that add up to 1, rows separated by semicolons: the shares
+    of a lit pixel's signal that it and the pixels around it show. It covers optical and electrical
+    crosstalk and interpixel capacitance. An asymmetric kernel also shifts the picture: connect the
+    phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore, Ninkov and Forrest 2006, Optical
+    Engineering 45, 076402 (interpixel capacitance).
+
+    Parameters
+    ----------
+    kernel : str
+        shares of the signal, rows separated by semicolons: 3 × 3 or 5 × 5 numbers: a text; default
+        '0 0 0; 0 1 0; 0 0 0'
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or output the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+
+    Notes
+    -----
+    Crosstalk, in the group Detector.
+    Inputs: context, magnitude, phase (optional).
+    Outputs: magnitude, phase, mtf, ptf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    crosstalk_percent (%).
     """
 
 def charge_eff_mtf(

@@ -53,6 +53,8 @@ EXAMPLES = Examples({
     "mtf_file": {"path": "mtf.csv", "focal_length_mm": 40},
     "psf_file": {"path": "psf.txt", "sample_pitch": 0.4, "pitch_unit": "mrad"},
     "poisson_noise": {"percent": 50},
+    "veiling_glare": {"share_percent": 10},
+    "crosstalk": {"kernel": "0.01 0.03 0.01; 0.02 0.85 0.03; 0.01 0.03 0.01"},
     "charge_diffusion_mtf": {"absorption_per_um": 0.05, "diffusion_length_um": 300},
     "crosstrack_mtf": {"dwell_time_s": 1e-4},
     "alongtrack_mtf": {"integration_time_s": 0.01},

@@ -1,0 +1,83 @@
+"""Crosstalk: a pixel's neighbours get a share of its signal."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from core.chain.wires import Context, Magnitude, Phase
+from core.modules.declaration import NodeContext, readout, warning
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.physics.detector.crosstalk import crosstalk_kernel, crosstalk_otf
+from core.physics.sampling.detector_sampling import ifov_mrad
+from core.transfer.factors import Law, Planar
+from nodes.shared.context_defaults import of_context
+from nodes.shared.factors import OtfOutputs, otf_outputs
+from nodes.shared.module_ports import Apply, NyquistReadouts
+from nodes.shared.shared_warnings import unlinked_phase_caution
+
+_NONE = "0 0 0; 0 1 0; 0 0 0"
+
+
+class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Detector"):
+    """Blur by crosstalk: each pixel passes a share of its signal to its neighbours.
+
+    The kernel has 3 × 3 or 5 × 5 numbers that add up to 1, rows separated by semicolons: the shares
+    of a lit pixel's signal that it and the pixels around it show. It covers optical and electrical
+    crosstalk and interpixel capacitance. An asymmetric kernel also shifts the picture: connect the
+    phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore, Ninkov and Forrest 2006, Optical
+    Engineering 45, 076402 (interpixel capacitance).
+    """
+
+    formulas = (
+        Formula(
+            r"H(\xi,\eta)=\sum_{m,n}k_{mn}\,e^{-2\pi i(\xi n p_x+\eta m p_y)}",
+            where="k: kernel; p: pixel pitch, mrad; m, n: rows down and columns to the right",
+        ),
+    )
+
+    kernel: Annotated[
+        str, Param("shares of the signal, rows separated by semicolons: 3 × 3 or 5 × 5 numbers")
+    ] = _NONE
+    apply: Apply = "multiply"
+
+    panel = (Section("Crosstalk", ("kernel",)), Section("Output", ("apply",)))
+
+    def check(self) -> None:
+        """Refuse a kernel that is none."""
+        crosstalk_kernel(self.kernel)
+
+    def run(
+        self, context: Context, magnitude: Magnitude, here: NodeContext, phase: Phase | None = None
+    ) -> OtfOutputs:
+        kernel = crosstalk_kernel(self.kernel)
+        if self.lost() == 0.0:
+            return otf_outputs(self.apply, magnitude, phase, blur=(), label=self.title)
+        focal = of_context("focal_length_mm", context, unit="mm")
+        pitch_x, pitch_y = (
+            ifov_mrad(pitch_um=of_context(name, context, unit="µm"), focal_length_mm=focal)
+            for name in ("detector_x_um", "detector_y_um")
+        )
+        law = Law.of(crosstalk_otf, kernel=kernel, pitch_x_mrad=pitch_x, pitch_y_mrad=pitch_y)
+        how: dict[str, Any] = {"symmetric": False, "label": self.title, "node": here.node}
+        blur = (Planar(law, take="modulus", **how),)
+        shift = (Planar(law, take="phase", **how),)
+        return otf_outputs(self.apply, magnitude, phase, blur=blur, shift=shift, label=self.title)
+
+    def lost(self) -> float:
+        """Share of a pixel's signal that its neighbours show."""
+        kernel = crosstalk_kernel(self.kernel)
+        return 1.0 - kernel[len(kernel) // 2][len(kernel) // 2]
+
+    @warning
+    def no_phase(self, outputs: OtfOutputs) -> Caution | None:
+        """The PTF does not reach the picture."""
+        kernel = crosstalk_kernel(self.kernel)
+        if kernel == tuple(row[::-1] for row in kernel[::-1]):
+            return None
+        return unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
+
+    @readout("%")
+    def crosstalk_percent(self) -> float:
+        """Share of a pixel's signal that its neighbours show."""
+        return 100.0 * self.lost()
