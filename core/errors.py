@@ -24,15 +24,17 @@ E = TypeVar("E", bound="ImagechainError")
 class ImagechainError(Exception):
     """Base of every error this program raises on purpose.
 
-    `node` is the id of the network's node the error belongs to, once known.
+    `node` is the id of the network's node the error belongs to, once known. `hint` is what to type
+    on a command line against it; the message itself is read in the window too and names no option.
     """
 
     exit_code = 1
 
-    def __init__(self, message: str, *, node: str | None = None) -> None:
+    def __init__(self, message: str, *, node: str | None = None, hint: str = "") -> None:
         super().__init__(message)
         self.message = " ".join(message.split())
         self.node = node
+        self.hint = hint
 
     def at(self, node: str) -> Self:
         """The same error, placed on `node` unless it already has a place."""

@@ -140,7 +140,7 @@ class ScratchDisk:
             return (
                 f"the scratch folder {self.folder} has no room for another {amount_text(size)} "
                 f"in addition to {amount_text(self._bytes)} already written: choose another "
-                "folder with --scratch"
+                "scratch folder"
             )
         return f"cannot write to the scratch folder {self.folder}: {error.strerror or error}"
 

@@ -1143,8 +1143,8 @@ def mtf_file(
     takes the shorter way from point to point.
 
     Frequencies refer to the focal plane (cyc/mm, converted by the focal length), to angle, or to
-    the pixel (by pitch and focal length). `imagechain measure --csv` writes such a table from a
-    camera's pictures; it includes the blur of the pixel. Without a file nothing changes. Source:
+    the pixel (by pitch and focal length). `imagechain measure` writes such a table from a camera's
+    pictures; it includes the blur of the pixel. Without a file nothing changes. Source:
     Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
 
     Parameters
@@ -2741,8 +2741,8 @@ def spatial_blur(
     be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
-    128², ±4 at 512²; two-dimensional kernels are always slower (`imagechain bench --only
-    precision`, table spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section
+    128², ±4 at 512²; two-dimensional kernels are always slower (`imagechain bench`, table
+    spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section
     2.1.4.
 
     Parameters
@@ -2795,7 +2795,7 @@ def line_by_line(
     a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2 % in 60°, 5 % in 90° and 10 % in 120°, rms 0.002,
     0.02, 0.05, 0.1, 0.25 and 0.5 %: it grows as 1 − cos(view angle). In the thesis' field of 30°,
     six-bit quantization hides the error. Filtering line by line takes 1.3 to 4 times as long
-    (`imagechain bench --only precision`, table scanning), `direct` 60 times and more. Source:
+    (`imagechain bench`, table scanning), `direct` 60 times and more. Source:
     Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
 
     Parameters

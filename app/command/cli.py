@@ -41,9 +41,16 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def exit_code(
-    stop: Stop, carry_out: Callable[..., object], *words: object, debug: bool = False
+    stop: Stop,
+    carry_out: Callable[..., object],
+    *words: object,
+    debug: bool = False,
+    hints: bool = True,
 ) -> int:
-    """Call a function that a signal may stop; what goes wrong becomes a line on stderr."""
+    """Call a function that a signal may stop; what goes wrong becomes a line on stderr.
+
+    `hints`: whether that line may name options, as it is read beside a command line.
+    """
     try:
         stop.during(carry_out, *words)
         sys.stdout.flush()
@@ -58,16 +65,17 @@ def exit_code(
         if debug:
             shown = getattr(error, "fault", None) or error
             print_error("".join(traceback.format_exception(shown)).rstrip())
-        return _failed(error, written=stop.is_late)
+        return _failed(error, written=stop.is_late, hints=hints)
     return 0
 
 
-def _failed(error: Exception, *, written: bool) -> int:
+def _failed(error: Exception, *, written: bool, hints: bool) -> int:
     """Print what went wrong; `written` when only the printing was left to do."""
     gone = "" if _has_folder() else "the current folder has been removed: change to another one"
     if isinstance(error, ImagechainError):
         gone = f" ({gone})" if gone and error.exit_code == InputError.exit_code else ""
-        return _fail(_with_more(error) + gone, error.exit_code)
+        hint = f"; {error.hint}" if hints and error.hint else ""
+        return _fail(_with_more(error) + hint + gone, error.exit_code)
     if gone and isinstance(error, FileNotFoundError):
         return _fail(gone, 2)
     if isinstance(error, MemoryError):
@@ -84,7 +92,7 @@ def _failed(error: Exception, *, written: bool) -> int:
     frames = traceback.extract_tb(error.__traceback__)
     place = f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else ""
     what = f"internal error: {type(error).__name__}: {error}{place}"
-    return _fail(f"{what}; {DEBUG} prints the traceback", 1)
+    return _fail(f"{what}; {DEBUG} prints the traceback" if hints else what, 1)
 
 
 def _carry_out(words: list[str], stop: Stop) -> None:

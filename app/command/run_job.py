@@ -29,7 +29,7 @@ def main() -> int:
     gc.set_threshold(50_000, 10, 10)
     with stoppable(to_the_end=True) as stop, usable_streams(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return exit_code(stop, _carry_out, stop)
+        return exit_code(stop, _carry_out, stop, hints=False)
 
 
 def _carry_out(stop: Stop) -> None:

@@ -27,7 +27,7 @@ class Level(QObject):
     changed = Signal(object, object)
     # (names): other nodes are selected: a tuple of ids in the network shown
     selection_changed = Signal(tuple)
-    message = Signal(str, str)  # (kind, text): a line for the person; kind is "note" or "error"
+    message = Signal(str, str)  # (kind, text): a line for the person; kind as `Session`'s
 
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)

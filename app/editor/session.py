@@ -34,8 +34,8 @@ class Session(QObject):
     changed = Signal(object, object)  # (before, after): the network has changed; both are `Network`
     state_changed = Signal()  # path, modified mark or what undo and redo would do may have changed
     selection_changed = Signal(tuple)  # (names): other nodes are selected: a tuple of ids
-    # (kind, text): A line for the person; kind is "note", "error", or "advice": a note on
-    # what is selected
+    # (kind, text): A line for the person; kind is "note", "warning", "error", or "advice": a note
+    # on what is selected
     message = Signal(str, str)
 
     def __init__(self, library: Library, parent: QObject | None = None) -> None:
@@ -224,7 +224,7 @@ class Session(QObject):
             if known or self._chosen:
                 remember_chosen(network, [*known, *self._chosen])
         except ImagechainError as error:
-            self.message.emit("note", f"not remembered as a file to be written: {error}")
+            self.message.emit("warning", f"not remembered as a file to be written: {error}")
 
     def select(self, names: Iterable[str]) -> None:
         chosen = tuple(name for name in dict.fromkeys(names) if name in self.network.nodes)

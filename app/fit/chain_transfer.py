@@ -19,7 +19,7 @@ import scipy
 from numpy.typing import NDArray
 
 from app.fit.spread_table import HIGHEST, SpreadTable, frequencies, spread_table
-from app.run.output import find_output, how_to_choose
+from app.run.output import HOW_TO_MARK, HOW_TO_NAME, find_output
 from core.chain.engine import Engine, Plan
 from core.chain.linear_change import PlaceDependent
 from core.chain.step_lineage import lineage_of
@@ -45,7 +45,9 @@ def final_image(plan: Plan) -> Image:
     """The network's final picture."""
     output = find_output(plan)
     if output.port is None:
-        raise UsageError(how_to_choose(output) or output.missing)
+        if not output.choices:
+            raise UsageError(output.missing)
+        raise UsageError(f"{output.missing}: {HOW_TO_MARK}", hint=HOW_TO_NAME)
     image = plan.output(output.port)
     assert isinstance(image, Image)
     return image
@@ -58,8 +60,9 @@ def transfer_known(image: Image) -> ImageTransfer:
     if lineage_of(source) is None:
         raise DataError(
             f"{source.node or 'a node'}: its effect on a picture is not a known transfer "
-            "function, so an edge cannot be followed through it: mark a picture before it "
-            "with --final NODE.PORT, or disable it"
+            "function, so an edge cannot be followed through it: mark a picture before it as "
+            "the output, or disable it",
+            hint=HOW_TO_NAME,
         )
     return passed
 

@@ -150,8 +150,9 @@ def fit_known_scene(
     """As `fit_pictures`, with one picture of the network's own scene as a whole."""
     if len(pictures.samples) != 1:
         raise UsageError(
-            f"--known-scene takes one picture, not {len(pictures.samples)}: each would show "
-            "another part of the scene"
+            f"a known scene is fitted to one picture, not {len(pictures.samples)}: each would show "
+            "another part of the scene",
+            hint="leave out --known-scene to fit their edges",
         )
     reason = why_no_picture(picture=pictures.samples[0]) or _why_clipped(pictures)
     if reason:

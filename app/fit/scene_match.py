@@ -27,6 +27,8 @@ _STILL = 1e-6  # of the largest sample: what single precision leaves
 _STEP = 0.02  # samples, for derivatives by place
 _LEAST_MATCH = 0.2  # correlation, below which the pictures are not of one scene
 _MOST_LEFT = 0.5  # of the picture's variance beyond noise, when all is fitted
+FIT_EDGES = "fit its edges instead, without a known scene"
+LEAVE_OUT = "leave out --known-scene"
 _MOST_SCALE = 2.0  # a corner of a scene, magnified, is like any edge
 
 
@@ -116,7 +118,8 @@ class SceneMatch:
             raise DataError(
                 "the picture does not show the network's scene: it fits best at "
                 f"{how.scale:.3g} times the size, allowed: {1.0 / _MOST_SCALE:g} to "
-                f"{_MOST_SCALE:g} times; leave out --known-scene to fit its edges"
+                f"{_MOST_SCALE:g} times; {FIT_EDGES}",
+                hint=LEAVE_OUT,
             )
         noise = self.noise_sigma**2
         whole = float(np.var(self.picture[self._window == 1.0])) - noise
@@ -126,8 +129,8 @@ class SceneMatch:
                 "the picture does not show the network's scene: at the best position, "
                 f"{how.shift_x:.1f}, {how.shift_y:.1f} samples away and {how.scale:.3g} times "
                 f"as large, {100.0 * min(left / max(whole, 1e-300), 1.0):.0f} % of its "
-                f"contrast (variance) is left, allowed: {100.0 * _MOST_LEFT:.0f} %; leave out "
-                "--known-scene to fit its edges"
+                f"contrast (variance) is left, allowed: {100.0 * _MOST_LEFT:.0f} %; {FIT_EDGES}",
+                hint=LEAVE_OUT,
             )
 
     def low_waves(self, residual: Vector) -> tuple[float, int]:
@@ -157,8 +160,8 @@ class SceneMatch:
         if not match > _LEAST_MATCH:
             raise DataError(
                 "the picture does not show the network's scene: their best correlation is "
-                f"{match:.2f}, needed: {_LEAST_MATCH:g}; leave out --known-scene to fit its "
-                "edges"
+                f"{match:.2f}, needed: {_LEAST_MATCH:g}; {FIT_EDGES}",
+                hint=LEAVE_OUT,
             )
         shift_y = float(row if row <= rows // 2 else row - rows)
         shift_x = float(column if column <= columns // 2 else column - columns)

@@ -207,7 +207,10 @@ def repeated_words(count: int) -> str:
 
 
 def remarks(measured: PictureMeasurement) -> list[str]:
-    """What was measured of files with bands, and what could not be measured, and why."""
+    """What was measured of files with bands, and what could not be measured, and why.
+
+    What may be wrong with the result begins with "warning: ".
+    """
     lines = [f"measured of {file.name}: {file.taken}" for file in measured.files if file.taken]
     lines += [f"warning: {line}" for line in file_warnings(measured.files)]
     lines += [f"warning: {line}" for line in measured.warnings]
@@ -225,23 +228,24 @@ def remarks(measured: PictureMeasurement) -> list[str]:
             lines.append(f"no {words} MTF50: the MTF does not fall to one half")
         if np.any(curve.mtf > 1.0 + np.maximum(_ABOVE_ONE * curve.sigma, _LEAST_ABOVE)):
             lines.append(
-                f"the {words} MTF exceeds 1: the picture was sharpened, and this is the MTF of "
-                "the sharpened picture"
+                f"warning: the {words} MTF exceeds 1: the picture was sharpened, and this is the "
+                "MTF of the sharpened picture"
             )
         if curve.edges <= _FEW:
             many = "one edge" if curve.edges == 1 else f"{curve.edges} edges"
             others = sum(edge.used for edge in measured.edges) - curve.edges
             lines.append(
-                f"only {many} with a normal within {LARGEST_ANGLE_DEG:g}° of the {words}: the MTF "
-                "also depends on edges in other directions, and few edges check its error"
+                f"warning: only {many} with a normal within {LARGEST_ANGLE_DEG:g}° of the {words}: "
+                "the MTF also depends on edges in other directions, and few edges check its error"
                 if others > 0
-                else f"the {words} MTF comes from only {many}, so its error could not be checked"
+                else f"warning: the {words} MTF comes from only {many}, so its error could not be "
+                "checked"
             )
         if curve.scatter > _SCATTERED:
             lines.append(
-                f"the {words} MTFs of the edges differ by {curve.scatter:.2g} times what their own "
-                "errors allow: the blur varies over the picture, or some edges are not sharp in "
-                "the scene; the error is widened accordingly"
+                f"warning: the {words} MTFs of the edges differ by {curve.scatter:.2g} times what "
+                "their own errors allow: the blur varies over the picture, or some edges are not "
+                "sharp in the scene; the error is widened accordingly"
             )
     if measured.noise is None:
         lines.append(f"no noise: {measured.noise_reason}")
@@ -254,8 +258,8 @@ def remarks(measured: PictureMeasurement) -> list[str]:
         known = (measured.noise.gain_e_per_dn, measured.noise.read_noise_dn)
         if None in known and measured.flats is None:
             lines.append(
-                "to get gain and read noise, give frames of flat fields at several levels "
-                "(--flats), and without light (--dark)"
+                "to get gain and read noise, give `imagechain measure` frames of flat fields at "
+                "several levels, and frames without light"
             )
     if measured.picture_count > 1 and measured.frames is None:
         lines.append(f"no noise from frame to frame: {measured.frames_reason}")

@@ -91,7 +91,9 @@ class BandsError(UsageError):
 
     def __init__(self, path: Path, bands: int) -> None:
         self.what = f"{path} has {bands} bands"
-        super().__init__(f"{self.what}: name the one to measure, --band 0 to {bands - 1}")
+        super().__init__(
+            f"{self.what}: choose the band to measure, 0 to {bands - 1}", hint="give --band"
+        )
 
 
 def open_picture(path: Path, *, band: int | None = None) -> PictureFile:

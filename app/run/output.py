@@ -13,6 +13,8 @@ from core.names import shown, thaw
 from core.network.network import Network, marked_twice
 
 ANALYSIS = "Analysis"  # the group whose modules compare and measure: their pictures are no output
+HOW_TO_MARK = "select the node whose picture is the output, and press O"
+HOW_TO_NAME = "or give --final NODE.PORT"
 _MOST_NAMED = 8
 
 
@@ -66,7 +68,7 @@ def how_to_choose(output: Output) -> str:
     """Which pictures there are and how to mark one, in one line; empty where none is to choose."""
     if not output.choices:
         return ""
-    return f"{output.missing}: give --final NODE.PORT, or press O on its node in the editor"
+    return f"{output.missing}: {HOW_TO_MARK}, {HOW_TO_NAME}"
 
 
 def ending_images(plan: Plan) -> list[str]:

@@ -95,8 +95,9 @@ def least_scratch(recipes: Iterable[Recipe], blocks: BlockRun, policy: Policy) -
 def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
     error = DataError(
         f"{_what(recipe)} needs the whole picture of {shape[0]} × {shape[1]} samples and "
-        f"cannot run in blocks, and --memory {amount_text(disk.memory_bytes)} is too small for "
-        "it: give more memory, or leave the node out"
+        f"cannot run in blocks, and {amount_text(disk.memory_bytes)} of memory are too few for "
+        "it: give more memory, or leave the node out",
+        hint="give more with --memory",
     )
     return error if recipe.node is None else error.at(recipe.node)
 

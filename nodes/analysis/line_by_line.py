@@ -217,7 +217,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2 % in 60°, 5 % in 90° and 10 % in 120°, rms 0.002,
     0.02, 0.05, 0.1, 0.25 and 0.5 %: it grows as 1 − cos(view angle). In the thesis' field of 30°,
     six-bit quantization hides the error. Filtering line by line takes 1.3 to 4 times as long
-    (`imagechain bench --only precision`, table scanning), `direct` 60 times and more. Source:
+    (`imagechain bench`, table scanning), `direct` 60 times and more. Source:
     Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
     """
 

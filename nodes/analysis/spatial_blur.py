@@ -50,8 +50,8 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
-    128², ±4 at 512²; two-dimensional kernels are always slower (`imagechain bench --only
-    precision`, table spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section
+    128², ±4 at 512²; two-dimensional kernels are always slower (`imagechain bench`, table
+    spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section
     2.1.4.
     """
 

@@ -54,8 +54,8 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     takes the shorter way from point to point.
 
     Frequencies refer to the focal plane (cyc/mm, converted by the focal length), to angle, or to
-    the pixel (by pitch and focal length). `imagechain measure --csv` writes such a table from a
-    camera's pictures; it includes the blur of the pixel. Without a file nothing changes. Source:
+    the pixel (by pitch and focal length). `imagechain measure` writes such a table from a camera's
+    pictures; it includes the blur of the pixel. Without a file nothing changes. Source:
     Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
     """
 

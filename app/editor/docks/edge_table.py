@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import tip
+from app.editor.notices import mark_icon
 from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.theme import FAINT
 from app.editor.widgets import CopiedTable
@@ -160,7 +161,20 @@ class FigureTable(CopiedTable):
                 self.setItem(row, column, item)
             if row >= len(rows):
                 self.setSpan(row, 0, 1, len(_FIGURE_HEADS))
+        self._mark(len(rows))
         self.resizeRowsToContents()
+
+    def changeEvent(self, event: QEvent) -> None:
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange and self._rows:
+            self._mark(sum(bool(row[1]) for row in self._rows))
+
+    def _mark(self, first: int) -> None:
+        """Show the remarks, from a row on, as information."""
+        for row in range(first, len(self._rows)):
+            if (item := self.item(row, 0)) is not None:
+                item.setIcon(mark_icon("information", self))
+                item.setForeground(self.palette().color(FAINT))
 
 
 # The pooled MTF with its error, and the chosen edge's, in one small chart.

@@ -12,7 +12,7 @@ import numpy as np
 
 from app.editor.docks.measure_worker import Pictures, ViewerPicture
 from app.editor.number_text import FreeNumber
-from core.errors import DataError, ImagechainError, UsageError
+from core.errors import UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.store import Store
 from core.evaluation.work import Work
@@ -102,30 +102,19 @@ def fit_to_picture(
             engine, plan, work, free=free, pictures=pictures, report=report, watch=seen
         )
         return _outcome(task, result)
-    if len(pictures.samples) > 1:
-        raise UsageError(
-            "a known scene can be fitted to one picture only, because its "
-            "position in the picture matters"
-        )
-    try:
-        result = fit_known_scene(engine, plan, work, free=free, pictures=pictures, report=report)
-    except (UsageError, DataError) as error:
-        text = str(error).removeprefix("--known-scene: ")
-        raise UsageError(text.replace("--known-scene", "Known Scene")) from error
+    result = fit_known_scene(engine, plan, work, free=free, pictures=pictures, report=report)
     return _outcome(task, result)
 
 
 def limited_parameters(task: FitTask) -> tuple[FreeParameter, ...]:
-    from app.fit.free_parameter import FREE, free_parameters
+    from app.fit.free_parameter import free_parameters
 
     if not task.numbers:
         raise UsageError(
             "no parameter is free: right-click a number on a panel and choose Free for a fit"
         )
-    try:
-        free = free_parameters([one.port for one in task.numbers], task.network, task.library)
-    except ImagechainError as error:
-        raise UsageError(str(error).removeprefix(f"{FREE} ")) from error
+    ports = [one.port for one in task.numbers]
+    free = free_parameters(ports, task.network, task.library, option="")
     limited = []
     for one, parameter in zip(task.numbers, free, strict=True):
         low = parameter.low if one.low is None else one.low

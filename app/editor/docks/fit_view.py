@@ -21,6 +21,7 @@ from app.editor.docks.measure_worker import (
     pictures_name,
     pictures_text,
 )
+from app.editor.notices import NoticeList, sentence
 from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.session import Session
 from app.editor.viewers.viewer import StatusLine
@@ -34,7 +35,7 @@ from core.network.network import Network
 
 _NO_PICTURE = "no picture"
 _NOTHING_FREE = "Right-click a number on a panel: Free for a fit"
-_SAID_HERE = "Fit reports here how well the chain matches the picture, and any warnings"
+_SAID_HERE = "Fit reports here how well the chain matches the picture"
 _NO_EDGES = "The picture was fitted as a whole, not edge by edge"
 _TAKE = "Write all fitted values into the network, as one step that you can undo"
 
@@ -193,6 +194,7 @@ class FitView(WorkerView):
             flow.addWidget(widget)
         flow.addWidget(self.name)
         flow.addWidget(self.which)
+        self.notices = NoticeList("fit.notices", "Warnings of the fit", self)
         self.table = FreeTable(self._session, self)
         self.words = QPlainTextEdit(self)
         self.words.setObjectName("fit.words")
@@ -215,6 +217,7 @@ class FitView(WorkerView):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(1)
         column.addWidget(bar)
+        column.addWidget(self.notices)
         column.addWidget(halves, 1)
         column.addWidget(self.status)
 
@@ -281,6 +284,8 @@ class FitView(WorkerView):
         self.table.show_fitted(() if outcome is None else outcome.numbers)
         lines = [] if outcome is None else _lines(outcome, self._fitted_to)
         self.words.setPlainText("\n".join(lines))
+        warned = () if outcome is None else outcome.warnings
+        self.notices.show_notices(("warning", sentence(line)) for line in warned)
         self._show_edges(() if outcome is None else outcome.edges)
 
     def _show_edges(self, edges: tuple[DrawnEdge, ...]) -> None:
@@ -358,8 +363,7 @@ def _lines(outcome: FitOutcome, pictures: Pictures | None) -> list[str]:
     return [
         *to,
         f"χ² per degree of freedom {outcome.chi2_per_degree:.4g} ({outcome.degrees} degrees)",
-        *(f"Warning: {line}." for line in outcome.warnings),
-        *(f"{line[:1].upper()}{line[1:]}." for line in outcome.notes),
+        *map(sentence, outcome.notes),
     ]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -33,6 +32,7 @@ from app.editor.docks.measure_worker import (
     shown_in,
 )
 from app.editor.gestures import without_argument
+from app.editor.notices import NoticeList, sentence
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.viewer import StatusLine
@@ -45,10 +45,10 @@ if TYPE_CHECKING:
     from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
 
 
-_OPTION = re.compile(r" \(--[a-z]+\)")  # of the command
 _KINDS = ";;".join(
     (dialog_filter("Page", HTML), dialog_filter("Everything", JSON), dialog_filter("MTF", CSV))
 )
+_WARNING = "warning: "  # of a remark
 _REMOVE, _USE = "Remove Edge", "Use Edge Again"
 
 
@@ -134,11 +134,7 @@ class MeasureView(WorkerView):
         def job(check: Check, report: Callable[[str], None]) -> PictureMeasurement:
             from app.measure.measuring import MeasurePlan, measure_files
 
-            plan = MeasurePlan(paths, band=band)
-            try:
-                return measure_files(plan, check=check, report=report)
-            except UsageError as error:
-                raise UsageError(str(error).replace("--band", "Band")) from error
+            return measure_files(MeasurePlan(paths, band=band), check=check, report=report)
 
         of = "" if band is None else f", band {band}"
         self._begin(_Measuring(pictures_name(paths) + of, paths), job)
@@ -277,6 +273,7 @@ class MeasureView(WorkerView):
         buttons = (self.viewer, self.file, self.stop, self.remove, self.unused, self.fit)
         for widget in (*buttons, self.write, self.band, self.pictures):
             flow.addWidget(widget)
+        self.notices = NoticeList("measure.notices", "Warnings of the measurement", self)
         self.canvas = EdgeCanvas(self)
         self.chart = MtfChart(self)
         self.table = EdgeTable(self)
@@ -306,6 +303,7 @@ class MeasureView(WorkerView):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(1)
         column.addWidget(bar)
+        column.addWidget(self.notices)
         column.addWidget(self.halves, 1)
         column.addWidget(self.status)
 
@@ -396,14 +394,17 @@ class MeasureView(WorkerView):
         self.table.show_measured(measured)
         if measured is None:
             self.figures.show_rows((), ())
+            self.notices.show_notices(())
         else:
             from app.measure.measurement_text import figure_rows, frame_rows, remarks
 
             rows = [*figure_rows(measured), *frame_rows(measured)]
-            notes = [
-                f"{line[:1].upper()}{_OPTION.sub('', line[1:])}." for line in remarks(measured)
-            ]
-            self.figures.show_rows(rows, notes)
+            lines = remarks(measured)
+            warned = [line for line in lines if line.startswith(_WARNING)]
+            self.figures.show_rows(rows, [sentence(line) for line in lines if line not in warned])
+            self.notices.show_notices(
+                ("warning", sentence(line.removeprefix(_WARNING))) for line in warned
+            )
         self._show_edge()
 
     def _show_edge(self) -> None:

@@ -25,8 +25,6 @@ PLOT_TYPES = ("curve", "table")
 VIEWER_NUMBERS = tuple(range(1, 10))
 """Of the viewers of pictures there may be."""
 
-HOW_TO_MARK = "select the node whose picture is the output, and press O"
-
 
 @dataclass(frozen=True)
 class NodePorts:

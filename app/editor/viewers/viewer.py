@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
+from app.editor.notices import Mark, close_button
 from app.editor.session import Session
 from app.editor.theme import ERROR, TEXT, Theme, theme_of
 from app.editor.widgets import ElidedLabel
@@ -94,7 +95,7 @@ class Viewer(QWidget):
             self.take(answer)
 
 
-# The line below what a viewer shows: two texts, the first one in red where it is an error.
+# The line below what a viewer shows: two texts; the first one may say what went wrong.
 
 
 class StatusLine(QWidget):
@@ -105,16 +106,25 @@ class StatusLine(QWidget):
 
     def __init__(self, owner: str, description: str, more: str, parent: QWidget) -> None:
         super().__init__(parent)
+        self.mark = Mark(self)
+        self.mark.show_severity("error")
         self.title = ElidedLabel(f"{owner}.title", description, self)
         self.more = ElidedLabel(f"{owner}.read", more, self)
+        self.away = close_button(f"{owner}.close", self)
+        self.away.clicked.connect(lambda: self.show_text(""))
         layout = QHBoxLayout(self)
         layout.setContentsMargins(6, 0, 6, 2)
+        layout.addWidget(self.mark)
         layout.addWidget(self.title, 1)
+        layout.addWidget(self.away)
         layout.addWidget(self.more, 0)
+        self.show_text("")
 
     def show_text(self, text: str, *, failed: bool = False) -> None:
         self.title.show_text(text)
         self.title.setForegroundRole(ERROR if failed else TEXT)
+        self.mark.setVisible(failed)
+        self.away.setVisible(failed)
 
     def show_more(self, text: str) -> None:
         self.more.show_text(text)

@@ -38,9 +38,7 @@ class BackgroundRuns(QObject):
         area = Qt.DockWidgetArea.BottomDockWidgetArea
         self.dock = add_dock(window, "Runs", "dock.runs", self.view, area)
         self.dock.hide()
-        self.status = ReportStatus(self.queue, window.statusBar())
-        window.statusBar().addPermanentWidget(self.status)
-        self.status.hide()
+        self.status = ReportStatus(self.queue, window)
         self.status.message.connect(session.message)
         self.view.add_wanted.connect(self.add)
         self.queue.changed.connect(self._say_end)
@@ -118,7 +116,7 @@ class BackgroundRuns(QObject):
             self._say("error", f"{entry.title}: failed: {entry.text}")
         elif entry.state == "done":
             failures = failures_text(entry)
-            self._say("error" if failures else "note", f"{entry.title}: {failures or 'done'}")
+            self._say("warning" if failures else "note", f"{entry.title}: {failures or 'done'}")
 
     def _taken(self) -> set[Path]:
         return {entry.job.output for entry in self.queue.unfinished}

@@ -127,6 +127,8 @@ class Files(QObject):
 
     def _watch(self) -> None:
         """Follow the document's own file, to say at once when another program changes it."""
+        if self._told:
+            self._session.message.emit("warning", "")  # it holds no longer
         self._told = ""
         path = self._session.document.path
         if watched := self._watcher.files():
@@ -146,7 +148,7 @@ class Files(QObject):
         done = document.disagreement()
         if done and done != self._told:
             self._session.message.emit(
-                "note", f"another program has {done} {document.path.name}: Save asks what to do"
+                "warning", f"another program has {done} {document.path.name}: Save asks what to do"
             )
         self._told = done
 

@@ -140,11 +140,11 @@ class MainWindow(QMainWindow):
             names = dict.fromkeys(each.original.name if each.original else "" for each in left)
             of = ", ".join(name or "a network never saved" for name in names)
             self.status.report(
-                "error", f"unsaved work in {of} can be recovered: see File > Welcome Page"
+                "warning", f"unsaved work in {of} can be recovered: see File > Welcome Page"
             )
 
     def show_welcome(self) -> None:
-        self.status.forget()
+        self.status.forget_all()
         self._show_lists()
         self.pages.show_first()
 
@@ -231,8 +231,7 @@ class MainWindow(QMainWindow):
         self.panels = PanelArea(self.session, self.evaluator)
         self.figures = FiguresStrip(self.session, self.evaluator)
         self.welcome = WelcomePage(library)
-        self.status = StatusBar(self)
-        self.setStatusBar(self.status)
+        self.status = StatusBar(self.menuBar())
         work_page = QWidget()
         layout = QVBoxLayout(work_page)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -261,6 +260,7 @@ class MainWindow(QMainWindow):
         self.snapshots_view = SnapshotsView(self.session, self.evaluator, self.snapshots)
         self.snapshots_dock = self._hidden_dock("Snapshots", "snapshots", self.snapshots_view)
         self.runs = BackgroundRuns(self.session, self, self.finish_typing)
+        self.status.add(self.runs.status)
         self.runs.dock.visibilityChanged.connect(self.viewers.name_tabs)
         self.measuring = measuring = MeasureView(self.session, self.viewers.images)
         self.measure_dock = self._hidden_dock("Measure", "measure", measuring)
@@ -410,7 +410,7 @@ class MainWindow(QMainWindow):
 
     def _opened(self) -> None:
         self.viewers.forget_pictures()
-        self.status.forget()
+        self.status.forget_all()
         # Once the canvas has its place: it may not have been shown yet.
         QTimer.singleShot(0, self.canvas.frame_all)
 

@@ -1,94 +1,103 @@
-"""The status bar: messages, and what is being computed."""
+"""The window's messages, and what is being computed: on the line of the menus, at its right.
+
+No band of the window is kept for it, and nothing moves when a message comes or goes.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QStatusBar, QWidget
+from PySide6.QtCore import QEvent, QObject, QTimer, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenuBar, QProgressBar, QPushButton, QWidget
 
-from app.editor.theme import CHANGED, ERROR
+from app.editor.notices import ROLES, Notice, Severity
 
-_ELIDE = Qt.TextElideMode.ElideRight
 NOTE_MS = 8000
+_SEVERITIES: Mapping[str, Severity] = MappingProxyType({"error": "error", "warning": "warning"})
+_BEHIND = "stopped: shows the earlier result; Ctrl+Enter computes it again"
 
 
-class StatusBar(QStatusBar):
-    """Shows notes for a while and errors until another message, or until they no longer hold."""
+class StatusBar(QWidget):
+    """Shows notes for a while, errors until the next message, or until they no longer hold.
+
+    A warning stays below both until it is closed, or another network is open.
+    """
 
     cancel_wanted = Signal()  # stop the computation
 
-    def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent)
+    def __init__(self, menus: QMenuBar) -> None:
+        super().__init__(menus)
+        self._menus = menus
+        menus.setNativeMenuBar(False)  # a desktop's own bar of menus has no place for messages
+        menus.installEventFilter(self)
         self._advises = False
-        self._error = QLabel(self)
-        self._error.setObjectName("status.error")
-        self._error.setAccessibleName("Last error")
-        self._error.setForegroundRole(ERROR)
-        self._error.hide()
+        self._said: list[tuple[Severity, str]] = []  # the latest at the end
+        self._notice = Notice("status.message", self, one_line=True)
+        self._notice.closed.connect(self._close)
+        self._behind = Notice("status.behind", self, one_line=True)
         self._where = QLabel(self)
         self._progress = QProgressBar(self)
         self._progress.setObjectName("status.progress")
         self._progress.setAccessibleName("Progress of the computation")
         self._progress.setTextVisible(False)
-        self._progress.setFixedWidth(self.fontMetrics().averageCharWidth() * 20)
+        self._progress.setFixedWidth(self.fontMetrics().averageCharWidth() * 14)
         self._cancel = QPushButton("Cancel", self)
         self._cancel.setObjectName("status.cancel")
         self._cancel.setToolTip("Stop the computation (Esc)")
         self._cancel.clicked.connect(self.cancel_wanted)
-        self.addWidget(self._error, 1)
-        self._behind = QLabel(
-            "stopped: shows the earlier result; Ctrl+Enter computes it again", self
-        )
-        self._behind.setObjectName("status.behind")
-        self._behind.setForegroundRole(CHANGED)
-        self._behind.hide()
-        for widget in (self._behind, self._where, self._progress, self._cancel):
-            self.addPermanentWidget(widget)
+        self._over = QTimer(self, singleShot=True, interval=NOTE_MS)
+        self._over.timeout.connect(lambda: self._drop("information"))
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(8, 0, 4, 0)
+        self._row.addStretch(1)
+        for widget in (self._notice, self._behind, self._where, self._progress, self._cancel):
+            self._row.addWidget(widget)
         self.show_busy(None)
 
     @property
     def error(self) -> str:
-        """The error that stands there; empty where there is none."""
-        return self._error.toolTip()
+        """The error that is said; empty where there is none."""
+        return self._of("error")
+
+    @property
+    def warning(self) -> str:
+        return self._of("warning")
+
+    @property
+    def note(self) -> str:
+        return self._of("information")
+
+    def add(self, widget: QWidget) -> None:
+        """Show another part of the window here, at the right."""
+        self._row.addWidget(widget)
 
     def report(self, kind: str, text: str) -> None:
-        """Show a "note" or an "error"; "advice" is a note on what is selected."""
+        """Show a "note", "warning" or "error"; "advice" is a note on what is selected.
+
+        An empty warning takes the last one back.
+        """
         self._advises = kind == "advice"
-        if kind == "error":
-            self.clearMessage()
-            self._error.setToolTip(text)
-            self._elide_error()
-            self._error.show()
-        else:
-            self.forget_error()
-            self.showMessage(text, NOTE_MS)
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        super().resizeEvent(event)
-        self._elide_error()
-
-    def _elide_error(self) -> None:
-        width = max(self.width() - self.fontMetrics().averageCharWidth() * 40, 200)
-        self._error.setText(self.fontMetrics().elidedText(self.error, _ELIDE, width))
+        severity = _SEVERITIES.get(kind, "information")
+        self._drop("information", severity if severity == "warning" else "error")
+        self._said += [(severity, text)] if text else []
+        if severity == "information":
+            self._over.start()
+        self._show()
 
     def forget(self) -> None:
+        """Clear what was about the network as it was."""
+        self._drop("information", "error")
+
+    def forget_all(self) -> None:
         """Clear what was about a network that is no more."""
-        self.clearMessage()
-        self.forget_error()
+        self._drop(*ROLES)
 
     def forget_advice(self) -> None:
         """Clear what was about a selection that is no more."""
         if self._advises:
-            self.clearMessage()
-
-    def forget_error(self) -> None:
-        if not self.error:
-            return  # as with nearly every edit
-        self._error.setText("")
-        self._error.setToolTip("")
-        self._error.hide()
+            self._drop("information")
 
     def show_busy(self, busy: Any) -> None:
         """Show how far a long computation is: a `Busy`; or None, that none runs."""
@@ -101,4 +110,35 @@ class StatusBar(QStatusBar):
 
     def show_behind(self, behind: bool) -> None:
         """Say that what is shown is older than the network, or stop saying so."""
-        self._behind.setVisible(behind)
+        self._behind.show_text(_BEHIND if behind else "", "warning")
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Keep to the room that the menus leave."""
+        if watched is self._menus and event.type() in (
+            QEvent.Type.Resize, QEvent.Type.ActionAdded, QEvent.Type.Show, QEvent.Type.FontChange,
+        ):  # fmt: skip
+            QTimer.singleShot(0, self, self._place)
+        return False
+
+    def _place(self) -> None:
+        actions = self._menus.actions()
+        left = self._menus.actionGeometry(actions[-1]).right() + 1 if actions else 0
+        self.setGeometry(left, 0, max(0, self._menus.width() - left), self._menus.height())
+
+    def _of(self, severity: Severity) -> str:
+        return dict(self._said).get(severity, "")
+
+    def _drop(self, *severities: str) -> None:
+        kept = [one for one in self._said if one[0] not in severities]
+        if kept != self._said:  # not so with nearly every edit
+            self._said = kept
+            self._show()
+
+    def _show(self) -> None:
+        """Show the latest."""
+        severity, text = self._said[-1] if self._said else ("information", "")
+        self._notice.show_text(text, severity)
+
+    def _close(self) -> None:
+        """The message that is seen is closed; the one below it comes into sight."""
+        self._drop(self._notice.severity)

@@ -247,7 +247,7 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     picture = PICTURE_SHARE * width * height
     headings = _headings_width(docks.library)
     bars = _height_of_bars(viewer, window.findChild(ImageViewer, "image_viewer.1"))
-    room = height - window.menuBar().height() - window.statusBar().height()
+    room = height - window.menuBar().height()
     if layout == "picture_beside":
         tall = max(1, room - bars)
         window.resizeDocks([viewer, docks.library], [round(picture / tall), headings], _Across)

@@ -142,8 +142,9 @@ class NoiseOf(Recipe):
             names = ", ".join(dict.fromkeys(noise.name for noise in noises if noise.pattern))
             raise DataError(
                 f"a known pattern ({names}) of {self.image.rows} × {self.image.columns} "
-                "samples must be computed as a whole, and --memory "
-                f"{amount_text(work.blocks.disk.memory_bytes)} is too small for it"
+                "samples must be computed as a whole, and "
+                f"{amount_text(work.blocks.disk.memory_bytes)} of memory are too few for it",
+                hint="give more with --memory",
             )
         without = noise_free(picture)
         alone = [

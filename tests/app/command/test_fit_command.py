@@ -250,7 +250,7 @@ def test_one_band_of_several_is_fitted(imagechain, files):
     assert "blur.sigma_x_mrad" in done.stdout
     without = imagechain(*words)
     assert without.returncode == 2
-    assert "two.img has 2 bands: name the one to measure, --band 0 to 1" in without.stderr
+    assert "two.img has 2 bands: choose the band to measure, 0 to 1; give --band" in without.stderr
 
 
 def test_what_the_fitted_network_warns_of_is_told(imagechain, files):

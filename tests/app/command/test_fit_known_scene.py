@@ -86,7 +86,7 @@ def test_blur_and_registration_are_recovered(imagechain, scene):
         (("other.npy",), "does not show the network's scene"),
         (("unlike.npy",), "% of its contrast (variance) is left"),
         (("small.npy",), "the picture has 96 × 64 samples"),
-        (("taken.npy", "other.npy"), "takes one picture, not 2"),
+        (("taken.npy", "other.npy"), "fitted to one picture, not 2"),
     ],
 )
 def test_what_is_no_picture_of_the_scene_is_refused(imagechain, scene, pictures, why):

@@ -48,7 +48,7 @@ def test_figures_of_flat_fields_are_told_from_the_pictures_own(tmp_path):
         np.save(flats[-1], np.stack([numbers(np.full((128, 128), level)) for _ in range(4)]))
     np.save(tmp_path / "dark.npy", np.stack([numbers(np.zeros((128, 128))) for _ in range(4)]))
     alone = measure_files(MeasurePlan((tmp_path / "edge.npy",)))
-    assert any("(--flats)" in line for line in remarks(alone))
+    assert any("frames of flat fields" in line for line in remarks(alone))
     assert not any("alone" in meaning for *_, meaning in figure_rows(alone))
     beside = measure_files(
         MeasurePlan(
@@ -56,7 +56,7 @@ def test_figures_of_flat_fields_are_told_from_the_pictures_own(tmp_path):
         )
     )  # fmt: skip
     assert beside.flats.curve.gain_e_per_dn == pytest.approx(5.0, rel=0.05)
-    assert not any("(--flats)" in line for line in remarks(beside))
+    assert not any("frames of flat fields" in line for line in remarks(beside))
     own = [meaning for name, *_, meaning in figure_rows(beside) if name in ("gain", "read_noise")]
     said = [line for line in remarks(beside) if "gain" in line or "read noise" in line]
     assert own or said

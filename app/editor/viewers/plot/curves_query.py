@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from app.editor.declared_text import error_text
 from app.editor.evaluation.queries import Passing, Query
-from app.editor.viewers.network_ports import HOW_TO_MARK
-from app.run.output import sound_part
+from app.run.output import HOW_TO_MARK, sound_part
 from app.run.responses import LineStageResponse, responses_along
 from app.run.transfer_chain import Chain, Stage, find_chain
 from core.chain.engine import Plan

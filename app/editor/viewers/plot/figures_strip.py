@@ -14,11 +14,10 @@ from app.editor.evaluation.evaluator import Evaluator, Freshness
 from app.editor.evaluation.queries import Answer, PassDone, Passing, Query
 from app.editor.session import Session
 from app.editor.theme import FAINT, TEXT
-from app.editor.viewers.network_ports import HOW_TO_MARK
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets import ElidedLabel
 from app.run.figures import ELECTRONICS_FIGURES, SENSOR_FIGURES, sensor_node
-from app.run.output import find_output, sound_part
+from app.run.output import HOW_TO_MARK, find_output, sound_part
 from core.chain.engine import Plan
 from core.errors import ImagechainError
 

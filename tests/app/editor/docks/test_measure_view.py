@@ -205,7 +205,7 @@ def test_a_band_of_a_file_is_chosen(view, qtbot, two_edges, tmp_path):
     assert not view.band.isEnabled()
     view.measure_files((tmp_path / "cube.img",))
     qtbot.waitUntil(lambda: not view.worker.busy)
-    assert view.status.title.text().endswith("name the one to measure, Band 0 to 1")
+    assert view.status.title.text().endswith("choose the band to measure, 0 to 1")
     view.band.setValue(1)
     qtbot.waitUntil(lambda: view.measured is not None)
     assert view.measured.x.edges == 2
@@ -223,5 +223,7 @@ def test_no_option_of_the_command_is_named(view, qtbot, two_edges):
     table = view.figures
     cells = [table.item(row, 0) for row in range(table.rowCount())]
     texts = [cell.text() for cell in cells if cell is not None]
-    assert any("frames of flat fields at several levels, and without light" in t for t in texts)
+    assert any(
+        "frames of flat fields at several levels, and frames without light" in t for t in texts
+    )
     assert not any("--" in text for text in texts)

@@ -9,7 +9,14 @@ import pytest
 from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
+from PySide6.QtWidgets import (
+    QApplication,
+    QFileDialog,
+    QLineEdit,
+    QMessageBox,
+    QPushButton,
+    QWidget,
+)
 
 from app.editor.recovery_files import Autosave
 from app.run.shipped import shipped_networks
@@ -227,17 +234,19 @@ def test_left_work_is_said_where_a_network_is_opened_at_the_start(left_behind, m
     again = make_window()
     again.resize(500, 400)
     again.open_first("first_steps")
-    assert "unsaved work in" in again.status.error
-    assert "never saved" in again.status.error
+    assert "unsaved work in" in again.status.warning
+    assert "never saved" in again.status.warning
+    label = again.findChild(QWidget, "status.message.text")
+    qtbot.waitUntil(lambda: label.width() < label.sizeHint().width())
     again.resize(1600, 900)
-    qtbot.waitUntil(lambda: again.status._error.text() == again.status.error)
+    qtbot.waitUntil(lambda: label.width() >= label.sizeHint().width())
     assert left_behind.exists()
 
 
 def test_nothing_is_said_where_nothing_was_left(make_window):
     window = make_window()
     window.open_first("first_steps")
-    assert window.status.error == ""
+    assert window.status.error == window.status.warning == ""
 
 
 # --- the layout --------------------------------------------------------------------------------

@@ -108,7 +108,7 @@ def test_a_picture_is_exported(window, hand, idle, tmp_path):
         path = tmp_path / f"shown{suffix}"
         export(window, hand, path)
         assert path.stat().st_size > 0, suffix
-        assert str(path) in window.statusBar().currentMessage(), suffix
+        assert str(path) in window.status.note, suffix
     samples = window.viewers.images[1].picture.samples
     np.testing.assert_array_equal(np.load(tmp_path / "shown.npy"), samples)
 

@@ -278,7 +278,7 @@ def test_the_end_of_a_run_is_said_where_the_list_is_hidden(desk, qtbot, tmp_path
     number = add_frames(desk, qtbot, 2)
     desk.runs.dock.hide()
     assert over(desk, qtbot, number).state == "done"
-    assert desk.status.currentMessage() == "mine: 2 frames: done"
+    assert desk.status.note == "mine: 2 frames: done"
     number = add_frames(desk, qtbot)
     desk.runs.dock.hide()
     (pid,) = computing(desk, qtbot, number)
@@ -335,7 +335,7 @@ def test_a_report_is_cancelled_by_its_button(desk, qtbot, tmp_path):
     (entry,) = desk.runs.queue.entries
     assert over(desk, qtbot, entry.number).state == "cancelled"
     assert not desk.runs.status.isVisible()
-    assert "nothing was written" in desk.status.currentMessage()
+    assert "nothing was written" in desk.status.note
     assert names(tmp_path) == before
 
 

@@ -41,7 +41,7 @@ def test_without_a_node_there_is_nothing_to_find(window):
     window.files.new()
     press(window, Qt.Key.Key_F, CTRL)
     assert not window.canvas.search_is_open()
-    assert "no node" in window.status.currentMessage()
+    assert "no node" in window.status.note
 
 
 def test_a_new_backdrop_takes_what_is_typed_as_its_title(kodak):
@@ -99,7 +99,7 @@ def test_distributed_nodes_have_equal_gaps(kodak):
 def test_one_node_alone_cannot_be_aligned(kodak):
     kodak.session.select(["scene"])
     press(kodak, Qt.Key.Key_Left, ALT)
-    assert "select two nodes" in kodak.status.currentMessage()
+    assert "select two nodes" in kodak.status.note
 
 
 def test_m_turns_the_map_off_and_on(kodak):

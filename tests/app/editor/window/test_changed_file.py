@@ -152,9 +152,9 @@ def test_a_change_by_another_program_is_told_when_it_happens(make_window, file, 
         new.write_text(content)
         new.replace(file)  # as most editors save
         qtbot.waitUntil(lambda: bool(said), timeout=60000)
-        assert said == [("note", "another program has changed mine.json: Save asks what to do")]
+        assert said == [("warning", "another program has changed mine.json: Save asks what to do")]
     window.files.save_to(file, over=True)
     said.clear()
     file.unlink()
     qtbot.waitUntil(lambda: bool(said), timeout=60000)
-    assert said == [("note", "another program has removed mine.json: Save asks what to do")]
+    assert said == [("warning", "another program has removed mine.json: Save asks what to do")]

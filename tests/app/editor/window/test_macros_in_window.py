@@ -274,7 +274,7 @@ def test_an_own_macro_becomes_a_preset(grouped, window, settings):
     window.actions_by_name["save_preset"].trigger()
     folder = settings.path.parent / "presets"
     assert [path.name for path in folder.iterdir()] == ["lens.json"]
-    assert str(folder) in window.status.currentMessage()
+    assert str(folder) in window.status.note
     item = library_item(window, "lens")
     assert item.parent().text(0) == "Own presets"
     click_twice(window, item)

@@ -173,7 +173,7 @@ def test_of_an_empty_network_nothing_is_kept(window, idle):
     window.activateWindow()
     give_focus(window.canvas.view)
     QTest.keyClick(QApplication.focusWidget(), KEY.Key_K, CTRL)
-    assert window.status.currentMessage() == "the network is empty: there is nothing to keep"
+    assert window.status.note == "the network is empty: there is nothing to keep"
     assert window.snapshots.states == []
 
 

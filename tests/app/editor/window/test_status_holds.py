@@ -14,20 +14,20 @@ def test_that_it_was_saved_is_gone_with_the_next_edit(window, hand, tmp_path):
     add(window, "test_scene")
     assert window.session.save(tmp_path / "mine.json")
     window.files.save()
-    assert "saved" in window.status.currentMessage()
+    assert "saved" in window.status.note
     hand.click(hand.middle("test_scene"))
-    assert "saved" in window.status.currentMessage()  # it still is
+    assert "saved" in window.status.note  # it still is
     hand.key(KEY.Key_D)
-    assert window.status.currentMessage() == ""
+    assert window.status.note == ""
 
 
 def test_what_to_select_is_gone_once_something_is_selected(window, hand):
     add(window, "test_scene")
     window.session.select([])
     hand.key(KEY.Key_F1)
-    assert "select a node" in window.status.currentMessage()
+    assert "select a node" in window.status.note
     hand.click(hand.middle("test_scene"))
-    assert window.status.currentMessage() == ""
+    assert window.status.note == ""
 
 
 def test_that_a_node_shows_nothing_is_gone_with_its_wire(window, hand, idle):
@@ -35,12 +35,12 @@ def test_that_a_node_shows_nothing_is_gone_with_its_wire(window, hand, idle):
     add(window, "write_image", (300.0, 0.0))
     hand.click(hand.middle("write_image"))
     hand.key(KEY.Key_1)
-    assert "it has no input" in window.status.currentMessage()
+    assert "it has no input" in window.status.note
     hand.drag(
         hand.port("test_scene", "image", "output"), hand.port("write_image", "image", "input")
     )
     assert Link("test_scene", "image", "write_image", "image") in window.session.network.links
-    assert window.status.currentMessage() == ""
+    assert window.status.note == ""
 
 
 def test_that_work_was_left_behind_is_gone_where_it_is_offered(window):
@@ -59,9 +59,9 @@ def test_what_a_region_takes_is_said_after_it_was_drawn(window, idle, qtbot):
     hands.key(Qt.Key.Key_R)
     hands.drag((30, 40), (70, 90))
     idle(window)
-    assert "Arrow keys" in window.status.currentMessage()
+    assert "Arrow keys" in window.status.note
     window.session.do(set_parameter("measured", "samples", 65))
-    assert window.status.currentMessage() == ""
+    assert window.status.note == ""
 
 
 # --- an empty canvas -----------------------------------------------------------------------------

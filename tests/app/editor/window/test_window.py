@@ -47,7 +47,7 @@ def test_a_picture_dropped_on_the_scene_replaces_it_in_one_step(window, tmp_path
     assert (after.links, after.layout) == (before.links, before.layout)
     assert after.nodes["scene"].params["fov_x_deg"] == pytest.approx(10.0)
     assert window.session.selection == ("scene",)
-    note = window.status.currentMessage()
+    note = window.status.note
     assert note.startswith("own.npy, 8 × 6 samples, replaces Test Scene; samples 0…47 scaled to ")
     assert "(" not in note  # no names of options, which a drop has not
     window.session.undo()

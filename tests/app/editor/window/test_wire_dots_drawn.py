@@ -128,7 +128,7 @@ def test_r_where_there_is_no_wire_says_what_to_do(window, hand, chain):
     hand.click(hand.at(300, 500))
     hand.key(KEY.Key_R)
     assert chain.network == chain_and_free_blur()
-    assert "point at a wire" in window.status.currentMessage()
+    assert "point at a wire" in window.status.note
 
 
 def test_a_second_dot_comes_before_or_behind_the_first_where_it_is_put(window, hand, bent):
