@@ -19,7 +19,8 @@ class Theme:
 
     `ports` colours wires and ports by their type, `groups` the heads of nodes by the library's
     groups, `badges` the marks of a node's state, `channels` the red, green and blue of a picture
-    composed of three bands. Fusion draws buttons lighter than `button`.
+    composed of three bands, `surround` lies round a picture. Fusion draws buttons lighter than
+    `button`.
 
     Text has a contrast of at least 4.5 to 1 on each of its grounds (WCAG 2.1). Any two of `ports`,
     and of the eight `curves`, differ by at least 10 (CIEDE2000) to usual sight and to protanopes,
@@ -39,6 +40,7 @@ class Theme:
     accent_text: str
     error: str
     changed: str
+    surround: str
     canvas: str
     grid: str
     node: str
@@ -89,6 +91,7 @@ DARK = Theme(
     accent_text="#0b0f14",
     error="#f7867e",
     changed="#e8b04a",
+    surround="#1d2024",
     canvas="#1f2226",
     grid="#292d32",
     node="#343940",
@@ -144,6 +147,7 @@ LIGHT = Theme(
     accent_text="#ffffff",
     error="#b32720",
     changed="#855200",
+    surround="#d6d9de",
     canvas="#e9ebee",
     grid="#dcdfe4",
     node="#fbfbfc",

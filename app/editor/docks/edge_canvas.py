@@ -21,7 +21,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QToolTip, QWidget
 
-from app.editor.theme import FAINT
+from app.editor.theme import FAINT, theme_of
 from app.measure.measurement_text import REFUSED, REMOVED, USED
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ class EdgeCanvas(QWidget):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         painter = QPainter(self)
-        painter.fillRect(self.rect(), self.palette().base())
+        painter.fillRect(self.rect(), QColor(theme_of(self).surround))
         preview = self._preview
         if preview is None or self._image is None or self._measured is None:
             painter.setPen(self.palette().color(FAINT))

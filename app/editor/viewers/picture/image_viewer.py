@@ -25,6 +25,7 @@ from app.editor.viewers.pixels.grey_levels import NAMES, colour_table
 from app.editor.viewers.pixels.picture_choices import (
     AUTOMATIC_LEVELS,
     Choices,
+    Scale,
     bands_of,
     numbers_of,
 )
@@ -91,7 +92,21 @@ class ImageViewer(Viewer):
     def look_at(self, port: str | None) -> None:
         """Show what is on ``node.port``; None shows nothing."""
         self._lost = None
-        self._choose(port=port or None)
+        self._choose(port=port or None, mapping=self._mapping_of(port))
+
+    def _mapping_of(self, port: str | None) -> Scale:
+        """How a wire is drawn at first: a spectrum, which spans decades, by its logarithm."""
+        chosen = self.choices.mapping
+        was, now = self._is_spectrum(self.choices.port), self._is_spectrum(port)
+        if was == now:
+            return chosen
+        return "log" if now else "linear" if chosen == "log" else chosen
+
+    def _is_spectrum(self, port: str | None) -> bool:
+        node, _, name = (port or "").rpartition(".")
+        declared = self.session.declared(node)
+        output = declared.output(name) if declared is not None else None
+        return output is not None and output.types[0] == "magnitude"
 
     def compare_with(self, port: str | None, mode: str = "wipe") -> None:
         """Compare with another wire: "wipe" or "difference"; None ends it."""

@@ -90,7 +90,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def _take_colours(self) -> None:
         self.theme = theme = theme_of(self)
-        self.setBackground(theme.base)
+        self.setBackground(theme.surround)
         paint_axes(self.plot, theme)
         for part in (self.levels, self.profile, self.region, self.spectra):
             part.set_theme(theme)

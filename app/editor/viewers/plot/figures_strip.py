@@ -7,7 +7,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
 
 from app.editor.declared_text import error_text
 from app.editor.evaluation.evaluator import Evaluator, Freshness
@@ -15,7 +15,7 @@ from app.editor.evaluation.queries import Answer, PassDone, Passing, Query
 from app.editor.session import Session
 from app.editor.theme import FAINT, TEXT
 from app.editor.viewers.viewer import Viewer
-from app.editor.widgets import ElidedLabel
+from app.editor.widgets import ElidedLabel, FlowLayout
 from app.run.figures import ELECTRONICS_FIGURES, SENSOR_FIGURES, sensor_node
 from app.run.output import HOW_TO_MARK, find_output, sound_part
 from core.chain.engine import Plan
@@ -39,14 +39,14 @@ class FiguresStrip(Viewer):
         self.setAccessibleName("Figures of the sensor")
         self._slots: list[tuple[ElidedLabel, ElidedLabel]] = []
         self._names: tuple[str, ...] = ()
-        self._layout = QHBoxLayout(self)
+        self._layout = FlowLayout(self, across=14, down=2)  # no figure is ever cut short
         self._layout.setContentsMargins(8, 2, 8, 3)
-        self._layout.setSpacing(14)
         for name, caption in ((OUTPUT, "Output"), *ELECTRONICS_FIGURES, (RUN_TIME, "Run time")):
             self._add(name, caption)
         self._name_slots(ELECTRONICS_FIGURES)
-        self._layout.addStretch(1)
-        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        policy.setHeightForWidth(True)
+        self.setSizePolicy(policy)
         session.selection_changed.connect(self.ask)
         self._freshness: Freshness | None = None
         if evaluator is not None:
@@ -86,17 +86,19 @@ class FiguresStrip(Viewer):
         self.label(RUN_TIME).show_text(NONE)
 
     def _add(self, name: str, caption: str) -> None:
-        head = ElidedLabel(f"{self.owner}.{name}.caption", f"What {caption} means", self)
+        both = QWidget(self)
+        head = ElidedLabel(f"{self.owner}.{name}.caption", f"What {caption} means", both)
         font = head.font()
         font.setPointSizeF(font.pointSizeF() * 0.85)
         head.setFont(font)
         head.show_text(caption)
-        value = ElidedLabel(f"{self.owner}.{name}", caption, self)
-        cell = QVBoxLayout()
+        value = ElidedLabel(f"{self.owner}.{name}", caption, both)
+        cell = QVBoxLayout(both)
+        cell.setContentsMargins(0, 0, 0, 0)
         cell.setSpacing(0)
         cell.addWidget(head)
         cell.addWidget(value)
-        self._layout.addLayout(cell)
+        self._layout.addWidget(both)
         head.setForegroundRole(FAINT)
         self._slots.append((head, value))
 

@@ -35,6 +35,7 @@ SUBTITLE = 0.8  # opacity of a node's second line
 def test_texts_of_the_theme_on_all_its_grounds(theme):
     backdrop = mixed(theme.raised, theme.canvas, 130 / 255)
     grounds = (theme.window, theme.base, theme.raised, theme.node, theme.canvas, backdrop)
+    assert contrast(theme.text, theme.surround) >= LEAST  # of the axes round a picture
     for text in (theme.text, theme.faint_text, theme.error, theme.changed):
         for ground in grounds:
             assert contrast(text, ground) >= LEAST, (text, ground)

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPointF, Qt
+from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QWidget
 
@@ -217,6 +217,31 @@ def test_the_reason_for_no_picture_stands_where_the_picture_would(bench, viewer,
     assert "init" in shown(other)
     other.look_at(None)
     assert other._hint.text().startswith("Choose a wire")
+
+
+def test_a_spectrum_is_drawn_by_its_logarithm_until_linear_is_chosen(bench, viewer, qtbot):
+    def choose(mapping):
+        menu = viewer.bar.menus[0]
+        menu.popup(viewer.mapToGlobal(QPoint(10, 10)))
+        (action,) = [one for one in menu.actions() if one.objectName() == mapping]
+        qtbot.mouseClick(menu, Qt.MouseButton.LeftButton, pos=menu.actionGeometry(action).center())
+        bench.settle()
+
+    assert viewer.picture.mapping == "linear"
+    viewer.look_at("init.magnitude")
+    bench.settle()
+    assert viewer.picture.logarithmic
+    assert "log₁₀" in shown(viewer)
+    choose("linear")
+    assert not viewer.picture.logarithmic
+    viewer.look_at("optics.magnitude")
+    bench.settle()
+    assert not viewer.picture.logarithmic  # as chosen for the spectrum before
+    viewer.look_at(FINAL)
+    viewer.look_at("init.magnitude")
+    viewer.look_at(FINAL)
+    bench.settle()
+    assert viewer.picture.mapping == "linear"
 
 
 def test_another_document_is_not_shown_under_the_old_name(bench, viewer, opened):

@@ -1,0 +1,68 @@
+"""No figure is cut short, in any dock, layout or shipped network, in a window of 1366 × 768."""
+
+from typing import get_args
+
+import pytest
+from PySide6.QtWidgets import QTableView
+
+from app.editor.theme import LIGHT
+from app.editor.widgets import ElidedLabel
+from app.editor.window.window_layout import LayoutName
+
+SIZE = 1366, 768
+
+
+def cut_short(window):
+    """Texts with a digit that have less room than they need, with the names of their widgets."""
+    found = [
+        (label.objectName(), label.text())
+        for label in window.findChildren(ElidedLabel)
+        if label.isVisible()
+        and any(letter.isdigit() for letter in label.text())
+        and label.contentsRect().width() < label.fontMetrics().horizontalAdvance(label.text())
+    ]
+    for table in window.findChildren(QTableView):
+        if not table.isVisible():
+            continue
+        model = table.model()
+        for index in (
+            model.index(row, column)
+            for row in range(model.rowCount())
+            for column in range(model.columnCount())
+        ):
+            text = str(index.data() or "")
+            one_cell = table.columnSpan(index.row(), index.column()) == 1
+            number = text[:1].isdigit() and one_cell
+            if number and table.fontMetrics().horizontalAdvance(text) > table.columnWidth(
+                index.column()
+            ):
+                found.append((table.objectName(), text))
+    return found
+
+
+@pytest.mark.parametrize("network", ["kodak_kir310", "mwir_camera", "microbolometer"])
+def test_figures_are_read_in_full(window, idle, network):
+    window.resize(*SIZE)
+    window.files.open_now(network)
+    idle(window)
+    assert window.figures.isVisible()
+    for layout in get_args(LayoutName):
+        window.choose_layout(layout)
+        idle(window)
+        assert cut_short(window) == [], layout
+    for dock in ("snapshots", "fit", "trade_off", "measure"):
+        window.actions_by_name[dock].trigger()
+        idle(window)
+        assert cut_short(window) == [], dock
+
+
+def test_the_light_look_has_a_quiet_grey_round_the_picture(window, idle):
+    window.set_theme(LIGHT)
+    window.files.open_now("first_steps")
+    idle(window)
+    canvas = window.viewers.images[1].canvas
+    drawn = canvas.grab().toImage()
+    corner = drawn.pixelColor(drawn.width() // 3, 3)
+    assert corner.name() == LIGHT.surround
+    assert corner.lightness() < 225
+    assert corner.hsvSaturation() < 20
