@@ -7,7 +7,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.editor.declared_text import error_text
 from app.editor.evaluation.evaluator import Evaluator, Freshness
@@ -39,14 +39,11 @@ class FiguresStrip(Viewer):
         self.setAccessibleName("Figures of the sensor")
         self._slots: list[tuple[ElidedLabel, ElidedLabel]] = []
         self._names: tuple[str, ...] = ()
-        self._layout = FlowLayout(self, across=14, down=2)  # no figure is ever cut short
+        self._layout = FlowLayout(self, across=10, down=2)  # no figure is ever cut short
         self._layout.setContentsMargins(8, 2, 8, 3)
         for name, caption in ((OUTPUT, "Output"), *ELECTRONICS_FIGURES, (RUN_TIME, "Run time")):
             self._add(name, caption)
         self._name_slots(ELECTRONICS_FIGURES)
-        policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
-        policy.setHeightForWidth(True)
-        self.setSizePolicy(policy)
         session.selection_changed.connect(self.ask)
         self._freshness: Freshness | None = None
         if evaluator is not None:

@@ -12,6 +12,14 @@ from app.editor.window.window_layout import LayoutName
 SIZE = 1366, 768
 
 
+def room_of(label, window):
+    """The width a label has; of the strip's, what is seen of it: none below the strip's foot."""
+    if not window.figures.isAncestorOf(label):
+        return label.contentsRect().width()
+    shown = label.visibleRegion().boundingRect()
+    return shown.width() if shown.height() >= label.fontMetrics().ascent() else 0
+
+
 def cut_short(window):
     """Texts with a digit that have less room than they need, with the names of their widgets."""
     found = [
@@ -19,7 +27,7 @@ def cut_short(window):
         for label in window.findChildren(ElidedLabel)
         if label.isVisible()
         and any(letter.isdigit() for letter in label.text())
-        and label.contentsRect().width() < label.fontMetrics().horizontalAdvance(label.text())
+        and room_of(label, window) < label.fontMetrics().horizontalAdvance(label.text())
     ]
     for table in window.findChildren(QTableView):
         if not table.isVisible():
