@@ -18,10 +18,12 @@ from core.editing.clipboard import as_new, pasted
 from core.editing.layout import Point
 from core.editing.operations import ABSENT, Operation, Together, check_plain, set_parameter
 from core.errors import FileError, ImagechainError, NetworkError
-from core.modules.declaration import Declaration, Library
+from core.modules.declaration import Declaration, Library, declaration
+from core.modules.parameters import Parameter
 from core.names import shown, thaw
 from core.network.file import read_text, read_unchanged, save_network
 from core.network.linked_values import expression_text
+from core.network.macro import face_of_macro
 from core.network.network import Network, Node
 from core.network.parsing import read_json
 
@@ -40,6 +42,7 @@ class Preset:
     text: str = ""
     own: bool = False  # whether the person saved it, and it does not come with the program
     problem: str = ""  # why it cannot be used; empty if it can
+    body: Network | None = None  # the macro's inside; None where it cannot be used
 
     @property
     def key(self) -> str:
@@ -108,6 +111,44 @@ def save_preset(network: Network, name: str, folder: Path, library: Library) -> 
     return path
 
 
+Difference = tuple[str, Parameter, Any]
+"""A node of a preset's inside, a parameter of it, and its value."""
+
+
+def told_apart(presets: Iterable[Preset], library: Library) -> dict[str, list[Difference]]:
+    """In what each preset differs from its siblings, by its key.
+
+    Siblings take the same inputs. Compared are parameters that one of them sets, where another has
+    a node of that name and module, too.
+    """
+    found: dict[str, list[Difference]] = {}
+    kinds: dict[frozenset[str], list[Preset]] = {}
+    for preset in presets:
+        if preset.body is not None:
+            kinds.setdefault(frozenset(face_of_macro(preset.body).inputs), []).append(preset)
+    for siblings in kinds.values():
+        inside = {preset.key: preset.body.nodes for preset in siblings if preset.body is not None}
+        used = [
+            (node.id, node.module, name)
+            for nodes in inside.values()
+            for node in nodes.values()
+            for name in node.params
+        ]
+        for place, key, name in dict.fromkeys(used):
+            declared = declaration(library[key]).parameter(name) if key in library else None
+            if declared is None:
+                continue
+            values = {
+                preset: nodes[place].params.get(name, declared.default)
+                for preset, nodes in inside.items()
+                if place in nodes and nodes[place].module == key
+            }
+            if any(value != next(iter(values.values())) for value in values.values()):
+                for preset, value in values.items():
+                    found.setdefault(preset, []).append((place, declared, value))
+    return found
+
+
 def preset_of(key: str, presets: Iterable[Preset]) -> Preset | None:
     return next((preset for preset in presets if preset.key == key), None)
 
@@ -120,7 +161,7 @@ def _preset(path: Path, library: Library, *, own: bool) -> Preset:
     except ImagechainError as error:
         return Preset(path, path.stem, error.message, own, error.message)
     body = nodes[0].macro
-    return Preset(path, body.name or nodes[0].id, body.description, own)
+    return Preset(path, body.name or nodes[0].id, body.description, own, body=body)
 
 
 # Named sets of a module's parameters, kept in the person's folder: one file a module.

@@ -6,6 +6,7 @@ from PySide6.QtTest import QTest
 
 from app.editor.library_view import MIME_TYPE, LibraryView, dragged_module
 from app.editor.theme import DARK, LIGHT
+from app.run.preset_files import shipped_presets
 from core.modules.declaration import declaration
 from screen_places import place_of_module
 
@@ -138,6 +139,32 @@ def test_words_of_the_trade_find_their_module(view, chosen, typed, best, also):
     assert {best, *also} <= set(visible(view))
     QTest.keyClick(view.filter, Qt.Key.Key_Return)
     assert chosen == [best]
+
+
+def test_presets_are_told_apart_by_what_differs(view, library):
+    presets = shipped_presets(library)
+    view.show_presets(presets)
+    items = {p.path.stem: view.tree.modules[p.key] for p in presets}
+    lenses = {stem: item.toolTip(0) for stem, item in items.items() if stem.startswith("lens")}
+    assert "Size x 2.1618 cm · Size y 2.1618 cm" in lenses["lens_flir_tau2_19mm"]
+    assert "Size x 5.9259 cm" in lenses["lens_flir_tau2_50mm"]
+    assert not any("Radius" in text for text in lenses.values())  # all have the same
+    camera = items["camera_kodak_kir310"].toolTip(0)
+    for told in ("Focal length 200 mm", "F number 2", "Material PtSi"):
+        assert told in camera
+    assert "Focal length 25 mm" in items["camera_flir_tau2_640_25mm"].toolTip(0)
+
+
+def test_long_names_that_begin_alike_show_their_ends(view, library):
+    view.show_presets(shipped_presets(library))
+    view.resize(150, 500)
+    assert view.tree.textElideMode() == Qt.TextElideMode.ElideMiddle
+    item = view.tree.modules["preset:shipped:lens_flir_tau2_19mm"]
+    room = view.tree.visualItemRect(item).width()
+    metrics = view.tree.fontMetrics()
+    shown = metrics.elidedText(item.text(0), view.tree.textElideMode(), room - 8)
+    assert shown.endswith("F/1.25")
+    assert "…" in shown
 
 
 def test_analysis_begins_with_what_judges_a_sensor(view):
