@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 from typing import Literal, get_args
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF
 from PySide6.QtWidgets import (
-    QFrame,
     QHBoxLayout,
     QLabel,
     QSizePolicy,
@@ -17,13 +17,14 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.editor.declared_text import tip
 from app.editor.theme import CHANGED, ERROR, FAINT
-from app.editor.widgets import ElidedLabel, WheelScrollArea, plain_label, tool_button
+from app.editor.widgets import ElidedLabel, plain_label, show_or_hide, tool_button
 
 Severity = Literal["information", "warning", "error"]
 ROLES = {"information": FAINT, "warning": CHANGED, "error": ERROR}
 _GRAVEST_FIRST = tuple(reversed(get_args(Severity)))
-_LINES = 6  # of notices that are seen without scrolling
+_MOST = 3  # notices in sight
 
 # Shapes in a square from -1 to 1: they are told apart without their colours.
 _TRIANGLE = ((0.0, -0.95), (1.0, 0.85), (-1.0, 0.85))
@@ -154,51 +155,35 @@ class Notice(QWidget):
         self.closed.emit()
 
 
-class NoticeList(WheelScrollArea):
-    """Notices below one another, the gravest first; no place is taken where there is none."""
+class NoticeList(QWidget):
+    """The gravest notices, below one another; the next comes into sight where one is closed."""
 
     def __init__(self, name: str, words: str, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName(name)
         self.setAccessibleName(words)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setWidgetResizable(True)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
-        self._inside = QWidget(self)
-        self._rows = QVBoxLayout(self._inside)
-        self._rows.setContentsMargins(6, 2, 6, 2)
-        self._rows.setSpacing(2)
-        self.setWidget(self._inside)
-        self.notices: list[Notice] = []
+        self.left: list[tuple[Severity, str]] = []  # those that have not been closed
+        self._notices = [Notice(f"{name}.{row}", self) for row in range(_MOST)]
+        self._more = plain_label(f"{name}.more", self, role=FAINT)
+        rows = QVBoxLayout(self)
+        rows.setContentsMargins(6, 2, 6, 2)
+        rows.setSpacing(2)
+        for row, notice in enumerate(self._notices):
+            notice.closed.connect(partial(self._close, row))
+            rows.addWidget(notice)
+        rows.addWidget(self._more)
         self.hide()
 
     def show_notices(self, said: Iterable[tuple[Severity, str]]) -> None:
         """Show these in place of those before, the ones that were closed among them."""
-        for old in self.notices:
-            old.hide()  # it is deleted later
-            old.deleteLater()
-        self.notices = []
-        for severity, text in sorted(said, key=lambda one: _GRAVEST_FIRST.index(one[0])):
-            notice = Notice(f"{self.objectName()}.{len(self.notices)}", self._inside)
+        self.left = sorted(said, key=lambda one: _GRAVEST_FIRST.index(one[0]))
+        for row, notice in enumerate(self._notices):
+            severity, text = self.left[row] if row < len(self.left) else ("information", "")
             notice.show_text(text, severity)
-            notice.closed.connect(self._fit)
-            self._rows.addWidget(notice)
-            self.notices.append(notice)
-        self._fit()
+        more = len(self.left) - _MOST
+        show_or_hide(self._more, f"and {more} more" if more > 0 else "")
+        self._more.setToolTip(tip("\n".join(text for _, text in self.left[_MOST:])))
+        self.setVisible(bool(self.left))
 
-    @property
-    def shown(self) -> list[tuple[Severity, str]]:
-        return [(one.severity, one.text) for one in self.notices if one.text]
-
-    def resizeEvent(self, event: object) -> None:
-        super().resizeEvent(event)  # type: ignore[arg-type] # Qt's
-        self._fit()
-
-    def _fit(self) -> None:
-        """As high as its texts at this width, within limits."""
-        self.setVisible(bool(self.shown))
-        needed = self._rows.heightForWidth(max(self.width(), 100))
-        height = min(max(needed, 0), _LINES * self.fontMetrics().lineSpacing())
-        if height != self.height():
-            self.setFixedHeight(height)
+    def _close(self, row: int) -> None:
+        self.show_notices([*self.left[:row], *self.left[row + 1 :]])

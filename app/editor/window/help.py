@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
-from PySide6.QtCore import QObject, QProcess, Qt, QTimer, QUrl, Signal
-from PySide6.QtGui import QDesktopServices
+from PySide6.QtCore import QEvent, QObject, QProcess, Qt, QTimer, QUrl, Signal
+from PySide6.QtGui import QDesktopServices, QHideEvent, QImage, QPainter, QTextDocument
+from PySide6.QtSvg import QSvgRenderer
 from PySide6.QtWidgets import (
     QApplication,
     QDialog,
     QDialogButtonBox,
     QMessageBox,
-    QPlainTextEdit,
+    QTextBrowser,
     QVBoxLayout,
     QWidget,
 )
 
-from app.editor.declared_text import flowing
+from app.editor.declared_text import flowing, label_of
 from app.editor.dialogs import SaveDialog, show_beside
+from app.editor.docks.measure_worker import MeasureWorker
 from app.editor.docks.run_queue import python_environment
 from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.session import Session
+from app.editor.theme import TEXT
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot import plot_export
 from app.editor.viewers.plot.plot_viewer import PlotViewer
@@ -202,11 +207,12 @@ class HandbookOpening(QObject):
 
 # The text of a module, to be read at leisure.
 
-_WIDE, _HIGH = 96, 34  # letters, lines
+_WIDE, _HIGH = 120, 36  # letters, lines
+_IMAGE = int(QTextDocument.ResourceType.ImageResource.value)
 
 
 class ModuleText(QDialog):
-    """A window with what a module does; it scrolls where that is long."""
+    """A window with a module's text, typeset formulas, and its parameters in a table."""
 
     more_wanted = Signal(str)  # (key): the module's page in the handbook is to be opened
 
@@ -214,21 +220,18 @@ class ModuleText(QDialog):
         super().__init__(parent)
         self.setObjectName("module_help")
         self.setWindowTitle(declared.title)
-        self.text = QPlainTextEdit(flowing(declared.text), self)
-        self.text.setReadOnly(True)
+        self.text = QTextBrowser(self)
+        self.text.setPlainText(flowing(declared.text))  # until the formulas are typeset
+        self.text.setOpenLinks(False)
         self.text.setObjectName("module_help.text")
         self.text.setAccessibleName(f"What {declared.title} does")
         self.text.setTabChangesFocus(True)
-        self.text.setTextInteractionFlags(
-            Qt.TextInteractionFlag.TextSelectableByMouse
-            | Qt.TextInteractionFlag.TextSelectableByKeyboard
-        )
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
         self.more = buttons.addButton(
             "More in the &Handbook", QDialogButtonBox.ButtonRole.ActionRole
         )
         self.more.setObjectName("module_help.more")
-        self.more.setToolTip("Formulas, sources, curves and an example, in the browser (F1)")
+        self.more.setToolTip("Curves and an example, in the browser (F1)")
         self.more.setShortcut("F1")
         self.more.clicked.connect(lambda *_: self.more_wanted.emit(declared.key))
         buttons.rejected.connect(self.reject)
@@ -237,3 +240,38 @@ class ModuleText(QDialog):
         layout.addWidget(buttons)
         metrics = self.fontMetrics()
         self.resize(metrics.averageCharWidth() * _WIDE, metrics.height() * _HIGH)
+        self._declared = declared
+        self._typesetting = MeasureWorker(self)
+        self._typesetting.done.connect(self._show)
+        self._typeset()
+
+    def changeEvent(self, event: QEvent) -> None:
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange and hasattr(self, "_typesetting"):
+            self._typeset()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        self._typesetting.drop()
+
+    def _typeset(self) -> None:
+        ink, em = self.palette().color(TEXT).name(), float(self.fontMetrics().height())
+        self._typesetting.start(
+            # Imported where it is used: typesetting takes a second to load.
+            lambda _check, _report: import_module("app.handbook.module_help").module_help(
+                self._declared, label=label_of, em=em, ink=ink
+            )
+        )
+
+    def _show(self, made: Any) -> None:
+        for address, svg in made.drawings.items():
+            drawing, dots = QSvgRenderer(svg), self.devicePixelRatioF()
+            picture = QImage(
+                drawing.defaultSize() * dots, QImage.Format.Format_ARGB32_Premultiplied
+            )
+            picture.fill(Qt.GlobalColor.transparent)
+            painter = QPainter(picture)
+            drawing.render(painter)
+            painter.end()
+            self.text.document().addResource(_IMAGE, QUrl(address), picture)
+        self.text.setHtml(made.text)

@@ -144,7 +144,7 @@ class MainWindow(QMainWindow):
             )
 
     def show_welcome(self) -> None:
-        self.status.forget_all()
+        self.status.forget(closed=True)
         self._show_lists()
         self.pages.show_first()
 
@@ -410,7 +410,7 @@ class MainWindow(QMainWindow):
 
     def _opened(self) -> None:
         self.viewers.forget_pictures()
-        self.status.forget_all()
+        self.status.forget(closed=True)
         # Once the canvas has its place: it may not have been shown yet.
         QTimer.singleShot(0, self.canvas.frame_all)
 

@@ -5,17 +5,14 @@ No band of the window is kept for it, and nothing moves when a message comes or 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import QEvent, QObject, QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenuBar, QProgressBar, QPushButton, QWidget
 
-from app.editor.notices import ROLES, Notice, Severity
+from app.editor.notices import Notice, Severity
 
 NOTE_MS = 8000
-_SEVERITIES: Mapping[str, Severity] = MappingProxyType({"error": "error", "warning": "warning"})
 _BEHIND = "stopped: shows the earlier result; Ctrl+Enter computes it again"
 
 
@@ -79,20 +76,16 @@ class StatusBar(QWidget):
         An empty warning takes the last one back.
         """
         self._advises = kind == "advice"
-        severity = _SEVERITIES.get(kind, "information")
+        severity: Severity = kind if kind in ("error", "warning") else "information"  # type: ignore[assignment]
         self._drop("information", severity if severity == "warning" else "error")
         self._said += [(severity, text)] if text else []
         if severity == "information":
             self._over.start()
         self._show()
 
-    def forget(self) -> None:
-        """Clear what was about the network as it was."""
-        self._drop("information", "error")
-
-    def forget_all(self) -> None:
-        """Clear what was about a network that is no more."""
-        self._drop(*ROLES)
+    def forget(self, *, closed: bool = False) -> None:
+        """Clear what was about the network as it was; warnings too where it is closed."""
+        self._drop("information", "error", *(["warning"] if closed else []))
 
     def forget_advice(self) -> None:
         """Clear what was about a selection that is no more."""

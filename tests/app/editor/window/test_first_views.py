@@ -101,10 +101,7 @@ def test_f1_tells_what_the_module_does_in_a_window_that_fits(window, idle, qtbot
     assert told.isVisible()
     assert told.height() < 700
     assert told.windowTitle() == "Figures of Merit"
-    paragraphs = told.text.toPlainText().split("\n\n")
-    assert len(paragraphs) > 2
-    assert not any("\n" in each for each in paragraphs)
-    assert "MRTD" in paragraphs[0]
+    assert "MRTD" in told.text.toPlainText().partition("\n")[0]
     qtbot.waitUntil(told.isActiveWindow)
     QTest.keyClick(told, Qt.Key.Key_Escape)
     qtbot.waitUntil(lambda: window.findChild(ModuleText) is None)

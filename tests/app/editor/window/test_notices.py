@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMainWindow, QStatusBar, QWidget
 
-from app.editor.notices import ROLES, Mark, NoticeList
+from app.editor.notices import ROLES, Mark, Notice, NoticeList
 from app.editor.theme import THEMES
 from core.editing.document import Document
 from core.editing.operations import set_parameter
@@ -96,14 +96,21 @@ def test_a_list_has_the_gravest_first_and_is_gone_once_all_are_closed(qtbot):
     shown = NoticeList("some", "Warnings", None)
     qtbot.addWidget(shown)
     shown.resize(300, 200)
-    shown.show_notices([("information", "a"), ("error", "c"), ("warning", "b " * 200)])
-    assert [severity for severity, _ in shown.shown] == ["error", "warning", "information"]
-    assert shown.isVisible()
-    for notice in shown.notices:
-        QTest.mouseClick(notice.away, Qt.MouseButton.LeftButton)
+    said = [("information", "a"), ("error", "c"), ("warning", "b " * 100), ("warning", "d")]
+    shown.show_notices(said)
+    assert [severity for severity, _ in shown.left] == [
+        "error", "warning", "warning", "information",
+    ]  # fmt: skip
+    seen = [one.text for one in shown.findChildren(Notice) if one.isVisible()]
+    assert seen == ["c", "b " * 100, "d"]
+    assert shown.findChild(QWidget, "some.more").text() == "and 1 more"
+    for _ in said:
+        assert shown.isVisible()
+        first = next(one for one in shown.findChildren(Notice) if one.isVisible())
+        QTest.mouseClick(first.away, Qt.MouseButton.LeftButton)
     assert not shown.isVisible()
     shown.show_notices([("warning", "d")])
-    assert shown.shown == [("warning", "d")]
+    assert shown.isVisible()
 
 
 def test_no_text_of_the_window_names_an_option_of_the_command_line():
