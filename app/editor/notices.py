@@ -7,7 +7,7 @@ from functools import partial
 from typing import Literal, get_args
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -17,9 +17,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.declared_text import tip
 from app.editor.theme import CHANGED, ERROR, FAINT
-from app.editor.widgets import ElidedLabel, plain_label, show_or_hide, tool_button
+from app.editor.widgets import ElidedLabel, plain_label, tool_button
 
 Severity = Literal["information", "warning", "error"]
 ROLES = {"information": FAINT, "warning": CHANGED, "error": ERROR}
@@ -61,18 +60,6 @@ def draw_mark(
     for x, y, to_x, to_y in _SIGNS[severity]:
         painter.drawLine(QPointF(x, y), QPointF(to_x, to_y + 1e-3))
     painter.restore()
-
-
-def mark_icon(severity: Severity, widget: QWidget) -> QIcon:
-    """The mark for an item of a list, in the colours of its widget."""
-    side, palette = 32, widget.palette()
-    picture = QPixmap(side, side)
-    picture.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(picture)
-    ink, ground = palette.color(ROLES[severity]), palette.color(palette.ColorRole.Base)
-    draw_mark(painter, QRectF(0, 0, side, side), severity, ink, ground)
-    painter.end()
-    return QIcon(picture)
 
 
 class Mark(QWidget):
@@ -156,33 +143,41 @@ class Notice(QWidget):
 
 
 class NoticeList(QWidget):
-    """The gravest notices, below one another; the next comes into sight where one is closed."""
+    """Notices below one another, the gravest first; of many, the others by a button."""
 
     def __init__(self, name: str, words: str, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName(name)
         self.setAccessibleName(words)
         self.left: list[tuple[Severity, str]] = []  # those that have not been closed
-        self._notices = [Notice(f"{name}.{row}", self) for row in range(_MOST)]
-        self._more = plain_label(f"{name}.more", self, role=FAINT)
-        rows = QVBoxLayout(self)
-        rows.setContentsMargins(6, 2, 6, 2)
-        rows.setSpacing(2)
-        for row, notice in enumerate(self._notices):
-            notice.closed.connect(partial(self._close, row))
-            rows.addWidget(notice)
-        rows.addWidget(self._more)
+        self._notices: list[Notice] = []
+        self.more = tool_button(f"{name}.more", "", "Show all messages, or the gravest", self)
+        self.more.setCheckable(True)
+        self.more.toggled.connect(self._show)
+        self._rows = QVBoxLayout(self)
+        self._rows.setContentsMargins(6, 2, 6, 2)
+        self._rows.setSpacing(2)
+        self._rows.addWidget(self.more)
         self.hide()
 
     def show_notices(self, said: Iterable[tuple[Severity, str]]) -> None:
         """Show these in place of those before, the ones that were closed among them."""
         self.left = sorted(said, key=lambda one: _GRAVEST_FIRST.index(one[0]))
+        for row in range(len(self._notices), len(self.left)):
+            notice = Notice(f"{self.objectName()}.{row}", self)
+            notice.closed.connect(partial(self._close, row))
+            self._notices.append(notice)
+            self._rows.insertWidget(row, notice)
+        self._show()
+
+    def _show(self, *_: object) -> None:
+        shown = self.left if self.more.isChecked() else self.left[:_MOST]
         for row, notice in enumerate(self._notices):
-            severity, text = self.left[row] if row < len(self.left) else ("information", "")
+            severity, text = shown[row] if row < len(shown) else ("information", "")
             notice.show_text(text, severity)
         more = len(self.left) - _MOST
-        show_or_hide(self._more, f"and {more} more" if more > 0 else "")
-        self._more.setToolTip(tip("\n".join(text for _, text in self.left[_MOST:])))
+        self.more.setText("Fewer" if self.more.isChecked() else f"{more} More")
+        self.more.setVisible(more > 0)
         self.setVisible(bool(self.left))
 
     def _close(self, row: int) -> None:

@@ -38,7 +38,40 @@ Matrix = NDArray[np.float64]
 _MOST_LEVELS = 24
 _CLIPPED = 0.02  # of a picture's samples, as of an edge's
 _TWO_LEVELS = 2
+_SAME_SIZE = 0.02  # of a sample's size, within which two are the same
 _NOTHING = 1e-9  # of a variance: what rounding makes where there is none
+
+
+@dataclass(frozen=True)
+class TakenWith:
+    """What is known of the camera that took a picture."""
+
+    name: str
+    interval_x_mrad: float | None = None
+    interval_y_mrad: float | None = None
+    band_um: tuple[float, float] | None = None
+
+    def unlike(self, final: Image) -> list[str]:
+        """In what the chain's final picture is not of that camera, as warnings."""
+        lines = []
+        own, chain = self.band_um, final.band_um
+        if own and chain and (own[0] > chain[1] or chain[0] > own[1]):
+            lines.append(
+                f"the picture {self.name} was taken from {own[0]:.4g} to {own[1]:.4g} µm, and "
+                f"the chain works from {chain[0]:.4g} to {chain[1]:.4g} µm: the values are not those of its "
+                "camera; set the chain's band, or fit a picture taken in it"
+            )
+        for way, mine, other in (
+            ("across", self.interval_x_mrad, final.interval_x_mrad),
+            ("down", self.interval_y_mrad, final.interval_y_mrad),
+        ):
+            if mine and other and abs(mine / other - 1.0) > _SAME_SIZE:
+                lines.append(
+                    f"a sample of {self.name} is {mine:.4g} mrad {way}, and one of the chain's "
+                    f"final picture {other:.4g} mrad: the values are wrong by about that ratio, "
+                    f"{mine / other:.3g}; set the chain's geometry to the camera's"
+                )
+        return lines
 
 
 @dataclass(frozen=True)
@@ -48,6 +81,11 @@ class FittedPictures:
     # lowest and highest number that a sample can have
     clip_levels: tuple[float, float] | None = None
     warnings: tuple[str, ...] = ()  # what to know of the files, one line each
+    taken: tuple[TakenWith, ...] = ()  # what is known of their cameras
+
+    def warnings_beside(self, final: Image) -> list[str]:
+        """What to know of them where they are fitted to a chain."""
+        return [*self.warnings, *(line for one in self.taken for line in one.unlike(final))]
 
     @property
     def text(self) -> str:
@@ -80,7 +118,11 @@ def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPi
     if repeated:
         warnings.append(repeated_words(repeated))
     limits = common_limits(opened)
-    return FittedPictures(tuple(names), tuple(samples), limits, tuple(warnings))
+    taken = tuple(
+        TakenWith(file.path.name, file.interval_x_mrad, file.interval_y_mrad, file.band_um)
+        for file in opened
+    )
+    return FittedPictures(tuple(names), tuple(samples), limits, tuple(warnings), taken)
 
 
 def fit_pictures(
@@ -122,7 +164,11 @@ def fit_pictures(
         result,
         noise=comparison,
         refused=choice.refused,
-        warnings=(*pictures.warnings, *result.warnings, *_of_chain(engine, plan, free, result)),
+        warnings=(
+            *pictures.warnings_beside(final),
+            *result.warnings,
+            *_of_chain(engine, plan, free, result),
+        ),
         notes=(*result.notes, *_notes(choice, final, passed_area=has_area(passed))),
     )
 
@@ -163,7 +209,8 @@ def fit_known_scene(
     report("parameters")
     result = fit_scene(problem, np.array([middle_of(parameter) for parameter in free]))
     of_chain = _of_chain(engine, plan, free, result)
-    return replace(result, warnings=(*pictures.warnings, *result.warnings, *of_chain))
+    known = pictures.warnings_beside(final_image(plan))
+    return replace(result, warnings=(*known, *result.warnings, *of_chain))
 
 
 def _of_chain(

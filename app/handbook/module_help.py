@@ -11,6 +11,7 @@ from app.handbook.written_pages import default, module_page
 from core.modules.declaration import Declaration
 
 _SVG = re.compile(r'<svg [^>]*aria-label="([^"]*)" width="([\d.]+)em" height="([\d.]+)em".*?</svg>')
+_FINE = 2  # dots of a drawing for one of the text: some screens have as many
 _LINES = "border-collapse: collapse; border-color: #808080"
 _HEADS = ("Parameter", "Unit", "Range", "Default", "Meaning")
 
@@ -42,8 +43,8 @@ def module_help(
         tex, width, height = found[1], round(float(found[2]) * em), round(float(found[3]) * em)
         address = f"formula:{len(drawings)}"
         svg = drawing.replace("<svg ", f'<svg xmlns="http://www.w3.org/2000/svg" fill="{ink}" ', 1)
-        svg = svg.replace(f'"{found[2]}em"', f'"{width}"', 1)
-        drawings[address] = svg.replace(f'"{found[3]}em"', f'"{height}"', 1).encode()
+        svg = svg.replace(f'"{found[2]}em"', f'"{_FINE * width}"', 1)
+        drawings[address] = svg.replace(f'"{found[3]}em"', f'"{_FINE * height}"', 1).encode()
         return f'<img src="{address}" alt="{tex}" width="{width}" height="{height}">'
 
     parts = [f"<p>{text}</p>" for text in page.paragraphs]

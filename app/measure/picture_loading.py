@@ -57,6 +57,8 @@ class PictureFile:
     gamma: Gamma = ""
     is_lossy: bool = False  # whether the format leaves out what the eye would not miss
     is_stack: bool = False  # whether it holds frames, were it a single one
+    # ends of the band that is measured, where the header has its wavelength
+    band_um: tuple[float, float] | None = None
 
     def pictures(self) -> Iterator[Matrix]:
         """The frames in turn, in double precision.
@@ -122,8 +124,15 @@ def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
     dtype = np.dtype(info.dtype)
     return PictureFile(
         path, info.rows, info.columns, 1, chosen, taken, info.unit or "", x, y, limits_of(dtype),
-        gamma=_gamma(info), is_lossy=info.lossy,
+        gamma=_gamma(info), is_lossy=info.lossy, band_um=_band_um(info, chosen),
     )  # fmt: skip
+
+
+def _band_um(info: PictureInfo, band: int | None) -> tuple[float, float] | None:
+    if band is None or info.wavelengths_um is None:
+        return None
+    centre, half = info.wavelengths_um[band], 0.5 * (info.fwhm_um[band] if info.fwhm_um else 0.0)
+    return centre - half, centre + half
 
 
 def _gamma(info: PictureInfo) -> Gamma:

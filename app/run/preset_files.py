@@ -139,13 +139,13 @@ def told_apart(presets: Iterable[Preset], library: Library) -> dict[str, list[Di
             if declared is None:
                 continue
             values = {
-                preset: nodes[place].params.get(name, declared.default)
-                for preset, nodes in inside.items()
+                which: nodes[place].params.get(name, declared.default)
+                for which, nodes in inside.items()
                 if place in nodes and nodes[place].module == key
             }
             if any(value != next(iter(values.values())) for value in values.values()):
-                for preset, value in values.items():
-                    found.setdefault(preset, []).append((place, declared, value))
+                for which, value in values.items():
+                    found.setdefault(which, []).append((place, declared, value))
     return found
 
 

@@ -18,7 +18,6 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import tip
-from app.editor.notices import mark_icon
 from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.theme import FAINT
 from app.editor.widgets import CopiedTable
@@ -145,36 +144,18 @@ class FigureTable(CopiedTable):
     def cells(self, row: int) -> Sequence[str]:
         return self._rows[row]
 
-    def show_rows(self, rows: Sequence[tuple[str, str, str, str]], remarks: Sequence[str]) -> None:
-        """Show name, value, unit and meaning of figures, and below them what is to be known."""
-        self._rows = (*((meaning, value, unit) for _, value, unit, meaning in rows),
-                      *((text, "", "") for text in remarks))  # fmt: skip
-        self.clearSpans()
+    def show_rows(self, rows: Sequence[tuple[str, str, str, str]]) -> None:
+        """Show name, value, unit and meaning of figures."""
+        self._rows = tuple((meaning, value, unit) for _, value, unit, meaning in rows)
         self.setRowCount(len(self._rows))
         for row, texts in enumerate(self._rows):
             for column, text in enumerate(texts):
                 item = QTableWidgetItem(text)
                 if column == 1:
                     item.setTextAlignment(_RIGHT)
-                if row < len(rows):
-                    item.setToolTip(rows[row][0])
+                item.setToolTip(rows[row][0])
                 self.setItem(row, column, item)
-            if row >= len(rows):
-                self.setSpan(row, 0, 1, len(_FIGURE_HEADS))
-        self._mark(len(rows))
         self.resizeRowsToContents()
-
-    def changeEvent(self, event: QEvent) -> None:
-        super().changeEvent(event)
-        if event.type() == QEvent.Type.PaletteChange and self._rows:
-            self._mark(sum(bool(row[1]) for row in self._rows))
-
-    def _mark(self, first: int) -> None:
-        """Show the remarks, from a row on, as information."""
-        for row in range(first, len(self._rows)):
-            if (item := self.item(row, 0)) is not None:
-                item.setIcon(mark_icon("information", self))
-                item.setForeground(self.palette().color(FAINT))
 
 
 # The pooled MTF with its error, and the chosen edge's, in one small chart.

@@ -155,7 +155,7 @@ def drawn_edges(patches: tuple[Patch, ...], edges: EdgesAt) -> tuple[DrawnEdge, 
 
 
 def _pictures(pictures: Pictures) -> FittedPictures:
-    from app.fit.picture_fit import FittedPictures, read_pictures
+    from app.fit.picture_fit import FittedPictures, TakenWith, read_pictures
     from app.measure.picture_loading import BandsError
 
     if not isinstance(pictures, ViewerPicture):
@@ -165,7 +165,11 @@ def _pictures(pictures: Pictures) -> FittedPictures:
             raise UsageError(
                 f"{error.what}: show one of them in a viewer and fit to that"
             ) from error
-    return FittedPictures((pictures.name,), (np.asarray(pictures.samples, np.float64),))
+    taken = TakenWith(
+        pictures.name, pictures.interval_x_mrad, pictures.interval_y_mrad, pictures.band_um
+    )
+    samples = (np.asarray(pictures.samples, np.float64),)
+    return FittedPictures((pictures.name,), samples, taken=(taken,))
 
 
 def _outcome(task: FitTask, result: FitResult) -> FitOutcome:

@@ -32,7 +32,7 @@ from app.editor.docks.measure_worker import (
     shown_in,
 )
 from app.editor.gestures import without_argument
-from app.editor.notices import NoticeList, sentence
+from app.editor.notices import NoticeList, Severity, sentence
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.viewer import StatusLine
@@ -48,8 +48,12 @@ if TYPE_CHECKING:
 _KINDS = ";;".join(
     (dialog_filter("Page", HTML), dialog_filter("Everything", JSON), dialog_filter("MTF", CSV))
 )
-_WARNING = "warning: "  # of a remark
 _REMOVE, _USE = "Remove Edge", "Use Edge Again"
+
+
+def _said(remark: str) -> tuple[Severity, str]:
+    text = remark.removeprefix("warning: ")
+    return "information" if text == remark else "warning", sentence(text)
 
 
 @dataclass(frozen=True)
@@ -273,7 +277,7 @@ class MeasureView(WorkerView):
         buttons = (self.viewer, self.file, self.stop, self.remove, self.unused, self.fit)
         for widget in (*buttons, self.write, self.band, self.pictures):
             flow.addWidget(widget)
-        self.notices = NoticeList("measure.notices", "Warnings of the measurement", self)
+        self.notices = NoticeList("measure.notices", "Warnings and notes of the measurement", self)
         self.canvas = EdgeCanvas(self)
         self.chart = MtfChart(self)
         self.table = EdgeTable(self)
@@ -393,18 +397,13 @@ class MeasureView(WorkerView):
         self.pictures.setVisible(self.pictures.count() > 1)
         self.table.show_measured(measured)
         if measured is None:
-            self.figures.show_rows((), ())
+            self.figures.show_rows(())
             self.notices.show_notices(())
         else:
             from app.measure.measurement_text import figure_rows, frame_rows, remarks
 
-            rows = [*figure_rows(measured), *frame_rows(measured)]
-            lines = remarks(measured)
-            warned = [line for line in lines if line.startswith(_WARNING)]
-            self.figures.show_rows(rows, [sentence(line) for line in lines if line not in warned])
-            self.notices.show_notices(
-                ("warning", sentence(line.removeprefix(_WARNING))) for line in warned
-            )
+            self.figures.show_rows([*figure_rows(measured), *frame_rows(measured)])
+            self.notices.show_notices(map(_said, remarks(measured)))
         self._show_edge()
 
     def _show_edge(self) -> None:

@@ -33,6 +33,7 @@ class ViewerPicture:
     interval_x_mrad: float | None
     interval_y_mrad: float | None
     taken: str
+    band_um: tuple[float, float] | None = None
 
 
 def picture_of(number: int, viewer: ImageViewer) -> ViewerPicture:
@@ -52,7 +53,7 @@ def picture_of(number: int, viewer: ImageViewer) -> ViewerPicture:
     taken = f"the band at {wavelengths[0]:.4g} µm" if wavelengths else ""
     return ViewerPicture(
         f"viewer {number}: {port}", np.asarray(picture.samples), picture.facts.unit,
-        value.interval_x_mrad, value.interval_y_mrad, taken,
+        value.interval_x_mrad, value.interval_y_mrad, taken, picture.facts.band_um,
     )  # fmt: skip
 
 

@@ -7,9 +7,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QEvent, QObject, QProcess, Qt, QTimer, QUrl, Signal
-from PySide6.QtGui import QDesktopServices, QHideEvent, QImage, QPainter, QTextDocument
-from PySide6.QtSvg import QSvgRenderer
+from PySide6.QtCore import QByteArray, QEvent, QObject, QProcess, QTimer, QUrl, Signal
+from PySide6.QtGui import QDesktopServices, QHideEvent, QTextDocument
 from PySide6.QtWidgets import (
     QApplication,
     QDialog,
@@ -265,13 +264,5 @@ class ModuleText(QDialog):
 
     def _show(self, made: Any) -> None:
         for address, svg in made.drawings.items():
-            drawing, dots = QSvgRenderer(svg), self.devicePixelRatioF()
-            picture = QImage(
-                drawing.defaultSize() * dots, QImage.Format.Format_ARGB32_Premultiplied
-            )
-            picture.fill(Qt.GlobalColor.transparent)
-            painter = QPainter(picture)
-            drawing.render(painter)
-            painter.end()
-            self.text.document().addResource(_IMAGE, QUrl(address), picture)
+            self.text.document().addResource(_IMAGE, QUrl(address), QByteArray(svg))
         self.text.setHtml(made.text)

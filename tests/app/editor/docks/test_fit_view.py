@@ -187,6 +187,25 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
         assert button.accessibleName()
 
 
+def test_a_picture_of_another_band_is_warned_of_above_the_figures(fitting, files, qtbot):
+    """The chain works from 8 to 12 µm."""
+    view, free = fitting.fitting, fitting.session.free
+    np.load(files / "edge.npy").astype("<f8").tofile(files / "mwir.img")
+    (files / "mwir.hdr").write_text(
+        "ENVI\nsamples = 64\nlines = 64\nbands = 1\ndata type = 5\ninterleave = bsq\n"
+        "byte order = 0\nwavelength units = micrometers\nwavelength = { 4.0 }\nfwhm = { 2.0 }\n"
+    )
+    free.put(FreeNumber("blur", "sigma_x_mrad"))
+    view.choose_pictures((files / "mwir.img",))
+    view.begin()
+    qtbot.waitUntil(lambda: view.outcome is not None)
+    warned = [text for severity, text in view.notices.left if severity == "warning"]
+    assert any(text.startswith("The picture mwir.img was taken from 3 to 5 µm") for text in warned)
+    assert view.notices.isVisible()
+    assert view.notices.geometry().bottom() < view.table.mapTo(view, QPoint()).y()
+    assert "µm" not in view.words.toPlainText()
+
+
 def test_what_is_free_comes_back_with_its_node(fitting):
     window, session = fitting, fitting.session
     session.free.put(FreeNumber("blur", "sigma_x_mrad", 0.01, 0.2))

@@ -78,7 +78,7 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     first = next(place for place in used if place != second)
     view.choose(first)
     view.switch()
-    texts = [view.figures.item(row, 0).text() for row in range(view.figures.rowCount())]
+    texts = [text for _, text in view.notices.left]
     assert "No horizontal MTF: 2 edges that would give it are removed by you." in texts
     view.switch()
     view.choose(second)
@@ -220,9 +220,7 @@ def test_a_band_of_a_file_is_chosen(view, qtbot, two_edges, tmp_path):
 def test_no_option_of_the_command_is_named(view, qtbot, two_edges):
     view.measure_files((two_edges,))
     qtbot.waitUntil(lambda: view.measured is not None)
-    table = view.figures
-    cells = [table.item(row, 0) for row in range(table.rowCount())]
-    texts = [cell.text() for cell in cells if cell is not None]
+    texts = [text for _, text in view.notices.left]
     assert any(
         "frames of flat fields at several levels, and frames without light" in t for t in texts
     )

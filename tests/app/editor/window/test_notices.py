@@ -103,7 +103,9 @@ def test_a_list_has_the_gravest_first_and_is_gone_once_all_are_closed(qtbot):
     ]  # fmt: skip
     seen = [one.text for one in shown.findChildren(Notice) if one.isVisible()]
     assert seen == ["c", "b " * 100, "d"]
-    assert shown.findChild(QWidget, "some.more").text() == "and 1 more"
+    assert shown.more.text() == "1 More"
+    QTest.mouseClick(shown.more, Qt.MouseButton.LeftButton)
+    assert [one.text for one in shown.findChildren(Notice) if one.isVisible()] == [*seen, "a"]
     for _ in said:
         assert shown.isVisible()
         first = next(one for one in shown.findChildren(Notice) if one.isVisible())

@@ -1,0 +1,89 @@
+"""A picture of another band, or with samples of another size, than the chain's is warned of."""
+
+import json
+
+import numpy as np
+import pytest
+
+from app.fit.picture_fit import TakenWith, read_pictures
+from core.chain.wires import Image
+from edge_truth import blur_network, gaussian_edge
+
+HEADER = """ENVI
+samples = 64
+lines = 64
+bands = 1
+header offset = 0
+data type = 5
+interleave = bsq
+byte order = 0
+wavelength units = micrometers
+wavelength = {{ {centre} }}
+fwhm = {{ {width} }}
+fov_x = {fov}
+"""
+MWIR = 3.0, 5.0
+
+
+@pytest.fixture
+def files(tmp_path):
+    network = blur_network(blur=("gaussian_mtf", {"sigma_x_mrad": 0.06, "sigma_y_mrad": 0.05}))
+    network["nodes"]["scene"]["params"] |= {"cut_on_um": MWIR[0], "cut_off_um": MWIR[1]}
+    (tmp_path / "net.json").write_text(json.dumps(network), encoding="utf-8")
+    picture = gaussian_edge(
+        angle_deg=6.0, sigma=(0.6, 0.5), shape=(64, 64), levels=(1000, 4000), noise=20.0, seed=5
+    )
+    for name, centre, width in (("lwir", 10.0, 4.0), ("mwir", 4.0, 2.0), ("touching", 5.5, 1.0)):
+        picture.astype("<f8").tofile(tmp_path / f"{name}.img")
+        text = HEADER.format(centre=centre, width=width, fov=0.0)
+        text = text.replace("fov_x = 0.0\n", "")
+        (tmp_path / f"{name}.hdr").write_text(text, encoding="utf-8")
+    np.save(tmp_path / "plain.npy", picture)
+    return tmp_path
+
+
+def fitted(files, imagechain, name):
+    done = imagechain(
+        "fit", "net.json", "--to", name, "--free", "blur.sigma_x_mrad", "--json", "fit.json"
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads((files / "fit.json").read_text())["warnings"], done.stdout
+
+
+def test_bands_that_do_not_overlap_are_warned_of(files, imagechain):
+    warnings, printed = fitted(files, imagechain, "lwir.img")
+    words = (
+        "the picture lwir.img was taken from 8 to 12 µm, and the chain works from 3 to 5 µm: the "
+        "values are not those of its camera"
+    )
+    assert any(line.startswith(words) for line in warnings)
+    assert "from 8 to 12 µm" in printed
+    for name in ("mwir.img", "touching.img", "plain.npy"):
+        assert not any("µm" in line for line in fitted(files, imagechain, name)[0]), name
+
+
+def test_the_band_of_a_file_is_that_of_its_header(files):
+    (taken,) = read_pictures([files / "lwir.img"]).taken
+    assert taken.band_um == (8.0, 12.0)
+    (taken,) = read_pictures([files / "plain.npy"]).taken
+    assert (taken.band_um, taken.interval_x_mrad) == (None, None)
+
+
+def final(**facts):
+    return Image(None, (8, 8), "", **facts)
+
+
+@pytest.mark.parametrize(
+    ("own", "chain", "warned"),
+    [((0.1, 0.1), (0.1, 0.1), 0), ((0.1, 0.1), (0.101, 0.1), 0), ((0.2, 0.2), (0.1, 0.1), 2),
+     ((0.2, 0.1), (0.1, 0.1), 1), ((None, None), (0.1, 0.1), 0), ((0.2, 0.2), (None, None), 0)],
+)  # fmt: skip
+def test_samples_of_another_size_are_warned_of(own, chain, warned):
+    image = final(interval_x_mrad=chain[0], interval_y_mrad=chain[1])
+    lines = TakenWith("taken.tif", *own).unlike(image)
+    assert len(lines) == warned
+    if warned:
+        assert lines[0].startswith(
+            "a sample of taken.tif is 0.2 mrad across, and one of the chain's final picture 0.1 "
+            "mrad: the values are wrong by about that ratio, 2"
+        )
