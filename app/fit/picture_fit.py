@@ -58,8 +58,8 @@ class TakenWith:
         if own and chain and (own[0] > chain[1] or chain[0] > own[1]):
             lines.append(
                 f"the picture {self.name} was taken from {own[0]:.4g} to {own[1]:.4g} µm, and "
-                f"the chain works from {chain[0]:.4g} to {chain[1]:.4g} µm: the values are not those of its "
-                "camera; set the chain's band, or fit a picture taken in it"
+                f"the chain works from {chain[0]:.4g} to {chain[1]:.4g} µm: the values are not "
+                "those of its camera; set the chain's band, or fit a picture taken in it"
             )
         for way, mine, other in (
             ("across", self.interval_x_mrad, final.interval_x_mrad),

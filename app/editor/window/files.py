@@ -12,6 +12,7 @@ from app.editor.dialogs import ROLE, FileDialog, Question, SaveDialog, drop_dial
 from app.editor.session import Session
 from app.editor.window.opening import NETWORK_SUFFIX, Opened, open_named
 from app.editor.window.recent_files import Settings
+from app.run.open_marks import OpenMark
 from core.editing.document import Document, rebased
 from core.errors import ImagechainError
 from core.network.network import Network
@@ -40,6 +41,8 @@ class Files(QObject):
         self._window = window
         self._watcher = QFileSystemWatcher(self)
         self._watcher.fileChanged.connect(self._wait_for_file)
+        self._watcher.directoryChanged.connect(self._wait_for_file)
+        self._mark: OpenMark | None = None
         self._told = ""
         # Programs that replace a file take it away first.
         self._settled = QTimer(self, singleShot=True, interval=_SETTLED_MS)
@@ -126,15 +129,25 @@ class Files(QObject):
             following()
 
     def _watch(self) -> None:
-        """Follow the document's own file, to say at once when another program changes it."""
+        """Follow the document's own file, and other windows that open it, to say so at once."""
+        self.close()
         if self._told:
             self._session.message.emit("warning", "")  # it holds no longer
         self._told = ""
         path = self._session.document.path
-        if watched := self._watcher.files():
+        if watched := [*self._watcher.files(), *self._watcher.directories()]:
             self._watcher.removePaths(watched)
         if path is not None:
-            self._watcher.addPath(str(path))
+            self._mark = OpenMark(path)
+            seen = (path, self._mark.folder)
+            self._watcher.addPaths([str(one) for one in seen if one.exists()])
+            self._wait_for_file()
+
+    def close(self) -> None:
+        """Have the file open no longer."""
+        if self._mark is not None:
+            self._mark.let_go()
+        self._mark = None
 
     def _wait_for_file(self) -> None:
         self._settled.start()
@@ -145,12 +158,14 @@ class Files(QObject):
             return
         if str(document.path) not in self._watcher.files():
             self._watcher.addPath(str(document.path))  # another file has its name now
-        done = document.disagreement()
-        if done and done != self._told:
-            self._session.message.emit(
-                "warning", f"another program has {done} {document.path.name}: Save asks what to do"
-            )
-        self._told = done
+        name, said = document.path.name, ""
+        if done := document.disagreement():
+            said = f"another program has {done} {name}: Save asks what to do"
+        elif self._mark is not None and self._mark.is_shared:
+            said = f"another window has {name} open too: save in one of them only"
+        if said != self._told:
+            self._session.message.emit("warning", said)
+        self._told = said
 
     def has_unsaved_work(self) -> bool:
         """Whether there is work that no file holds, what is being typed included."""
