@@ -159,9 +159,9 @@ def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> N
     """Refuse a format in which a picture on disk cannot be written row after row, and frames."""
     if frames is not None and frames > 1:
         raise UsageError(
-            f"--frames {frames}: a picture of {image.rows} × {image.columns} samples is "
+            f"{frames} frames: a picture of {image.rows} × {image.columns} samples is "
             "computed in blocks and can have only one frame: give 1, or run again with "
-            "another --seed"
+            "another seed"
         )
     if not any(kind.matches(path) for kind in STREAMED):
         words = " ".join(suffix for kind in STREAMED for suffix in kind.suffixes)

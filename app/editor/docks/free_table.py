@@ -12,7 +12,7 @@ from app.editor.declared_text import about, label_of, tip
 from app.editor.docks.fit_job import FittedNumber
 from app.editor.number_text import FreeNumber, shown_number
 from app.editor.session import Session
-from app.editor.theme import ERROR
+from app.editor.theme import CHANGED
 from app.editor.typed_number import typed_number
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
@@ -81,7 +81,7 @@ class FreeTable(QTableWidget):
                     self._put(row, column, text, number)
                 value = self.item(row, _FITTED)
                 if value is not None and fitted is not None and fitted.value is None:
-                    value.setForeground(self.palette().color(ERROR))
+                    value.setForeground(self.palette().color(CHANGED))
 
     def _put(self, row: int, column: int, text: str, number: FreeNumber) -> None:
         item = self.item(row, column)  # one that is being typed in has to stay

@@ -45,7 +45,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.declared_text import tip
 from app.editor.docks.run_queue import Entry, RunQueue
-from app.editor.theme import ERROR, FAINT
+from app.editor.theme import CHANGED, ERROR, FAINT
 from app.editor.widgets import ElidedLabel, FlowLayout, centred_hint, tool_button
 
 _NUMBER, _SHARE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
@@ -193,12 +193,12 @@ class RunsView(QWidget):
         item.setText(1, state_text(entry, now))
         running = entry.state in ("running", "stopping")
         item.setData(1, _SHARE, entry.share if running else None)
-        bad = entry.state == "failed" or bool(entry.result and entry.result.failures)
+        failed, some = entry.state == "failed", bool(entry.result and entry.result.failures)
         faint = entry.state in ("waiting", "cancelled")
         text = QPalette.ColorRole.Text
-        role = ERROR if bad else FAINT if faint else text
+        role = ERROR if failed else CHANGED if some else FAINT if faint else text
         for column in (0, 1):
-            shown_in = text if bad and column == 0 else role
+            shown_in = text if column == 0 and not faint else role
             item.setForeground(column, self.palette().color(shown_in))
             item.setToolTip(column, tip(whole_text(entry, now)))
 

@@ -197,7 +197,7 @@ def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, 
         ),
         (
             ["--save", "back.image=b.npy", "--frames", "2"],
-            "--frames 2: a picture of 99 × 84 samples is computed in blocks and can have only one",
+            "2 frames: a picture of 99 × 84 samples is computed in blocks and can have only one",
         ),
         (
             ["--save", "blur.magnitude=b.npy"],
@@ -224,7 +224,8 @@ def test_a_judge_that_needs_the_whole_keeps_no_picture_from_being_written(
     (line,) = json.loads(done.stdout)["left_out"]
     assert line.startswith("measured is left out: ")
     assert (
-        "needs the whole picture of 99 × 84 samples and cannot run in blocks, and --memory 50 kB"
+        "needs the whole picture of 99 × 84 samples and cannot run in blocks, and 50 kB of memory "
+        "are too few"
         in line
     )
     assert (tmp_path / "out/final.png").stat().st_size
