@@ -23,7 +23,7 @@ from app.editor.widgets import ElidedLabel, plain_label, tool_button
 Severity = Literal["information", "warning", "error"]
 ROLES = {"information": FAINT, "warning": CHANGED, "error": ERROR}
 _GRAVEST_FIRST = tuple(reversed(get_args(Severity)))
-_MOST = 3  # notices in sight
+_MOST = 2  # notices in sight
 
 # Shapes in a square from -1 to 1: they are told apart without their colours.
 _TRIANGLE = ((0.0, -0.95), (1.0, 0.85), (-1.0, 0.85))

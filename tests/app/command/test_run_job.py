@@ -10,9 +10,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from app.command.cli import exit_code
+from app.options.stopping import stoppable
 from app.run.job import Job, Step, read_message
 from child_process import PATIENCE_S
 from core.editing.grouping import group
+from core.errors import UsageError
 from core.network.file import format_network
 from core.network.parsing import parse_network
 from job_process import finished_job, started
@@ -232,3 +235,24 @@ def test_the_window_comes_first(job):
         ps = ["ps", "-o", "ni=", "-p", str(child.pid)]
         done = subprocess.run(ps, capture_output=True, text=True, check=True, timeout=60)
     assert int(done.stdout) > os.nice(0)
+
+
+@pytest.mark.parametrize("hints", [True, False])
+def test_only_a_command_line_is_given_options_to_type(capsys, hints):
+    """The window shows what a background run has printed."""
+
+    def fail():
+        raise UsageError("this network ends in 2 pictures", hint="or give --final NODE.PORT")
+
+    def break_down():
+        raise RuntimeError("unforeseen")
+
+    with stoppable() as stop:
+        assert exit_code(stop, fail, hints=hints) == UsageError.exit_code
+        line = capsys.readouterr().err
+        assert line.startswith("imagechain: this network ends in 2 pictures")
+        assert ("--final" in line) is hints
+        assert exit_code(stop, break_down, hints=hints) == 1
+    line = capsys.readouterr().err
+    assert "unforeseen" in line
+    assert ("--debug" in line) is hints

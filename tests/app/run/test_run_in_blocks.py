@@ -225,8 +225,7 @@ def test_a_judge_that_needs_the_whole_keeps_no_picture_from_being_written(
     assert line.startswith("measured is left out: ")
     assert (
         "needs the whole picture of 99 × 84 samples and cannot run in blocks, and 50 kB of memory "
-        "are too few"
-        in line
+        "are too few" in line
     )
     assert (tmp_path / "out/final.png").stat().st_size
 
