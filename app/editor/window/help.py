@@ -189,7 +189,8 @@ class HandbookOpening(QObject):
             return
         if code or status == QProcess.ExitStatus.CrashExit or not printed:
             reason = (
-                in_line(errors.strip().removeprefix("imagechain: ")) or "its process was stopped"
+                in_line(errors.strip().removeprefix("imagechain: ")).partition("; --")[0]
+                or "its process was stopped"
             )
             self._session.message.emit("error", f"the handbook is not opened: {reason}")
         elif QDesktopServices.openUrl(QUrl.fromLocalFile(str(Path(printed)))):
