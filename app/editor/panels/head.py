@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import QEvent, Qt, Signal
-from PySide6.QtGui import QAction, QContextMenuEvent
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtGui import QAction, QContextMenuEvent, QResizeEvent
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -16,12 +16,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.declared_text import breakable, flowing, tip, titled
+from app.editor.declared_text import breakable, flowing, says_more, tip
 from app.editor.evaluation.queries import Badge
 from app.editor.gestures import without_argument
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.theme import ERROR, FAINT, set_ground, set_ink, theme_of
 from app.editor.widgets import (
+    ElidedLabel,
     FlowLayout,
     Menu,
     plain_label,
@@ -30,6 +31,9 @@ from app.editor.widgets import (
     tool_button,
 )
 from core.network.network import Node
+
+_SHARE = 0.35  # of the panels' height, for an illustration at most
+_LEAST_LINES = 6  # that it is high at least
 
 
 class TitleBar(QWidget):
@@ -45,13 +49,17 @@ class TitleBar(QWidget):
         self.fold.setArrowType(Qt.ArrowType.DownArrow)
         self.fold.setToolTip(tip("Hide or show what is below"))
         self.fold.toggled.connect(self._fold)
-        self.title = plain_label("title", self, title, bold=True)
-        self.title.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
-        self._row = QHBoxLayout(self)
-        self._row.setContentsMargins(4, 3, 4, 3)
-        self._row.setSpacing(2)
-        self._row.addWidget(self.fold)
-        self._row.addWidget(self.title, 1)
+        self.title = ElidedLabel("title", "What this panel is of", self)
+        self.title.show_text(title)
+        font = self.title.font()
+        font.setBold(True)
+        self.title.setFont(font)
+        self.row = QHBoxLayout(self)
+        self.row.setContentsMargins(4, 3, 4, 3)
+        self.row.setSpacing(2)
+        self.row.addWidget(self.fold)
+        self.row.addWidget(self.title)
+        self.row.addStretch(1)
 
     def add_button(
         self, name: str, text: str, about: str, *, checkable: bool = False
@@ -60,7 +68,7 @@ class TitleBar(QWidget):
         button = (toggle_button if checkable else tool_button)(name, text, about, self)
         button.setAutoRaise(True)
         button.setToolTip(tip(about))
-        self._row.addWidget(button)
+        self.row.addWidget(button)
         return button
 
     def offer(self, name: str, text: str, act: Callable[[], object]) -> None:
@@ -85,10 +93,16 @@ class TitleBar(QWidget):
 
 
 class PanelHead(QWidget):
-    """Title, name, toggles, help and what is wrong; of a module, its group, and what it does."""
+    """Title, name, toggles, help and what is wrong; of a module, its group, and what it does.
+
+    An illustration has a place of its own, in which also stands what is wrong: whatever is written
+    there moves nothing below. While it is folded away, the place is one line high.
+    """
 
     _group: str | None = None
     _badge: Badge | None = None
+    _illustration: QWidget | None = None
+    _most = 0  # dots that the illustration may be high
 
     def __init__(self, title: str, group: str, text: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -115,63 +129,128 @@ class PanelHead(QWidget):
             | Qt.TextInteractionFlag.LinksAccessibleByKeyboard
         )
         self.more.hide()
-        self.problem = plain_label("problem", self)
-        self.problem.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.problem.hide()
         self.below = QWidget(self)
+        self.place = QWidget(self.below)
+        self.problem = plain_label("problem", self.place)
+        self.problem.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.problem.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.problem.hide()
         self._build()
         self._group = group
         self._colour()
 
     def _build(self) -> None:
-        self.name = TypeIn(self.below)
+        self.name = TypeIn(self.bar, characters=6)
         self.name.setObjectName("node_name")
         self.name.setAccessibleName("name of the node")
         self.name.setToolTip(tip("Name of the node in this network"))
         self.name_problem = plain_label("name_problem", self.below, role=ERROR)
         self.name_problem.hide()
-        label = QLabel("Name", self.below)
-        label.setBuddy(self.name)
-        row = QHBoxLayout()
-        row.addWidget(label)
-        row.addWidget(self.name, 1)
+        self.bar.row.insertWidget(1, self.name, 3)
         below = self.below
-        self.auto = toggle_button("auto", "Auto-Generate", "Auto-Generate", below)
+        self.auto = toggle_button("auto", "Auto", "Auto-Generate", below)
         self.auto.setToolTip(
             tip(
-                "Compute after each change; if unticked, the node keeps its result until you "
-                "choose Generate Image"
+                "Auto-Generate: compute after each change; if unticked, the node keeps its result "
+                "until you choose Generate Image"
             )
         )
-        self.generate = tool_button("generate", "Generate Image", "Generate Image", below)
+        self.generate = tool_button("generate", "Generate", "Generate Image", below)
         self.generate.setToolTip(
-            tip("Compute everything now, including nodes that are not updated")
+            tip("Generate Image: compute everything now, including nodes that are not updated")
         )
         self.disable = toggle_button("disable", "Disable", "Disable", below)
         self.disable.setToolTip(tip("Pass the input on unchanged"))
         self.output = toggle_button("output", "Output", "Output", below)
         self.output.setToolTip(tip("Make its picture the output of the network (O)"))
-        buttons = FlowLayout()
-        for button in (self.auto, self.generate, self.disable, self.output):
+        self.fold_picture = tool_button("fold_illustration", "", "fold the illustration", below)
+        self.fold_picture.setToolTip(
+            tip("Hide or show the illustration, on all panels of this module")
+        )
+        self.fold_picture.setCheckable(True)
+        self.fold_picture.setAutoRaise(True)
+        self.fold_picture.hide()
+        buttons = FlowLayout(across=4)
+        for button in (self.auto, self.generate, self.disable, self.output, self.fold_picture):
             buttons.addWidget(button)
+        self._stack = QVBoxLayout(self.place)
+        self._stack.setContentsMargins(0, 0, 0, 0)
+        self._stack.setSpacing(2)
+        self._stack.addWidget(self.problem)
         inside = QVBoxLayout(self.below)
         inside.setContentsMargins(8, 2, 8, 0)
         inside.setSpacing(4)
         inside.addWidget(self.text)
         inside.addWidget(self.more)
-        inside.addLayout(row)
         inside.addWidget(self.name_problem)
         inside.addLayout(buttons)
-        inside.addWidget(self.problem)
+        inside.addWidget(self.place)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(2)
         column.addWidget(self.bar)
         column.addWidget(self.below)
+        self._fit()
+
+    def illustrate(self, view: QWidget, *, shown: bool) -> None:
+        """Have an illustration, which the button folds away."""
+        self._illustration = view
+        self._stack.addWidget(view, 1)
+        self.place.installEventFilter(self)
+        self.fold_picture.show()
+        self.show_illustration(shown)
+
+    def show_illustration(self, on: bool) -> None:
+        self.fold_picture.setChecked(not on)
+        arrow = Qt.ArrowType.DownArrow if on else Qt.ArrowType.RightArrow
+        self.fold_picture.setArrowType(arrow)
+        if self._illustration is not None:
+            self._illustration.setVisible(on)
+        self._fit()
+
+    def fit(self, height: int) -> None:
+        """Leave room for the parameters where the panels are so high."""
+        self._most = round(_SHARE * height)
+        self._fit()
+
+    def _fit(self) -> None:
+        line = self.fontMetrics().height()
+        view = self._illustration
+        height = line
+        if view is not None and not view.isHidden():
+            most = max(self._most, _LEAST_LINES * line)
+            height = min(view.sizeHint().height(), most)
+        self.place.setFixedHeight(height)
+        self._show_problem()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Follow an illustration that shows more than the last one."""
+        if watched is self.place and event.type() == QEvent.Type.LayoutRequest:
+            self._fit()
+        return False
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._show_problem()
+
+    def _show_problem(self) -> None:
+        """Show all of it over the illustration, or as much as one line has room for."""
+        text = self._badge.text if self._badge is not None else ""
+        wraps = self._illustration is not None and not self._illustration.isHidden()
+        if wraps:
+            shown = breakable(text)
+        else:
+            room = self.place.width()
+            one_line = " ".join(text.split())
+            shown = self.fontMetrics().elidedText(one_line, Qt.TextElideMode.ElideRight, room)
+        if wraps != self.problem.wordWrap():
+            self.problem.setWordWrap(wraps)
+        self.problem.setToolTip(tip(text) if text else "")
+        show_or_hide(self.problem, shown)
 
     def follow(self, node: Node) -> None:
         """Show the node's name and toggles; setting them does not count as a click."""
-        self.bar.title.setText(titled(node.id, self._module))
+        self.bar.title.show_text(self._module if says_more(self._module, node.id) else "")
         self.name.show_text(node.id)
         self.show_name_error("")
         self.auto.setChecked(node.auto is not False)
@@ -189,7 +268,7 @@ class PanelHead(QWidget):
         if badge is not None and badge.kind == "running":
             return
         self._badge = badge
-        show_or_hide(self.problem, breakable(badge.text) if badge is not None else "")
+        self._show_problem()
         self._colour()
 
     def changeEvent(self, event: QEvent) -> None:

@@ -1,4 +1,4 @@
-"""What stands on the panel of a module: picture, parameters, read-outs, ports."""
+"""What stands on the panel of a module: parameters, read-outs, ports."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.fields.panel_node import PanelNode
-from app.editor.panels.preview_view import PreviewView, preview_query
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
 from app.editor.theme import CHANGED, FAINT, theme_of
@@ -47,9 +46,6 @@ class ModuleBody(QWidget):
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(8, 4, 8, 8)
         self._column.setSpacing(4)
-        module = session.library.get(declaration.key)  # a macro is of none
-        if module is not None and preview_query(module, node) is not None:
-            self._column.addWidget(PreviewView(session, evaluator, node, self))
         self.sections = SectionsView(declaration, panel_node, self)
         session.free.changed.connect(self._mark_free)
         self._mark_free()

@@ -25,6 +25,7 @@ from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.panels.head import PanelHead
 from app.editor.panels.module_body import ModuleBody, UnknownBody
+from app.editor.panels.preview_view import PreviewView, preview_query
 from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
 from app.editor.widgets import Menu
@@ -55,6 +56,8 @@ class NodePanel(QFrame):
         evaluator: Evaluator | None,
         parent: QWidget | None = None,
         sets_folder: Path | None = None,
+        *,
+        illustrated: bool = True,
     ) -> None:
         super().__init__(parent)
         self._of = of
@@ -76,6 +79,10 @@ class NodePanel(QFrame):
         self.body: ModuleBody | UnknownBody
         if declared is not None:
             self.head.output.setVisible(has_picture(declared))
+            module = session.library.get(declared.key)  # a macro is of none
+            if module is not None and preview_query(module, node) is not None:
+                preview = PreviewView(session, evaluator, node, self.head.place)
+                self.head.illustrate(preview, shown=illustrated)
             self.body = ModuleBody(declared, of, evaluator, self)
         else:
             why = where_absent(self.module, session.library)
@@ -100,6 +107,7 @@ class NodePanel(QFrame):
         head, requests = self.head, self._of.requests
         head.bar.folded.connect(self._fold)
         head.pin.clicked.connect(self._pin)
+        head.fold_picture.toggled.connect(self._fold_picture)
         head.close_button.clicked.connect(
             partial(without_argument, partial(requests.close.emit, self.node))
         )
@@ -156,6 +164,9 @@ class NodePanel(QFrame):
     def _fold(self, on: bool) -> None:
         self.head.below.setVisible(not on)
         self.body.setVisible(not on)
+
+    def _fold_picture(self, on: bool) -> None:
+        self._of.requests.illustrated.emit(self.module, not on)
 
     def _with_values(self, act: Callable[[Session, tuple[str, ...]], None]) -> None:
         self.finish_typing()

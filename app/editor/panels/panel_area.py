@@ -6,13 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QGuiApplication
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
-from app.editor.gestures import AfterRelease
 from app.editor.panels.fields.panel_node import PanelNode, Requests
 from app.editor.panels.network_panel import NetworkPanel
 from app.editor.panels.node_panel import NodePanel
@@ -22,7 +21,12 @@ from core.editing.operations import ABSENT, set_node_field
 
 
 class PanelArea(WheelScrollArea):
-    """A stack of panels that scrolls."""
+    """A stack of panels that scrolls.
+
+    `unillustrated` has the modules whose panels show no illustration, until the person wants it.
+    """
+
+    unillustrated_changed = Signal()
 
     def __init__(
         self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
@@ -37,10 +41,9 @@ class PanelArea(WheelScrollArea):
         self._evaluator = evaluator
         self.requests = Requests(self)
         self.requests.close.connect(self._close)
-        self.requests.held.connect(self._hold)
+        self.requests.illustrated.connect(self._illustrate)
+        self.unillustrated: frozenset[str] = frozenset()
         self._badges: Mapping[str, Badge] = {}
-        self._holding: set[str] = set()
-        self._later = AfterRelease(self)
         self.panels: dict[str, NodePanel] = {}
         self.sets_folder: Path | None = None
         content = QWidget(self)
@@ -61,30 +64,23 @@ class PanelArea(WheelScrollArea):
         return QSize(52 * unit, 80 * unit)
 
     def set_badges(self, badges: Any) -> None:
-        """Show on the panels what is wrong with their nodes, by node.
-
-        While the mouse holds a control, that waits: what stands below would move away under it.
-        """
+        """Show on the panels what is wrong with their nodes, by node."""
         self._badges = badges
-        if self._holding:
-            return
-        if QGuiApplication.mouseButtons() == Qt.MouseButton.NoButton:
-            self._show_badges()
-        else:
-            self._later.do("badges", self._show_badges)
+        for name, panel in self.panels.items():
+            panel.set_badge(badges.get(name))
 
-    def _show_badges(self) -> None:
-        if not self._holding:
-            for name, panel in self.panels.items():
-                panel.set_badge(self._badges.get(name))
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        for panel in self.panels.values():
+            panel.head.fit(self.viewport().height())
 
-    def _hold(self, name: str, on: bool) -> None:
-        """A control of that panel is held, or let go."""
-        if on:
-            self._holding.add(name)
-        elif name in self._holding:
-            self._holding.discard(name)
-            self._show_badges()
+    def _illustrate(self, module: str, on: bool) -> None:
+        """Show the illustration on all panels of a kind, or on none."""
+        self.unillustrated = self.unillustrated - {module} if on else self.unillustrated | {module}
+        for panel in self.panels.values():
+            if panel.module == module:
+                panel.head.show_illustration(on)
+        self.unillustrated_changed.emit()
 
     def edit_name(self) -> None:
         """Open the name of the node selected last for editing."""
@@ -162,14 +158,15 @@ class PanelArea(WheelScrollArea):
 
     def _make(self, name: str) -> NodePanel:
         of = PanelNode(self._session, name, self.requests)
-        panel = NodePanel(of, self._evaluator, self.widget(), self.sets_folder)
+        shown = self._session.network.nodes[name].module not in self.unillustrated
+        panel = NodePanel(of, self._evaluator, self.widget(), self.sets_folder, illustrated=shown)
+        panel.head.fit(self.viewport().height())
         panel.set_badge(self._badges.get(name))
         self.panels[name] = panel
         return panel
 
     def _drop(self, name: str) -> None:
         panel = self.panels.pop(name)
-        self._holding.discard(name)
         panel.discard_typing()  # hiding takes the focus away, which would take what was typed
         self._column.removeWidget(panel)
         panel.hide()

@@ -46,6 +46,7 @@ _PENS = {
     "dashed": Qt.PenStyle.DashLine,
     "dotted": Qt.PenStyle.DotLine,
 }
+_LEAST_CHART = 4.0  # lines of text that a chart is high at least, its titles included
 _LEFT_SHARE = 0.54  # of the width, what stands left of lines of text
 _SHADES = 64
 _MOST_SAMPLES = 320  # of a picture, across or along
@@ -124,7 +125,7 @@ class PreviewView(Viewer):
         self.node = node
         self.preview: Preview | None = None
         self.problem = ""
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self._module = session.library[session.network.nodes[node].module]
         self.setAccessibleName(f"illustration of {node}: {self._module.title}")
         if evaluator is None:
@@ -182,8 +183,8 @@ class PreviewView(Viewer):
         return QSize(self.fontMetrics().height() * 20, self._height())
 
     def minimumSizeHint(self) -> QSize:
-        """Narrower, but not lower."""
-        return QSize(self.fontMetrics().height() * 14, self._height())
+        """As narrow as it is read, and as low as the panel has room for it."""
+        return QSize(self.fontMetrics().height() * 14, 0)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Paint the preview, or the line that stands in its place."""
@@ -200,19 +201,35 @@ class PreviewView(Viewer):
 
 
 def paint_preview(painter: QPainter, area: QRectF, preview: Preview, theme: Theme) -> None:
-    """Parts below one another; charts share the room that is left."""
+    """Parts below one another; charts share the room that is left.
+
+    Where it is low, the parts stand closer, and are drawn smaller if that is not enough.
+    """
+    metrics = QFontMetricsF(painter.font())
+    line = metrics.height()
+    if area.height() < line:  # what is wrong has its place
+        return
     if preview.facts:
         _paint_beside(painter, area, preview, theme)
         return
-    metrics = QFontMetricsF(painter.font())
-    line = metrics.height()
     plots = [part for part in preview.parts if isinstance(part, Plot)]
-    # A chart with a title below is higher by it: so the frames are of one height.
-    heights = [
-        line * (bool(part.x.title) if isinstance(part, Plot) else _lines(part))
-        for part in preview.parts
-    ]
     gaps = 0.2 * line * (len(preview.parts) - 1)
+    # A chart with a title below is higher by it: so the frames are of one height.
+    low, high = (
+        [
+            line * (bool(part.x.title) if isinstance(part, Plot) else _lines(part, tight=tight))
+            for part in preview.parts
+        ]
+        for tight in (True, False)
+    )
+    height = area.height() - gaps - _LEAST_CHART * line * len(plots)
+    if height < sum(low):
+        scale = area.height() / (area.height() - height + sum(low))
+        painter.translate(area.topLeft())
+        painter.scale(scale, scale)
+        area = QRectF(QPointF(), area.size() / scale)
+    share = min(max((height - sum(low)) / max(sum(high) - sum(low), 1e-9), 0.0), 1.0)
+    heights = [least + share * (most - least) for least, most in zip(low, high, strict=True)]
     free = (area.height() - sum(heights) - gaps) / max(1, len(plots))
     left = max(
         (
@@ -238,8 +255,13 @@ def paint_preview(painter: QPainter, area: QRectF, preview: Preview, theme: Them
             painter.drawText(room if plots else area, _CENTRED, str(part))
 
 
-def _lines(part: Part) -> float:
-    """Height of what is no chart, in lines of text."""
+def _lines(part: Part, *, tight: bool) -> float:
+    """Height of what is no chart, in lines of text; of `tight`, without room between the lines."""
+    if tight and isinstance(part, Bars):
+        return min(part.lines, 1.05 * len(part.bars))
+    if tight and isinstance(part, Stack):
+        named = sum(bar.size > 0.0 for bar in part.parts)
+        return min(part.lines, 2.5 + 1.2 * -(-named // 2))
     return part.lines if isinstance(part, Bars | Stack) else 3.2
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.editor.panels.fields.choice import (
@@ -29,6 +30,9 @@ from core.modules.parameters import Parameter
 from core.network.linked_values import LinkError, expression_text
 from core.network.network import Node
 
+_LABEL_SHARE = 0.4  # of the width, at most, for the names
+_AT_FIRST = 340  # dots that a panel is wide, until it is laid out
+
 
 class SectionsView(QWidget):
     """Fields for all parameters of a module."""
@@ -49,7 +53,7 @@ class SectionsView(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(4)
         self._fill(column)
-        self._line_up()
+        self._line_up(_AT_FIRST)
         self._node: Node | None = None
 
     def field(self, name: str) -> Field:
@@ -103,7 +107,7 @@ class SectionsView(QWidget):
         inside.setSpacing(2)
         if section.title:
             title = plain_label("", box, section.title, role=FAINT, bold=True)
-            title.setContentsMargins(0, 6, 0, 0)
+            title.setContentsMargins(0, 4, 0, 0)
             inside.addWidget(title)
         for name in section.parameters:
             parameter = self._declaration.parameter(name)
@@ -134,12 +138,19 @@ class SectionsView(QWidget):
             case "text":
                 return TextField(parameter, node, box)
 
-    def _line_up(self) -> None:
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Have names, values and units of all fields stand in columns."""
+        super().resizeEvent(event)
+        self._line_up(self.width())
+
+    def _line_up(self, width: int) -> None:
         metrics = self.fontMetrics()
         units = {field.parameter.param.unit for field in self.fields if field.lines_up}
-        width = max((metrics.horizontalAdvance(unit) for unit in units), default=0)
+        unit = max((metrics.horizontalAdvance(unit) for unit in units), default=0)
+        widest = max((field.label_width for field in self.fields), default=0)
+        label = min(widest, int(_LABEL_SHARE * width))
         for field in self.fields:
-            field.set_unit_width(width)
+            field.line_up(label, unit)
 
     def _show_sections(self) -> None:
         values = {field.parameter.name: field.value for field in self.fields}

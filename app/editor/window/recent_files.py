@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -123,6 +123,16 @@ class Settings:
     @look.setter
     def look(self, look: Look) -> None:
         self._stored.setValue("look", look)
+
+    @property
+    def unillustrated(self) -> frozenset[str]:
+        """Modules whose panels show no illustration."""
+        stored = self._stored.value("unillustrated", "")
+        return frozenset(stored.split()) if isinstance(stored, str) else frozenset()
+
+    @unillustrated.setter
+    def unillustrated(self, modules: Collection[str]) -> None:
+        self._stored.setValue("unillustrated", " ".join(sorted(modules)))
 
     @property
     def recent(self) -> tuple[Path, ...]:

@@ -268,7 +268,7 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     tall = round(picture / (width - side)) + bars
     window.resizeDocks([docks.library, docks.panels], [headings, side], _Across)
     window.resizeDocks([viewer], [max(tall, round(0.62 * room))], _Along)
-    shares = [round(0.55 * room), round(0.45 * room)]
+    shares = [round(0.6 * room), round(0.4 * room)]
     window.resizeDocks([docks.panels, docks.curves], shares, _Along)
 
 

@@ -25,16 +25,17 @@ def choices_of(parameter: Parameter) -> tuple[Any, ...]:
 
 
 class ButtonsField(Field):
-    """Radio buttons, on as many lines as they need."""
+    """Radio buttons beside the name; those that do not fit there stand on lines below."""
 
     def build(self) -> None:
         self.choices = choices_of(self.parameter)
-        self.row.addWidget(self.label)
+        flow = FlowLayout(across=6, down=2)
+        flow.setContentsMargins(0, 0, 0, 0)
+        flow.addWidget(self.label)
+        self.row.addLayout(flow, 1)
         self.row.addWidget(self.unit)
         self.unit.setVisible(bool(self.parameter.param.unit))
         self.group = QButtonGroup(self)
-        flow = FlowLayout(across=10, down=2)
-        flow.setContentsMargins(6, 0, 0, 0)
         self.buttons: list[Radio] = []
         for number, choice in enumerate(self.choices):
             button = Radio(choice_text(choice), self)
@@ -43,9 +44,9 @@ class ButtonsField(Field):
             self.group.addButton(button, number)
             self.buttons.append(button)
             flow.addWidget(button)
+        self.label.setMinimumHeight(self.buttons[0].sizeHint().height())
         self._offered = self.choices
         self.group.idToggled.connect(self._toggled)
-        self.column.addLayout(flow)
 
     def show_value(self, value: Any) -> None:
         if value in self.choices:
@@ -94,8 +95,8 @@ class ListField(Field):
         self.named(self.box)
         self.label.setBuddy(self.box)
         self.box.activated.connect(self._activated)
-        self.row.addWidget(self.label, 5)
-        self.row.addWidget(self.box, 4)
+        self.row.addWidget(self.label)
+        self.row.addWidget(self.box, 1)
         self.row.addWidget(self.unit)
         self.lines_up = bool(self.parameter.param.unit)
         self.unit.setVisible(self.lines_up)
@@ -143,8 +144,8 @@ class TextField(TypedField):
         edit = self.build_edit()
         if self.parameter.empty:
             edit.setPlaceholderText("empty")
-        self.row.addWidget(self.label, 2)
-        self.row.addWidget(edit, 4)
+        self.row.addWidget(self.label)
+        self.row.addWidget(edit, 1)
         self.row.addWidget(self.unit)
 
     def show_value(self, value: Any) -> None:
@@ -157,9 +158,9 @@ class NumbersField(TypedField):
     def build(self) -> None:
         edit = self.build_edit()
         edit.setPlaceholderText("none: type numbers, as in 0, 0.1")
-        self.row.addWidget(self.label, 1)
+        self.row.addWidget(self.label)
+        self.row.addWidget(edit, 1)
         self.row.addWidget(self.unit)
-        self.column.addWidget(edit)
 
     def show_value(self, value: Any) -> None:
         self.edit.show_text(shown_numbers(value or ()))

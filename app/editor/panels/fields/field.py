@@ -6,8 +6,15 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QEvent, QPoint, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QGuiApplication, QMouseEvent
+from PySide6.QtCore import QEvent, QPoint, QSize, Qt, Signal
+from PySide6.QtGui import (
+    QContextMenuEvent,
+    QFontMetrics,
+    QGuiApplication,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+)
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
 from app.editor.declared_text import about, label_of, shown_value, tip
@@ -57,13 +64,12 @@ class Field(QWidget):
         self.link: FieldLink | None = None
         self._later = AfterRelease(self)
         self.setObjectName(f"field.{parameter.name}")
-        self.setToolTip(tip(about(parameter)))
         self.title = label_of(parameter.name)
+        self.setToolTip(tip(f"{self.title}: {about(parameter)}"))
         self.label = DragLabel(self.title, self)
-        self.label.setWordWrap(True)
         self.label.setObjectName(f"label.{parameter.name}")
         self.label.setTextFormat(Qt.TextFormat.PlainText)
-        self.label.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        self.label.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
         self.unit = plain_label(f"unit.{parameter.name}", self, parameter.param.unit, role=FAINT)
         self.unit.setWordWrap(False)
         self.message = plain_label(f"message.{parameter.name}", self, role=ERROR)
@@ -71,8 +77,8 @@ class Field(QWidget):
         self.row = QHBoxLayout()
         self.row.setSpacing(6)
         self.column = QVBoxLayout(self)
-        self.column.setContentsMargins(0, 2, 0, 2)
-        self.column.setSpacing(2)
+        self.column.setContentsMargins(0, 1, 0, 1)
+        self.column.setSpacing(1)
         self.column.addLayout(self.row)
         self.build()
         self.column.addWidget(self.message)
@@ -106,9 +112,20 @@ class Field(QWidget):
     def show_unfit(self, text: str) -> None:
         """Show what the document has but may not have."""
 
-    def set_unit_width(self, width: int) -> None:
+    def line_up(self, label: int, unit: int) -> None:
+        """Give the columns that the fields of a panel share their widths."""
+        self.label.set_column(label)
         if self.lines_up:
-            self.unit.setFixedWidth(width)
+            self.unit.setFixedWidth(unit)
+
+    @property
+    def label_width(self) -> int:
+        """What its name needs, in bold as once it is changed; 0 where no label has it."""
+        if self.marked_label() is not self.label:
+            return 0
+        font = self.label.font()
+        font.setBold(True)
+        return QFontMetrics(font).horizontalAdvance(self.label.text()) + 2
 
     def named(self, widget: QWidget, what: str = "", name: str = "") -> None:
         """Give a widget names that tests and screen readers find."""
@@ -313,7 +330,7 @@ FINER, COARSER = 0.1, 10.0
 
 
 class DragLabel(QLabel):
-    """A label that signals how far it is dragged."""
+    """A label that signals how far it is dragged; its middle is left out where it is too narrow."""
 
     pressed = Signal()  # the button is down
     # steps: so many steps more, parts of a step included: to the right is up
@@ -323,6 +340,16 @@ class DragLabel(QLabel):
     _drags = False
     _last: float | None = None
     _moving = False
+    _column = 0
+
+    def set_column(self, width: int) -> None:
+        """Be so wide, where there is room."""
+        if width != self._column:
+            self._column = width
+            self.updateGeometry()
+
+    def sizeHint(self) -> QSize:
+        return QSize(self._column, super().sizeHint().height())
 
     def set_drags(self, on: bool) -> None:
         """Whether it can be dragged; the cursor shows it."""
@@ -332,6 +359,19 @@ class DragLabel(QLabel):
     @property
     def drags(self) -> bool:
         return self._drags and self.isEnabled()
+
+    def minimumSizeHint(self) -> QSize:
+        return QSize(0, super().minimumSizeHint().height())
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        room = self.contentsRect()
+        middle = Qt.TextElideMode.ElideMiddle
+        text = self.fontMetrics().elidedText(self.text(), middle, room.width())
+        painter = QPainter(self)
+        enabled, role = self.isEnabled(), self.foregroundRole()
+        alignment, palette = int(self.alignment()), self.palette()
+        self.style().drawItemText(painter, room, alignment, palette, enabled, text, role)
+        painter.end()
 
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)

@@ -10,7 +10,7 @@ from typing import Any
 
 from PySide6.QtCore import QEvent, QSignalBlocker, Qt, QTimer, Signal
 from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QHBoxLayout, QMenu, QSlider, QWidget
+from PySide6.QtWidgets import QMenu, QSlider, QWidget
 
 from app.editor.declared_text import about, placeholder_of, shown_value, tip
 from app.editor.gestures import EscapeInDrag
@@ -28,7 +28,6 @@ from core.names import thaw
 from core.network.linked_values import expression
 
 _HOW_TO_DRAG = "Drag the name sideways to change the value: Shift finer, Ctrl coarser"
-_SHARES = {False: (5, 4), True: (3, 8)}  # of the row's width, for name and line: of a linked one
 _UNLINK = "Type a value to unlink it, or right-click"
 _HOW_TO_TYPE = (
     "Type a number, arithmetic (2*0.3), a value in another unit, or = and an "
@@ -39,8 +38,8 @@ _HOW_TO_TYPE = (
 class NumberField(TypedField):
     """A number, whole or not; the slider moves it but never rounds what was typed.
 
-    Where it follows other parameters the line has the expression, and the value stands beside the
-    slider, which is disabled.
+    Where it follows other parameters the line has the expression and the slider's room, and the
+    value stands behind it.
     """
 
     lines_up = True
@@ -61,15 +60,12 @@ class NumberField(TypedField):
         self.linked_value = plain_label(f"linked_value.{self.parameter.name}", self, role=CHANGED)
         self.linked_value.setWordWrap(False)
         self.linked_value.hide()
-        self.row.addWidget(self.label, _SHARES[False][0])
-        self.row.addWidget(edit, _SHARES[False][1])
+        self.row.addWidget(self.label)
+        self.row.addWidget(self.slider, 1)
+        self.row.addWidget(edit, 1)
         self.row.addWidget(self.unit)
-        below = QHBoxLayout()
-        below.setSpacing(6)
-        below.addWidget(self.slider, 1)
-        below.addWidget(self.linked_value)
-        self.column.addLayout(below)
-        self.label.setToolTip(tip(f"{about(self.parameter)}\n{_HOW_TO_DRAG}"))
+        self.row.addWidget(self.linked_value)
+        self.label.setToolTip(tip(f"{self.title}: {about(self.parameter)}\n{_HOW_TO_DRAG}"))
         self.label.set_drags(True)
         self.label.pressed.connect(self._hold)
         self.label.dragged.connect(self._drag)
@@ -122,11 +118,10 @@ class NumberField(TypedField):
             return  # as with each move of a slider
         self._shows_link = link is not None
         self.edit.show_link(link is not None)
-        self.slider.setEnabled(link is None)
         self.label.set_drags(link is None)
+        self.slider.setVisible(link is None)
+        self.unit.setVisible(link is None)
         self.linked_value.setVisible(link is not None)
-        for widget, share in zip((self.label, self.edit), _SHARES[link is not None], strict=True):
-            self.row.setStretchFactor(widget, share)
         if link is None:
             self.edit.setToolTip(tip(f"{about(self.parameter)}\n{_HOW_TO_TYPE}"))
             self.slider.setToolTip(tip(about(self.parameter)))
@@ -135,7 +130,6 @@ class NumberField(TypedField):
         self.linked_value.setText(f"= {value}" if not link.problem else value)
         self.linked_value.setAccessibleName(f"value of {self.title}")
         self.edit.setToolTip(tip(f"Linked: = {link.text}\nValue: {value}\n{_UNLINK}"))
-        self.slider.setToolTip(tip(f"It follows {link.text}\n{_UNLINK}"))
 
     def hideEvent(self, event: QHideEvent) -> None:
         super().hideEvent(event)
@@ -194,7 +188,6 @@ class NumberField(TypedField):
     def _hold(self) -> None:
         self._part = 0.0
         self._escape.begin()
-        self.node.requests.held.emit(self.node.name, True)
 
     def _offer_moved(self, number: float) -> None:
         """A step beyond what is allowed ends at the last number that is."""
@@ -210,7 +203,6 @@ class NumberField(TypedField):
         if self._gesture is None:
             self._gesture = object()
             self._before = self.node.given(self.parameter.name)
-            self.node.requests.held.emit(self.node.name, True)
         self.offer(number, self._gesture)
 
     def _give_up_drag(self) -> None:
@@ -227,7 +219,6 @@ class NumberField(TypedField):
             self._gesture = None
             self.node.session.end_gesture()
             self.show_value(self.value)
-        self.node.requests.held.emit(self.node.name, False)
 
 
 # A slider that signals what a person does with it, and shows values without signals.
@@ -256,7 +247,7 @@ class Slider(QSlider):
         self.setPageStep(max(1, positions // 10))
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
-        self.setMinimumWidth(self.fontMetrics().height() * 4)
+        self.setMinimumWidth(self.fontMetrics().height() * 3)
         self.valueChanged.connect(self.moved)
         self._let_go = False
         self._rest = QTimer(self, singleShot=True, interval=WHEEL_REST_MS)

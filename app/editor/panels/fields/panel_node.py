@@ -22,7 +22,7 @@ class Requests(QObject):
     handbook = Signal(str)  # node: the page of its module is to be opened
     named = Signal()  # Enter in the name: the keyboard goes back to the canvas
     close = Signal(str)  # node: put the panel away
-    held = Signal(str, bool)  # node, on: the mouse holds one of its controls: nothing may move
+    illustrated = Signal(str, bool)  # module, on: panels of that kind show their illustration
 
 
 @dataclass(frozen=True)

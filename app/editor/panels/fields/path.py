@@ -98,8 +98,8 @@ class PathField(TypedField):
         self.browse.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.named(self.browse, ": browse", "browse")
         self.browse.clicked.connect(self.open_dialog)
-        self.row.addWidget(self.label, 2)
-        self.row.addWidget(edit, 4)
+        self.row.addWidget(self.label)
+        self.row.addWidget(edit, 1)
         self.row.addWidget(self.browse)
         self.unit.hide()
 

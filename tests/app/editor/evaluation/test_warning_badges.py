@@ -96,6 +96,8 @@ def test_the_panel_says_it_in_the_warnings_colour(qtbot, theme):
     head = PanelHead("Exit Pupil MTF", "Optics", "")
     head.setPalette(theme.palette())
     qtbot.addWidget(head)
+    head.resize(300, 200)
+    head.show()
     head.set_badge(Badge("warning", "the bands do not overlap"))
     assert head.problem.text() == "the bands do not overlap"
     assert not head.problem.isHidden()

@@ -118,8 +118,8 @@ def test_a_link_is_typed_shown_followed_and_undone(sigma, session):
     assert sigma.edit.is_linked
     assert sigma.linked_value.isVisible()
     assert sigma.linked_value.text() == "= 0.4 mrad"
-    assert not sigma.slider.isEnabled()
-    assert "follows init.f_number * 0.2" in html.unescape(sigma.slider.toolTip())
+    assert not sigma.slider.isVisible()
+    assert "= init.f_number * 0.2" in html.unescape(sigma.edit.toolTip())
     assert "Value: 0.4 mrad" in html.unescape(sigma.edit.toolTip())
     session.do(set_parameter("init", "f_number", 3.0))
     assert sigma.linked_value.text() == "= 0.6 mrad"
@@ -132,7 +132,7 @@ def test_a_link_is_typed_shown_followed_and_undone(sigma, session):
     assert sigma.edit.text() == "0.3"
     assert not sigma.edit.is_linked
     assert not sigma.linked_value.isVisible()
-    assert sigma.slider.isEnabled()
+    assert sigma.slider.isVisible()
     session.redo()
     assert sigma.linked_value.text() == "= 0.4 mrad"
 
@@ -148,7 +148,7 @@ def test_a_link_is_edited_and_taken_away_by_typing(sigma, session):
     assert sigma.edit.text() == "= init.f_number * 0.1"
     type_in(sigma.edit, "0.7")
     assert stored(session) == 0.7
-    assert sigma.slider.isEnabled()
+    assert sigma.slider.isVisible()
 
 
 def test_a_link_is_taken_away_by_the_menu_and_keeps_the_value(sigma, session):
@@ -181,7 +181,7 @@ def test_arrows_and_label_leave_a_linked_value_alone_and_say_why(sigma, session)
     QTest.keyClick(sigma.edit, Qt.Key.Key_Up)
     assert session.network is before
     assert not sigma.label.drags
-    assert not sigma.slider.isEnabled()
+    assert not sigma.slider.isVisible()
     assert "follows init.f_number * 0.2" in sigma.message.text()
     assert sigma.label.cursor().shape() == Qt.CursorShape.ArrowCursor
 
@@ -300,11 +300,28 @@ def test_nothing_moves_under_the_mouse_while_a_warning_comes(control, sigma, are
     _moved(held, start + QPoint(12, 0), Qt.KeyboardModifier.NoModifier)
     area.set_badges(WARNING)
     assert top(held) == at
-    assert not area.panels["blur"].head.problem.isVisible()
-    QTest.mouseRelease(held, LEFT, pos=start + QPoint(12, 0))
-    QApplication.processEvents()
     assert area.panels["blur"].head.problem.isVisible()
-    assert top(held) > at
+    QTest.mouseRelease(held, LEFT, pos=start + QPoint(12, 0))
+    assert top(held) == at
+    area.set_badges({})
+    assert top(held) == at
+    assert not area.panels["blur"].head.problem.isVisible()
+
+
+def test_a_folded_illustration_leaves_one_line_for_what_is_wrong(sigma, area):
+    head = area.panels["blur"].head
+    area.resize(300, area.height())
+    QTest.mouseClick(head.fold_picture, LEFT)
+    QTest.qWait(50)
+    at = top(sigma)
+    area.set_badges(WARNING)
+    assert top(sigma) == at
+    assert head.problem.text().startswith("a line that comes")
+    assert head.problem.text().endswith("…")
+    assert "and another" in head.problem.toolTip()
+    area.resize(900, area.height())
+    QApplication.processEvents()
+    assert head.problem.text() == WARNING["blur"].text.replace("\n", " ")
 
 
 def test_a_refusal_waits_until_the_press_elsewhere_is_over(sigma, session, area, qtbot):

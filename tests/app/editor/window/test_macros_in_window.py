@@ -246,7 +246,8 @@ def test_presets_stand_in_the_library_and_come_by_a_double_click(hands, window, 
     click_twice(window, item)
     assert window.session.selection == ("camera",)
     panel = window.panels.panels["camera"]
-    assert panel.head.bar.title.text() == "camera · Kodak KIR-310"
+    assert panel.head.name.text() == "camera"
+    assert panel.head.bar.title.text() == "Kodak KIR-310"
     assert panel.body.sections.field("focal_length_mm").value == 200.0
     window.library_view.filter.setText("tau germanium 50")
     shown = [i.text(0) for i in window.library_view.tree.modules.values() if not i.isHidden()]

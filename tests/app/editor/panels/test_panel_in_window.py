@@ -1,0 +1,57 @@
+"""The control panel at 1366×768 by real mouse: parameters in sight, and nothing jumps."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from child_process import PATIENCE_S, ROOT
+from virtual_screen import managed_screen
+
+SCRIPT = ROOT / "tests" / "support" / "panel_window.py"
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("panel")
+    path = os.pathsep.join([str(ROOT), str(SCRIPT.parent)])
+    with managed_screen(1366, 768) as environment:
+        done = subprocess.run(
+            [sys.executable, str(SCRIPT), str(folder)],
+            env={**environment, "PYTHONPATH": path, "XDG_CONFIG_HOME": str(folder)},
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=PATIENCE_S,
+        )
+    assert done.returncode == 0, done.stderr
+    return json.loads((folder / "panel.json").read_text())
+
+
+def test_four_parameters_are_in_sight_on_a_small_screen(seen):
+    assert len(seen["visible"]) >= 4
+    assert seen["visible"][0] == "integration_time_s"
+    assert seen["illustration"] <= 0.36 * seen["panel"]
+
+
+@pytest.mark.parametrize("what", ["exposure", "jitter"])
+def test_dragging_a_slider_moves_no_field(seen, what):
+    before, *during = seen[what]["heights"]
+    assert before
+    assert all(places == before for places in during)
+
+
+def test_a_line_that_comes_while_a_slider_is_dragged_has_its_place(seen):
+    assert seen["jitter"]["badges"][0] == ""
+    assert "changes nothing" in seen["jitter"]["badges"][-1]
+
+
+def test_an_illustration_is_folded_by_a_click_and_stays_so(seen):
+    shown, many = seen["before"]
+    assert shown
+    assert seen["after"][0] is False
+    assert seen["after"][1] > many
+    assert seen["other kind"]
+    assert not seen["next start"]
