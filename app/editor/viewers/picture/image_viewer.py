@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -21,13 +21,12 @@ from app.editor.viewers.picture.picture_bar import PictureBar
 from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
 from app.editor.viewers.picture.picture_probe import PictureProbe, save_picture, shown_png
 from app.editor.viewers.picture.region_tool import RegionTool
-from app.editor.viewers.pixels.grey_levels import NAMES, colour_table
+from app.editor.viewers.pixels.grey_levels import colour_table
 from app.editor.viewers.pixels.picture_choices import (
     AUTOMATIC_LEVELS,
     Choices,
     Scale,
     bands_of,
-    numbers_of,
 )
 from app.editor.viewers.pixels.picture_facts import Facts, laid_over
 from app.editor.viewers.pixels.picture_query import KeptPicture, Picture, PictureQuery
@@ -183,38 +182,6 @@ class ImageViewer(Viewer):
             QApplication.clipboard().setImage(
                 QImage.fromData(shown_png(picture, table, self.canvas.split))
             )
-
-    def state(self) -> dict[str, Any]:
-        zoom = self.canvas.zoom
-        return {
-            **(self._lost or self.choices).plain(),
-            "colours": self._colours,
-            "shape": self.bar.display.shape.isChecked(),
-            "histogram": self.bar.display.histogram.isChecked(),
-            "profile": self.bar.display.profile.isChecked(),
-            "spectra": self.bar.display.spectra.isChecked(),
-            "line": list(self.canvas.profile.ends),
-            "split": self.canvas.split,
-            "zoom": None if zoom is None else list(zoom),
-        }
-
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Show as in `state`; what cannot be used is as it was."""
-        self._lost = None
-        self.choices = Choices.of(state)
-        colours = state.get("colours")
-        if colours in NAMES:
-            self._set_colours(str(colours))
-        self.bar.display.shape.setChecked(state.get("shape", True) is True)
-        self.bar.display.histogram.setChecked(state.get("histogram", True) is True)
-        self.bar.display.profile.setChecked(state.get("profile", False) is True)
-        self.bar.display.spectra.setChecked(state.get("spectra", True) is True)
-        if (ends := numbers_of(state.get("line"), 4)) is not None:
-            self.canvas.profile.show(self.bar.display.profile.isChecked(), ends)
-        if (split := numbers_of([state.get("split")], 1)) is not None:
-            self.canvas.set_split(split[0])
-        self.canvas.set_zoom(numbers_of(state.get("zoom"), 3))
-        self._follow_choices()
 
     def queries(self) -> tuple[Query, ...]:
         query = self._query

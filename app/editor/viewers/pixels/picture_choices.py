@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
@@ -62,24 +60,6 @@ class BandChoice:
             return evenly_spaced(bands.count)
         return tuple(_nearest(bands, one) for one in self.colours_um)
 
-    def plain(self) -> dict[str, Any]:
-        colours = None if self.colours_um is None else list(self.colours_um)
-        return {"shown": self.shown, "one_um": self.one_um, "colours_um": colours}
-
-    @classmethod
-    def of(cls, plain: Any) -> BandChoice:
-        """From JSON; what cannot be used is left out."""
-        if not isinstance(plain, Mapping):
-            return ALL
-        shown, one, colours = (plain.get(name) for name in ("shown", "one_um", "colours_um"))
-        known = numbers_of([one], 1) or (0.0,)
-        red, green, blue = numbers_of(colours, 3) or (0.0, 0.0, 0.0)
-        return cls(
-            shown if shown in BANDS_SHOWN else "all",
-            known[0] if known[0] > 0 else None,
-            (red, green, blue) if min(red, green, blue) > 0 else None,
-        )
-
 
 ALL = BandChoice()
 
@@ -134,42 +114,3 @@ class Choices:
         port = self.port and (followed(self.port, before, after) or self.port)
         other = self.other and (followed(self.other, before, after) or self.other)
         return replace(self, port=port, other=other)
-
-    def plain(self) -> dict[str, Any]:
-        levels = self.levels if isinstance(self.levels, str) else list(self.levels)
-        return {
-            "port": self.port,
-            "other": self.other,
-            "mode": self.mode,
-            "mapping": self.mapping,
-            "levels": levels,
-            "bands": self.bands.plain(),
-        }
-
-    @classmethod
-    def of(cls, plain: Mapping[str, Any]) -> Choices:
-        """From JSON; what cannot be used is left out."""
-        port, other = plain.get("port"), plain.get("other")
-        mode, mapping, levels = (plain.get(name) for name in ("mode", "mapping", "levels"))
-        return cls(
-            port if isinstance(port, str) else None,
-            other if isinstance(other, str) else None,
-            mode if mode in MODES else "alone",
-            mapping if mapping in SCALES else "linear",
-            levels if levels in AUTOMATIC else _manual(levels) or AUTOMATIC_LEVELS,
-            BandChoice.of(plain.get("bands")),
-        )
-
-
-def _manual(levels: Any) -> tuple[float, float] | None:
-    numbers = numbers_of(levels, 2)
-    return (numbers[0], numbers[1]) if numbers and numbers[0] < numbers[1] else None
-
-
-def numbers_of(plain: Any, count: int) -> tuple[float, ...] | None:
-    """A list of so many finite numbers; None for anything else."""
-    if not isinstance(plain, list | tuple) or len(plain) != count:
-        return None
-    if not all(isinstance(number, int | float) and math.isfinite(number) for number in plain):
-        return None
-    return tuple(float(number) for number in plain)

@@ -1,7 +1,5 @@
 """The viewer of a wire's picture, with a real worker behind it."""
 
-import json
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
@@ -261,30 +259,6 @@ def test_the_choice_lists_pictures_by_node(bench, viewer):
     box.activated.emit(texts.index("scene.image"))
     bench.settle()
     assert (viewer.picture.samples == bench.value("scene.image")).all()
-
-
-def test_state_comes_back(bench, viewer, qtbot):
-    viewer.compare_with("scene.image")
-    viewer.bar.display.colours.chosen.emit("inferno")
-    viewer.bar.display.histogram.setChecked(False)
-    viewer.bar.display.profile.setChecked(True)
-    viewer.canvas.set_zoom((0.3, 0.6, 0.4))
-    viewer.canvas.set_split(0.7)
-    bench.settle()
-    state = json.loads(json.dumps(viewer.state()))
-    other = ImageViewer(bench.session, bench.evaluator, 2)
-    other.restore(state)
-    bench.show(other)
-    assert other.choices == viewer.choices
-    again = other.state()
-    assert again.pop("zoom") == pytest.approx(state.pop("zoom"), abs=1e-9)
-    assert again == state
-    assert (other.picture.grey == viewer.picture.grey).all()
-
-
-def test_a_state_of_nonsense_is_put_up_with(bench, viewer):
-    viewer.restore({"zoom": [1, "x", 3], "colours": 7, "line": [1], "split": None, "port": []})
-    assert viewer.choices.port is None
 
 
 def test_themes(viewer):

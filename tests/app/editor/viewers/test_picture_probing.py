@@ -1,7 +1,5 @@
 """The probe, the line profile and the choices of an image viewer. No Qt."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -76,18 +74,6 @@ def test_profile_is_cut_off_at_the_edges():
     assert distance == pytest.approx([3.0, 4.0, 5.0, 6.0, 7.0, 8.0])
     assert value.tolist() == [1.0] * 6
     assert all(len(part) == 0 for part in along_line(picture, (-5.0, -1.0), (9.0, -1.0)))
-
-
-def test_choices_come_back_from_json():
-    chosen = Choices("a.image", "b.image", "wipe", "log", (1.0, 2.5))
-    assert Choices.of(json.loads(json.dumps(chosen.plain()))) == chosen
-
-
-@pytest.mark.parametrize(
-    "state", [{}, {"port": 3, "mode": "x", "levels": [2, 1]}, {"levels": ["a", None]}]
-)
-def test_choices_from_nonsense_are_the_usual_ones(state):
-    assert Choices.of(state) == Choices()
 
 
 def test_manual_levels_hold_for_one_picture_only():

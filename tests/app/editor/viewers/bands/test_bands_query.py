@@ -202,21 +202,6 @@ def test_manual_levels_hold_from_band_to_band_and_not_from_bands_to_their_sum():
     assert choices.with_(bands=ALL).levels == "percentiles"
 
 
-@pytest.mark.parametrize(
-    "choice", [ALL, ONE, COLOURS, BandChoice("colours", 3.1, (4.0, 3.5, 3.2)), BandChoice("one")]
-)
-def test_what_is_chosen_comes_back_from_json(choice):
-    assert Choices.of(Choices("read.image", bands=choice).plain()).bands == choice
-
-
-@pytest.mark.parametrize(
-    "plain",
-    [None, 3, [], {"shown": "some"}, {"one_um": "x"}, {"colours_um": [1, 2]}, {"one_um": -1.0}],
-)
-def test_what_cannot_be_used_is_left_out(plain):
-    assert BandChoice.of(plain) == ALL
-
-
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 60, 224])
 def test_three_of_few_bands(count):
     red, green, blue = evenly_spaced(count)

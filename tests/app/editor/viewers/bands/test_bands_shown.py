@@ -1,7 +1,5 @@
 """The viewer of a picture with bands, with a real worker behind it."""
 
-import json
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, Qt
@@ -340,19 +338,6 @@ def test_the_plot_of_spectra_can_be_put_away(viewer, bench, qtbot):
     assert not viewer.canvas.spectra.shown
     qtbot.wait(60)
     assert len(viewer.queries()) == 1
-
-
-def test_what_is_chosen_is_remembered(viewer, bench, cube):
-    choose(viewer, bench, "one")
-    viewer.band_bar.slider.setValue(3)
-    viewer.bar.display.spectra.setChecked(False)
-    state = json.loads(json.dumps(viewer.state()))
-    other = ImageViewer(bench.session, bench.evaluator, 2)
-    other.restore(state)
-    bench.show(other)
-    assert other.band_bar.slider.value() == 3
-    assert not other.canvas.spectra.shown
-    assert other.picture.samples == pytest.approx(cube[0][3], rel=1e-6)
 
 
 def test_a_narrower_filter_keeps_the_wavelength(viewer, bench, cube):
