@@ -82,6 +82,23 @@ def main(folder):
     seen["exposure"] = dragged(made, panel, "integration_time_s", 30)
     seen["jitter"] = dragged(made, choose(made, "jitter"), "sigma_mrad", -200)
 
+    plot = made.window.viewers.plot
+    panel = choose(made, "optics")
+    seen["curves of optics"] = {
+        "thick": [entry.name for entry in plot.canvas.drawing.entries if entry.strong],
+        "on the panel": panel.findChild(PreviewView).isVisible(),
+    }
+    made.window.actions_by_name["trade_off"].trigger()
+    made.settle()
+    seen["behind"] = panel.findChild(PreviewView).isVisible()
+    made.window.viewers.plot_dock.raise_()
+    made.settle()
+    seen["in front"] = panel.findChild(PreviewView).isVisible()
+    choose(made, "back")
+    seen["curves of back"] = plot.hint.isVisible() and plot.hint.text()
+    choose(made, "budget")
+    seen["curves of budget"] = plot.port
+
     def shows():
         panel = choose(made, "focal_plane")
         return panel.findChild(PreviewView).isVisible(), len(visible(made, panel))
@@ -90,7 +107,7 @@ def main(folder):
     panel = made.window.panels.panels["focal_plane"]
     made.hands.click(made.at(centre(panel.head.fold_picture)))
     wait_until(lambda: not panel.findChild(PreviewView).isVisible(), "the illustration is folded")
-    seen["other kind"] = choose(made, "jitter").findChild(PreviewView).isVisible()
+    seen["other kind"] = choose(made, "scene").findChild(PreviewView).isVisible()
     seen["after"] = shows()
     made.close(folder / SHUT)
     made = Managed(folder)

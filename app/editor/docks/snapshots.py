@@ -277,9 +277,9 @@ class Snapshots(QObject):
         if state is None or not plot.isVisible():
             plot.compare_kept(None)
         else:
-            (query,) = plot.queries()
-            self._want_curves(state, query)
-            plot.compare_kept(state.curves.get(query), state.name)
+            for query in plot.queries():  # one, or none where the selected node has no curves
+                self._want_curves(state, query)
+                plot.compare_kept(state.curves.get(query), state.name)
 
     def _side(self, viewer: ImageViewer) -> KeptSide | None:
         state, port = self.chosen, viewer.choices.port

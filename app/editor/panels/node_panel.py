@@ -26,6 +26,7 @@ from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.panels.head import PanelHead
 from app.editor.panels.module_body import ModuleBody, UnknownBody
 from app.editor.panels.preview_view import PreviewView, preview_query
+from app.editor.panels.transfer_preview import TransferPreviewQuery
 from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
 from app.editor.widgets import Menu
@@ -76,11 +77,14 @@ class NodePanel(QFrame):
         )
         self.setAccessibleName(f"control panel of {node}: {title}")
         self.head = PanelHead(title, group, text, self)
+        self.shows_transfer = False
         self.body: ModuleBody | UnknownBody
         if declared is not None:
             self.head.output.setVisible(has_picture(declared))
             module = session.library.get(declared.key)  # a macro is of none
-            if module is not None and preview_query(module, node) is not None:
+            query = preview_query(module, node) if module is not None else None
+            self.shows_transfer = isinstance(query, TransferPreviewQuery)
+            if query is not None:
                 preview = PreviewView(session, evaluator, node, self.head.place)
                 self.head.illustrate(preview, shown=illustrated)
             self.body = ModuleBody(declared, of, evaluator, self)

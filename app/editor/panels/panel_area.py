@@ -44,6 +44,7 @@ class PanelArea(WheelScrollArea):
         self.requests.illustrated.connect(self._illustrate)
         self.unillustrated: frozenset[str] = frozenset()
         self._badges: Mapping[str, Badge] = {}
+        self._plotted = ""
         self.panels: dict[str, NodePanel] = {}
         self.sets_folder: Path | None = None
         content = QWidget(self)
@@ -68,6 +69,12 @@ class PanelArea(WheelScrollArea):
         self._badges = badges
         for name, panel in self.panels.items():
             panel.set_badge(badges.get(name))
+
+    def set_plotted(self, node: str) -> None:
+        """Leave a transfer function that is seen among the curves out of its node's panel."""
+        self._plotted = node
+        for name, panel in self.panels.items():
+            panel.head.show_elsewhere(name == node and panel.shows_transfer)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
@@ -161,6 +168,7 @@ class PanelArea(WheelScrollArea):
         shown = self._session.network.nodes[name].module not in self.unillustrated
         panel = NodePanel(of, self._evaluator, self.widget(), self.sets_folder, illustrated=shown)
         panel.head.fit(self.viewport().height())
+        panel.head.show_elsewhere(name == self._plotted and panel.shows_transfer)
         panel.set_badge(self._badges.get(name))
         self.panels[name] = panel
         return panel

@@ -95,6 +95,7 @@ class MainWindow(QMainWindow):
         )
         self.panels.sets_folder = self.shelf.folder / "parameters"
         self.panels.unillustrated = settings.unillustrated
+        self.viewers.plot.plotted.connect(self.panels.set_plotted)
         self.panels.unillustrated_changed.connect(self._remember_illustrations)
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.full_screen = FullScreen(self.viewers, self.session, self)

@@ -259,7 +259,7 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     needed = [
         dock.minimumSizeHint().width() for dock in (docks.panels, *docks.beside) if dock.isVisible()
     ]
-    side = max(round(min(max(45 * unit, 0.235 * width), 90 * unit)), *needed, 0)
+    side = max(round(min(max(64 * unit, 0.235 * width), 90 * unit)), *needed, 0)
     if layout == "canvas_first":
         window.resizeDocks([docks.library, docks.panels], [headings, 52 * unit], _Across)
         window.resizeDocks([viewer, docks.curves], [24 * line] * 2, _Along)

@@ -39,6 +39,20 @@ class CurveList(QListWidget):
         hint.setWidth(min(width, most))
         return hint
 
+    def set_across(self, on: bool) -> None:
+        """List the entries from left to right, on as many lines as they need."""
+        self.setFlow(QListWidget.Flow.LeftToRight if on else QListWidget.Flow.TopToBottom)
+        self.setWrapping(on)
+        self.setResizeMode(QListWidget.ResizeMode.Adjust if on else QListWidget.ResizeMode.Fixed)
+
+    def height_for(self, width: int) -> int:
+        """What the entries need from left to right in that width."""
+        left, lines, most = 0, 1, width - 2 * self.frameWidth()
+        for row in range(self.count()):
+            hint = self.sizeHintForIndex(self.indexFromItem(self.item(row))).width()
+            lines, left = (lines + 1, hint) if 0 < left > most - hint else (lines, left + hint)
+        return lines * max(self.sizeHintForRow(0), 1) + 2 * self.frameWidth()
+
     def fill(
         self,
         entries: Iterable[Entry],

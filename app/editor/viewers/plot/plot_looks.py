@@ -22,6 +22,7 @@ _DASHES = (
 )
 _PIECE = 9.0  # dots of a curve before what is beneath is seen
 _KEPT = (5.0, 4.0)  # dots of a kept curve, and of its gaps
+_STRONG = 3  # dots that the curve which is looked at is wide
 _FAINT = 200  # of 255, the opacity of a limit
 _PLAIN = range(-4, 5)  # powers of ten that are written out
 
@@ -131,7 +132,7 @@ def entry_pens(entries: Iterable[Entry], theme: Theme) -> dict[str, QPen]:
             pen = thick(see_through(colour, _FAINT), 1, Qt.PenStyle.DotLine)
         else:
             style = _DASHES[curves // len(colours) % len(_DASHES)]
-            pen = thick(colours[curves % len(colours)], 1, style)
+            pen = thick(colours[curves % len(colours)], _STRONG if entry.strong else 1, style)
             if entry.over:  # three curves on one another are seen in turn
                 pen.setDashPattern([_PIECE, 2 * _PIECE])
                 pen.setDashOffset(_PIECE * entry.over)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QResizeEvent
@@ -41,19 +40,33 @@ from app.editor.viewers.plot.plotted_lines import (
     with_kept,
 )
 from app.editor.viewers.viewer import StatusLine, Viewer
-from app.editor.widgets import CopiedTable, Toggle, toggle_button, tool_button
+from app.editor.widgets import (
+    CopiedTable,
+    FlowLayout,
+    Toggle,
+    centred_hint,
+    toggle_button,
+    tool_button,
+)
 from app.run.readout_tables import number_text
 from core.chain.results import CurveData, TableData, TableRow
 from core.errors import UsageError
 from core.network.network import Network
 
 _LIST_SHARE = 0.36  # of the width, at most, for the legend; of the height where it lies below
+_BARE = "{} has no curves. Select a node that has some, or choose curves above."
 _NO_LIMIT = 16_777_215  # of a size: Qt's largest
 _NARROW = 75  # characters; a narrower viewer has its legend below the plot
 
 
 class PlotViewer(Viewer):
-    """Shows the chain's transfer functions, or the curves or table of one port."""
+    """Shows the chain's transfer functions, or the curves or table of one port.
+
+    It follows the selection, unless it is pinned: of a node with a transfer function the chain's
+    are shown, with the node's own drawn thick.
+    """
+
+    plotted = Signal(str)  # (node): its transfer function is in sight here; empty: no node's is
 
     def __init__(
         self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
@@ -68,18 +81,48 @@ class PlotViewer(Viewer):
         self._kept: tuple[Data | None, str] = (None, "")
         self._made_of_kept: tuple[tuple[Data, bool, str], Drawing] | None = None
         self._lost: str | None = None
+        self._node, self._bare, self._plotted = "", "", ""
+        self._in_sight = False
+        self._data_port: str | None = None  # the port that the data are of
         self._switched: dict[str, bool] = {}
         self._build()
+        session.selection_changed.connect(self._selected)
         self._follow_choices()
 
     def look_at(self, port: str | None) -> None:
         """Plot the curve or table on ``node.port``; None plots the chain's transfer functions."""
         self._lost = None
-        if port != self.port:
-            self.port = port
+        if port != self.port or self._bare:
+            self.port, self._bare = port, ""
             self.log = None
             self._switched.clear()
             self._follow_choices()
+
+    def look_at_node(self, name: str) -> None:
+        """Plot what a node has: its first curve, else the chain with it, else its table."""
+        declared = self.session.declared(name)
+        if declared is None:
+            return
+        outputs = {f"{name}.{port.name}": port.types[0] for port in declared.outputs}
+        groups = ports_by_node(self.session.network, self.session.library, PLOT_TYPES)
+        own = next((group.ports for group in groups if group.node == name), ())
+        curves = [port for port in own if outputs[port] == "curve"]
+        before, self._node = self._node, name
+        if curves or "transfer" in outputs.values() or own:
+            transfer = not curves and "transfer" in outputs.values()
+            self.look_at(None if transfer else (*curves, *own)[0])
+            if before != name and isinstance(self.data, TransferCurves):
+                self._draw()
+        else:
+            self._bare, self.port, self._lost = name, None, None
+            self._follow_choices()
+            self._draw()
+        self._tell()
+
+    def set_in_sight(self, on: bool) -> None:
+        """Whether it is in front, so that no other part need show the same."""
+        self._in_sight = on
+        self._tell()
 
     def set_angle(self, angle_deg: float) -> None:
         """Plot along a line in that direction: 0 across, 90 along."""
@@ -115,46 +158,29 @@ class PlotViewer(Viewer):
         ImagechainError
             If nothing is shown, or it cannot be written.
         """
-        if self.data is None:
+        if self.data is None or self._bare:
             raise UsageError("the viewer shows no curves")
         export(self._pages.currentWidget(), self.data, path)
 
-    def state(self) -> dict[str, Any]:
-        return {
-            "port": self._lost or self.port,
-            "angle_deg": self.angle_deg,
-            "parts": self.parts,
-            "log": self.log,
-            "switched": dict(self._switched),
-        }
-
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Show as in `state`; what cannot be used is as it was."""
-        port, angle, parts = (state.get(name) for name in ("port", "angle_deg", "parts"))
-        self._lost = None
-        self.port = port if isinstance(port, str) else None
-        if isinstance(angle, int | float) and math.isfinite(angle) and abs(angle) <= 360:
-            self.angle_deg = float(angle)
-        if parts in get_args(Parts):
-            self.parts = parts  # type: ignore[assignment]
-        log, switched = state.get("log"), state.get("switched")
-        self.log = log if isinstance(log, bool) else None
-        if isinstance(switched, Mapping):
-            self._switched = {str(name): on is True for name, on in switched.items()}
-        self._follow_choices()
-
     def queries(self) -> tuple[Query, ...]:
+        if self._bare:
+            return ()
         return (CurvesQuery(self.angle_deg) if self.port is None else PortDataQuery(self.port),)
 
     def accepts(self, query: Query) -> bool:
         """Whether it is of what is chosen; while the angle is turned, also of the last one."""
-        return query in self.queries() or (self.port is None and isinstance(query, CurvesQuery))
+        of_chain = self.port is None and not self._bare
+        return query in self.queries() or (of_chain and isinstance(query, CurvesQuery))
 
     def take(self, answer: Answer) -> None:
+        other = getattr(answer.query, "port", None) != self._data_port
         if answer.error is not None:
             self.status.show_text(str(answer.error), failed=True)
+            if other:  # what is drawn is not what failed
+                self.data, self._data_port = None, self.port
+                self._draw()
             return
-        self.data = answer.value
+        self.data, self._data_port = answer.value, self.port
         self._draw()
         if isinstance(answer.value, TransferCurves):
             self._show_transfer_status(answer.value)
@@ -166,6 +192,8 @@ class PlotViewer(Viewer):
     def follow(self, before: Network, after: Network) -> None:
         """Follow nodes that are renamed; a node that is restored is shown again."""
         port = self._lost or self.port
+        if self._bare and self._bare not in after.nodes:
+            self.look_at(None)
         if port is None:
             return
         moved = followed(port, before, after) or port
@@ -178,7 +206,7 @@ class PlotViewer(Viewer):
 
     def follow_opening(self) -> None:
         """Plot the chain of another document."""
-        self.data, self._kept = None, (None, "")
+        self.data, self._kept, self._node = None, (None, ""), ""
         self.canvas.framed = True
         self._switched.clear()
         self.look_at(None)
@@ -206,6 +234,9 @@ class PlotViewer(Viewer):
         self._pages = QStackedWidget(self)
         self._pages.addWidget(self._curves)
         self._pages.addWidget(self.table)
+        self.hint = centred_hint("", self)
+        self.hint.setObjectName(f"{self.owner}.hint")
+        self._pages.addWidget(self.hint)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
@@ -234,9 +265,9 @@ class PlotViewer(Viewer):
         narrow = self.width() < _NARROW * self.fontMetrics().averageCharWidth()
         ways = QBoxLayout.Direction
         self._beside.setDirection(ways.TopToBottom if narrow else ways.LeftToRight)
+        self.list.set_across(narrow)
         if narrow:
-            rows = self.list.count() * max(self.list.sizeHintForRow(0), 1)
-            height = rows + 2 * self.list.frameWidth()
+            height = self.list.height_for(self.width())
             self.list.setMinimumWidth(0)
             self.list.setMaximumWidth(_NO_LIMIT)
             self.list.setFixedHeight(min(height, int(_LIST_SHARE * self.height())))
@@ -255,11 +286,30 @@ class PlotViewer(Viewer):
         self.canvas.show_entries(shown)
         self.bars.show_entries(shown)
 
+    def _selected(self, names: tuple[str, ...]) -> None:
+        if names and not self.bar.pin.isChecked():
+            self.look_at_node(names[-1])
+
+    def _tell(self) -> None:
+        declared = self.session.declared(self._node) if self._node else None
+        of_chain = self._in_sight and self.port is None and not self._bare
+        transfer = declared is not None and any(p.types[0] == "transfer" for p in declared.outputs)
+        plotted = self._node if of_chain and transfer else ""
+        if plotted != self._plotted:
+            self._plotted = plotted
+            self.plotted.emit(plotted)
+
     def _follow_choices(self) -> None:
-        self.bar.show_choices(self.port, self.angle_deg, self.parts)
+        self.bar.show_choices(self.port, self.angle_deg, self.parts, bare=bool(self._bare))
         self.ask()
+        self._tell()
 
     def _draw(self) -> None:
+        if self._bare:
+            self.hint.setText(_BARE.format(self._bare))
+            self._pages.setCurrentWidget(self.hint)
+            self.status.show_text("")
+            return
         data = self.data
         log = self.log if self.log is not None else getattr(data, "log_y", False)
         self.bar.log.setChecked(log)
@@ -284,7 +334,7 @@ class PlotViewer(Viewer):
 
     def _drawing(self, data: Data | None, log: bool) -> Drawing:
         if isinstance(data, TransferCurves):
-            return transfer_drawing(data, self.parts, log=log)
+            return transfer_drawing(data, self.parts, log=log, strong=self._node)
         return curve_drawing(data, log=log) if isinstance(data, CurveData) else Drawing("")
 
     def _drawing_of_kept(self, kept: Data, log: bool) -> Drawing:
@@ -356,6 +406,12 @@ class FigureTable(CopiedTable):
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
         self._figures: tuple[TableRow, ...] = ()
 
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Leave the meaning to the name's tooltip where it would be a column of single words."""
+        super().resizeEvent(event)
+        narrow = self.width() < _NARROW * self.fontMetrics().averageCharWidth()
+        self.setColumnHidden(_HEADS.index("Meaning"), narrow)
+
     def show_table(self, table: TableData) -> None:
         self._figures = table.rows
         self.setRowCount(len(table.rows))
@@ -367,7 +423,8 @@ class FigureTable(CopiedTable):
                 shown = figure.value
             for column, text in enumerate((figure.name, shown, figure.unit, figure.meaning)):
                 item = QTableWidgetItem(text)
-                item.setToolTip(_exact(figure) if column == 1 else text)
+                tips = {0: f"{text}: {figure.meaning}", 1: _exact(figure)}
+                item.setToolTip(tips.get(column, text))
                 item.setTextAlignment(_RIGHT if column == 1 else _LEFT)
                 self.setItem(row, column, item)
         self.resizeRowsToContents()
@@ -387,6 +444,7 @@ def _exact(figure: TableRow) -> str:
 
 # The controls above a plot.
 
+_LETTERS = 14  # of what is plotted, at least
 PARTS = {"mtf": "MTF", "ptf": "PTF", "both": "MTF, PTF"}
 
 
@@ -402,6 +460,7 @@ class PlotBar(QWidget):
         self.ports = PortChoice(session, PLOT_TYPES, "Transfer functions of the chain", self)
         self.ports.setObjectName(f"{owner}.port")
         self.ports.setAccessibleName("What is plotted")
+        self.ports.setPlaceholderText("No curves")
         self.outputs = OutputButtons(session, owner, self)
         self._x = tool_button(f"{owner}.x", "x", "Along ξ, across the picture", self)
         self._y = tool_button(f"{owner}.y", "y", "Along η, down the picture", self)
@@ -420,31 +479,36 @@ class PlotBar(QWidget):
         for name, text in PARTS.items():
             self.parts.addItem(text, name)
         self.log = toggle_button(f"{owner}.log", "Log", "Logarithmic ordinate", self)
+        self.pin = toggle_button(
+            f"{owner}.pin", "Pin", "Keep these curves when another node is selected", self
+        )
         self.fit = tool_button(f"{owner}.fit", "Fit", "Show the whole plot (F or 0)", self)
         self._of_chain = (self._x, self._y, self.angle, self.parts)
-        layout = QHBoxLayout(self)
+        self.ports.setMinimumContentsLength(_LETTERS)
+        layout = FlowLayout(self, across=3, down=2)  # a bar in one row would hold the dock wide
         layout.setContentsMargins(2, 2, 2, 0)
-        layout.setSpacing(3)
-        layout.addWidget(self.ports, 1)
-        layout.addWidget(self.outputs, 0)
-        for widget in (*self._of_chain, self.log, self.fit):
-            layout.addWidget(widget, 0)
+        for widget in (self.ports, self.pin, self.outputs, *self._of_chain, self.log, self.fit):
+            layout.addWidget(widget)
         self._x.clicked.connect(self._choose_x)
         self._y.clicked.connect(self._choose_y)
         self.angle.valueChanged.connect(self.angle_chosen)
         self.parts.activated.connect(self._choose_parts)
         self.log.clicked.connect(self._choose_log)
 
-    def show_choices(self, port: str | None, angle_deg: float, parts: str) -> None:
-        """Show what is chosen, without a signal."""
+    def show_choices(
+        self, port: str | None, angle_deg: float, parts: str, *, bare: bool = False
+    ) -> None:
+        """Show what is chosen, without a signal; `bare`: nothing is, though it has no port."""
         self.ports.choose(port)
+        if bare:
+            self.ports.setCurrentIndex(-1)
         self.angle.blockSignals(True)
         self.angle.setValue(angle_deg)
         self.angle.blockSignals(False)
         self.parts.setCurrentIndex(self.parts.findData(parts))
         for widget in self._of_chain:
             widget.setEnabled(port is None)
-            widget.setVisible(port is None)
+            widget.setVisible(port is None and not bare)
         self.outputs.show_port(port)
 
     def _choose_x(self) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from app.editor.viewers.plot.curves_query import TransferCurve, TransferCurves
 from core.chain.results import CurveData, CurveMark
+from core.network.macro import SEPARATOR
 
 Vector = NDArray[np.float64]
 Parts = Literal["mtf", "ptf", "both"]
@@ -32,6 +33,7 @@ class Entry:
     over: int = 0  # on how many of the entries before it it lies: these are to be seen through it
     # the entry of the present state, where it is the same curve of a kept one; else empty
     of: str = ""
+    strong: bool = False  # whether it is the one that is looked at
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +98,12 @@ class Drawing:
         return float(10.0**drawn) if self.log_x else drawn
 
 
-def transfer_drawing(curves: TransferCurves, parts: Parts, *, log: bool = False) -> Drawing:
+def transfer_drawing(
+    curves: TransferCurves, parts: Parts, *, log: bool = False, strong: str = ""
+) -> Drawing:
     """MTF, PTF or both of a chain; a PTF that is 0 everywhere is not drawn.
 
+    `strong` is the node whose curve is looked at, or a macro with several.
     With `log` the modulus of the MTF, which is signed, by its logarithm. Of very many stages only
     those that do most are drawn, with all products.
     """
@@ -109,6 +114,7 @@ def transfer_drawing(curves: TransferCurves, parts: Parts, *, log: bool = False)
             f"{curve.title} (beside)" if curve.kind == "beside" else curve.title,
             curve.kind == "total",
             curve.kind == "total" or (curve.acts and curve.kind == "stage"),
+            strong=f"{curve.name}{SEPARATOR}".startswith(f"{strong}{SEPARATOR}"),
         )
         for curve in drawn
     )

@@ -1,7 +1,6 @@
 """Curves of the chain and of ports, with a real worker behind the viewer."""
 
 import csv
-import json
 import math
 from dataclasses import replace
 
@@ -125,13 +124,14 @@ def test_both_parts_share_their_abscissa(bench, viewer):
     assert names == {"electronics", "total_with_electronics"}  # the others have no phase
 
 
-def test_the_legend_switches_curves(viewer):
+def test_the_legend_switches_curves(bench, viewer):
     row = next(r for r in range(viewer.list.count()) if "jitter" in viewer.list.item(r).text())
     curve = viewer.canvas._curves[0]["jitter"]
     assert curve.isVisible()
     viewer.list.item(row).setCheckState(Qt.CheckState.Unchecked)
     assert not curve.isVisible()
-    assert viewer.state()["switched"] == {"jitter": False}
+    bench.do(set_parameter("jitter", "sigma_mrad", 2 * SIGMA))
+    assert not curve.isVisible()
 
 
 def test_stages_that_do_nothing_are_not_shown_at_first(bench, viewer):
@@ -246,21 +246,6 @@ def test_what_cannot_be_written_is_told(viewer, tmp_path, session):
         viewer.export(tmp_path / "nowhere" / "x.csv")
     with pytest.raises(ImagechainError, match="no curves"):
         PlotViewer(session, None, viewer).export(tmp_path / "x.csv")
-
-
-def test_state_comes_back(bench, viewer):
-    viewer.set_angle(12.5)
-    viewer.set_parts("both")
-    viewer.list.item(0).setCheckState(Qt.CheckState.Unchecked)
-    bench.settle()
-    state = json.loads(json.dumps(viewer.state()))
-    other = PlotViewer(bench.session, bench.evaluator)
-    other.restore(state)
-    bench.show(other)
-    assert other.state() == state
-    assert other.bar.angle.value() == 12.5
-    other.restore({"port": 3, "angle_deg": "x", "parts": 1, "switched": []})
-    assert other.state() == {**state}
 
 
 def test_themes(viewer):
