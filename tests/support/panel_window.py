@@ -88,12 +88,6 @@ def main(folder):
         "thick": [entry.name for entry in plot.canvas.drawing.entries if entry.strong],
         "on the panel": panel.findChild(PreviewView).isVisible(),
     }
-    made.window.actions_by_name["trade_off"].trigger()
-    made.settle()
-    seen["behind"] = panel.findChild(PreviewView).isVisible()
-    made.window.viewers.plot_dock.raise_()
-    made.settle()
-    seen["in front"] = panel.findChild(PreviewView).isVisible()
     choose(made, "back")
     seen["curves of back"] = plot.hint.isVisible() and plot.hint.text()
     choose(made, "budget")
@@ -107,14 +101,19 @@ def main(folder):
     panel = made.window.panels.panels["focal_plane"]
     made.hands.click(made.at(centre(panel.head.fold_picture)))
     wait_until(lambda: not panel.findChild(PreviewView).isVisible(), "the illustration is folded")
-    seen["other kind"] = choose(made, "scene").findChild(PreviewView).isVisible()
+    seen["other kind"] = choose(made, "init").findChild(PreviewView).isVisible()
     seen["after"] = shows()
+    panel = choose(made, "jitter")
+    made.hands.click(made.at(centre(panel.head.fold_picture)))
+    wait_until(panel.findChild(PreviewView).isVisible, "the curve of the stage is unfolded")
     made.close(folder / SHUT)
     made = Managed(folder)
     made.window.files.open_now("mwir_camera")
     made.settle()
-    panel = choose(made, "focal_plane")
-    seen["next start"] = panel.findChild(PreviewView).isVisible()
+    seen["next start"] = {
+        name: choose(made, name).findChild(PreviewView).isVisible()
+        for name in ("focal_plane", "init", "jitter", "optics")
+    }
     made.window.close_for_good()
     (folder / "panel.json").write_text(json.dumps(seen))
 

@@ -102,7 +102,6 @@ class PanelHead(QWidget):
     _group: str | None = None
     _badge: Badge | None = None
     _illustration: QWidget | None = None
-    _elsewhere = False
     _most = 0  # dots that the illustration may be high
 
     def __init__(self, title: str, group: str, text: str, parent: QWidget | None = None) -> None:
@@ -198,25 +197,15 @@ class PanelHead(QWidget):
         self._illustration = view
         self._stack.addWidget(view, 1)
         self.place.installEventFilter(self)
+        self.fold_picture.show()
         self.show_illustration(shown)
 
     def show_illustration(self, on: bool) -> None:
         self.fold_picture.setChecked(not on)
         arrow = Qt.ArrowType.DownArrow if on else Qt.ArrowType.RightArrow
         self.fold_picture.setArrowType(arrow)
-        self._place_illustration()
-
-    def show_elsewhere(self, on: bool) -> None:
-        """Show no illustration while the same is seen in another part of the window."""
-        if on != self._elsewhere:
-            self._elsewhere = on
-            self._place_illustration()
-
-    def _place_illustration(self) -> None:
         if self._illustration is not None:
-            self.fold_picture.setVisible(not self._elsewhere)
-            folded = self.fold_picture.isChecked()
-            self._illustration.setVisible(not folded and not self._elsewhere)
+            self._illustration.setVisible(on)
         self._fit()
 
     def fit(self, height: int) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -58,7 +58,7 @@ class NodePanel(QFrame):
         parent: QWidget | None = None,
         sets_folder: Path | None = None,
         *,
-        illustrated: bool = True,
+        illustrations: Collection[str] = (),
     ) -> None:
         super().__init__(parent)
         self._of = of
@@ -77,16 +77,15 @@ class NodePanel(QFrame):
         )
         self.setAccessibleName(f"control panel of {node}: {title}")
         self.head = PanelHead(title, group, text, self)
-        self.shows_transfer = False
         self.body: ModuleBody | UnknownBody
         if declared is not None:
             self.head.output.setVisible(has_picture(declared))
             module = session.library.get(declared.key)  # a macro is of none
             query = preview_query(module, node) if module is not None else None
-            self.shows_transfer = isinstance(query, TransferPreviewQuery)
             if query is not None:
                 preview = PreviewView(session, evaluator, node, self.head.place)
-                self.head.illustrate(preview, shown=illustrated)
+                at_first = not isinstance(query, TransferPreviewQuery)
+                self.head.illustrate(preview, shown=at_first != (self.module in illustrations))
             self.body = ModuleBody(declared, of, evaluator, self)
         else:
             why = where_absent(self.module, session.library)
@@ -111,7 +110,7 @@ class NodePanel(QFrame):
         head, requests = self.head, self._of.requests
         head.bar.folded.connect(self._fold)
         head.pin.clicked.connect(self._pin)
-        head.fold_picture.toggled.connect(self._fold_picture)
+        head.fold_picture.clicked.connect(self._fold_picture)
         head.close_button.clicked.connect(
             partial(without_argument, partial(requests.close.emit, self.node))
         )
@@ -169,8 +168,9 @@ class NodePanel(QFrame):
         self.head.below.setVisible(not on)
         self.body.setVisible(not on)
 
-    def _fold_picture(self, on: bool) -> None:
-        self._of.requests.illustrated.emit(self.module, not on)
+    def _fold_picture(self) -> None:
+        shown = not self.head.fold_picture.isChecked()
+        self._of.requests.illustrated.emit(self.module, shown)
 
     def _with_values(self, act: Callable[[Session, tuple[str, ...]], None]) -> None:
         self.finish_typing()

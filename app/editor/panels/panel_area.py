@@ -23,10 +23,11 @@ from core.editing.operations import ABSENT, set_node_field
 class PanelArea(WheelScrollArea):
     """A stack of panels that scrolls.
 
-    `unillustrated` has the modules whose panels show no illustration, until the person wants it.
+    `illustrations` has the modules whose illustration the person has folded away, or unfolded: of
+    those with a transfer function, which stands among the curves, it is folded at first.
     """
 
-    unillustrated_changed = Signal()
+    illustrations_changed = Signal()
 
     def __init__(
         self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
@@ -42,9 +43,8 @@ class PanelArea(WheelScrollArea):
         self.requests = Requests(self)
         self.requests.close.connect(self._close)
         self.requests.illustrated.connect(self._illustrate)
-        self.unillustrated: frozenset[str] = frozenset()
+        self.illustrations: frozenset[str] = frozenset()
         self._badges: Mapping[str, Badge] = {}
-        self._plotted = ""
         self.panels: dict[str, NodePanel] = {}
         self.sets_folder: Path | None = None
         content = QWidget(self)
@@ -70,12 +70,6 @@ class PanelArea(WheelScrollArea):
         for name, panel in self.panels.items():
             panel.set_badge(badges.get(name))
 
-    def set_plotted(self, node: str) -> None:
-        """Leave a transfer function that is seen among the curves out of its node's panel."""
-        self._plotted = node
-        for name, panel in self.panels.items():
-            panel.head.show_elsewhere(name == node and panel.shows_transfer)
-
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         for panel in self.panels.values():
@@ -83,11 +77,11 @@ class PanelArea(WheelScrollArea):
 
     def _illustrate(self, module: str, on: bool) -> None:
         """Show the illustration on all panels of a kind, or on none."""
-        self.unillustrated = self.unillustrated - {module} if on else self.unillustrated | {module}
+        self.illustrations ^= {module}
         for panel in self.panels.values():
             if panel.module == module:
                 panel.head.show_illustration(on)
-        self.unillustrated_changed.emit()
+        self.illustrations_changed.emit()
 
     def edit_name(self) -> None:
         """Open the name of the node selected last for editing."""
@@ -165,10 +159,10 @@ class PanelArea(WheelScrollArea):
 
     def _make(self, name: str) -> NodePanel:
         of = PanelNode(self._session, name, self.requests)
-        shown = self._session.network.nodes[name].module not in self.unillustrated
-        panel = NodePanel(of, self._evaluator, self.widget(), self.sets_folder, illustrated=shown)
+        panel = NodePanel(
+            of, self._evaluator, self.widget(), self.sets_folder, illustrations=self.illustrations
+        )
         panel.head.fit(self.viewport().height())
-        panel.head.show_elsewhere(name == self._plotted and panel.shows_transfer)
         panel.set_badge(self._badges.get(name))
         self.panels[name] = panel
         return panel

@@ -94,9 +94,8 @@ class MainWindow(QMainWindow):
             self.level, self.canvas, self.library_view, settings.path.parent / "presets", self
         )
         self.panels.sets_folder = self.shelf.folder / "parameters"
-        self.panels.unillustrated = settings.unillustrated
-        self.viewers.plot.plotted.connect(self.panels.set_plotted)
-        self.panels.unillustrated_changed.connect(self._remember_illustrations)
+        self.panels.illustrations = settings.illustrations
+        self.panels.illustrations_changed.connect(self._remember_illustrations)
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.full_screen = FullScreen(self.viewers, self.session, self)
         self.part_focus = PartFocus(self.parts, self)
@@ -138,7 +137,7 @@ class MainWindow(QMainWindow):
         self.set_theme(THEMES[look])
 
     def _remember_illustrations(self) -> None:
-        self.settings.unillustrated = self.panels.unillustrated
+        self.settings.illustrations = self.panels.illustrations
 
     def open_first(self, text: str) -> None:
         """Open a network in place of the first page, and say what is offered there."""

@@ -125,14 +125,14 @@ class Settings:
         self._stored.setValue("look", look)
 
     @property
-    def unillustrated(self) -> frozenset[str]:
-        """Modules whose panels show no illustration."""
-        stored = self._stored.value("unillustrated", "")
+    def illustrations(self) -> frozenset[str]:
+        """Modules whose panels show an illustration or none, other than at first."""
+        stored = self._stored.value("illustrations", "")
         return frozenset(stored.split()) if isinstance(stored, str) else frozenset()
 
-    @unillustrated.setter
-    def unillustrated(self, modules: Collection[str]) -> None:
-        self._stored.setValue("unillustrated", " ".join(sorted(modules)))
+    @illustrations.setter
+    def illustrations(self, modules: Collection[str]) -> None:
+        self._stored.setValue("illustrations", " ".join(sorted(modules)))
 
     @property
     def recent(self) -> tuple[Path, ...]:

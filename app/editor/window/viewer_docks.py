@@ -42,7 +42,6 @@ class ViewerDocks(QObject):
         self.docks: dict[int, QDockWidget] = {}
         self.plot = PlotViewer(session, evaluator)
         self.plot_dock = self._dock("Curves", "dock.curves", self.plot)
-        self.plot_dock.visibilityChanged.connect(self.plot.set_in_sight)
         self._viewer(1)
         self.tradeoff = TradeOffView(session, evaluator)
         self.tradeoff_dock = self._dock("Trade-off", "dock.tradeoff", self.tradeoff)

@@ -289,8 +289,12 @@ def top(widget):
 WARNING = {"blur": Badge("warning", "a line that comes while the mouse is down\nand another")}
 
 
+@pytest.mark.parametrize("folded", [True, False], ids=["folded", "illustrated"])
 @pytest.mark.parametrize("control", ["slider", "label"])
-def test_nothing_moves_under_the_mouse_while_a_warning_comes(control, sigma, area):
+def test_nothing_moves_under_the_mouse_while_a_warning_comes(control, folded, sigma, area):
+    if not folded:
+        QTest.mouseClick(area.panels["blur"].head.fold_picture, LEFT)
+        QTest.qWait(50)
     held = getattr(sigma, control)
     at = top(held)
     start = QPoint(held.width() // 2, held.height() // 2)
@@ -311,7 +315,7 @@ def test_nothing_moves_under_the_mouse_while_a_warning_comes(control, sigma, are
 def test_a_folded_illustration_leaves_one_line_for_what_is_wrong(sigma, area):
     head = area.panels["blur"].head
     area.resize(300, area.height())
-    QTest.mouseClick(head.fold_picture, LEFT)
+    assert head.fold_picture.isChecked()  # a stage's curve stands among the curves
     QTest.qWait(50)
     at = top(sigma)
     area.set_badges(WARNING)

@@ -103,18 +103,6 @@ def test_pinned_it_keeps_its_curves(select):
     assert select("budget").port == "budget.noise"
 
 
-def test_it_tells_whose_transfer_function_is_in_sight(select):
-    viewer = select("optics")
-    told = []
-    viewer.plotted.connect(told.append)
-    viewer.set_in_sight(True)
-    select("jitter")
-    select("merit")
-    select("jitter")
-    viewer.set_in_sight(False)
-    assert told == ["optics", "jitter", "", "jitter", ""]
-
-
 def test_its_bar_never_holds_the_dock_wide(select, bench):
     for name in ("merit", "back", "optics"):
         viewer = select(name)
