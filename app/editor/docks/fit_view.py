@@ -24,6 +24,7 @@ from app.editor.docks.measure_worker import (
 from app.editor.notices import NoticeList, sentence
 from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.session import Session
+from app.editor.viewers.plot.plot_export import columns_text, have_plot_menu
 from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import FlowLayout, toggle_button, tool_button
 from app.fit.fit_result import hardly_determined
@@ -68,6 +69,7 @@ class FitView(WorkerView):
         self.drops = PictureDrops(self, self.choose_pictures)
         self._build()
         self._connect()
+        have_plot_menu(self.chart, self._report, self.chart.numbers)
         self.show_state()
 
     @property
@@ -398,6 +400,12 @@ class SpreadChart(ChartWidget):
         """Draw an edge; None draws an empty chart, with the reason if there is one."""
         self.edge, self._why_none = edge, why_none
         self.update()
+
+    def numbers(self) -> str:
+        edge = self.edge
+        names = ("distance (samples)", "picture", "chain")
+        parts = () if edge is None else (edge.distance, edge.sample, edge.spread)
+        return columns_text([(n, part.tolist()) for n, part in zip(names, parts, strict=False)])
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         edge = self.edge

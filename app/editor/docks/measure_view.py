@@ -35,6 +35,7 @@ from app.editor.gestures import without_argument
 from app.editor.notices import NoticeList, Severity, sentence
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
+from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import FlowLayout, menu_button, toggle_button, tool_button
 from core.errors import UsageError
@@ -82,6 +83,8 @@ class MeasureView(WorkerView):
         self.drops = PictureDrops(self, self.measure_files)
         self._build()
         self._connect()
+        have_plot_menu(self.chart, self._report, table=self._choose_target)
+        have_plot_menu(self.canvas, self._report)
         self._show_all()
 
     # --- measuring ---------------------------------------------------------------------------

@@ -160,6 +160,9 @@ class WorkerView(QWidget):
         else:
             super().keyPressEvent(event)
 
+    def _report(self, kind: str, text: str) -> None:
+        self._say(text, failed=kind == "error")
+
     def _say(self, text: str, *, failed: bool = False) -> None:
         self.status.show_text(text, failed=failed)
 

@@ -23,7 +23,7 @@ from app.editor.number_text import shown_figure, shown_number
 from app.editor.session import Session, renamed_node
 from app.editor.viewers.network_ports import ports_depend_on
 from app.editor.viewers.plot.curve_list import CurveList
-from app.editor.viewers.plot.plot_export import export_picture
+from app.editor.viewers.plot.plot_export import export_picture, have_plot_menu
 from app.editor.viewers.plot.plot_looks import thick
 from app.editor.viewers.plot.plotted_lines import Entry
 from app.editor.viewers.viewer import StatusLine, Viewer
@@ -104,17 +104,22 @@ class TradeOffView(Viewer):
 
     def export(self, path: Path) -> None:
         """Write the charts (``.png``, ``.svg``), or their numbers (``.csv``)."""
-        parameter, span = self.varied.parameter, self.span
-        if parameter is None or span is None or not self.points:
+        if not (numbers := self._numbers()):
             raise UsageError("the trade-off has no curves to save")
         if CSV.matches(path):
-            points = tuple(self.points[value] for value in sorted(self.points))
-            varied = Variation(self.varied.node, parameter, tuple(sorted(self.points)), span.log)
-            curves = (Curve(None, points),)
-            results = Results(self.session.network.name, varied, None, self.shown, curves)
-            write_text(path, csv_text(results))
+            write_text(path, numbers)
         else:
             export_picture(self.plots, path)
+
+    def _numbers(self) -> str:
+        """All points as CSV; empty where there are none."""
+        parameter, span = self.varied.parameter, self.span
+        if parameter is None or span is None or not self.points:
+            return ""
+        points = tuple(self.points[value] for value in sorted(self.points))
+        varied = Variation(self.varied.node, parameter, tuple(sorted(self.points)), span.log)
+        curves = (Curve(None, points),)
+        return csv_text(Results(self.session.network.name, varied, None, self.shown, curves))
 
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
@@ -177,6 +182,7 @@ class TradeOffView(Viewer):
         layout.addLayout(beside, 1)
         layout.addWidget(self.status)
         self.plots.show_hint(_HINT)
+        have_plot_menu(self.plots, self.session.message.emit, self._numbers)
         self.bar.parameter.chosen.connect(self.trade_off)
         self.bar.span_chosen.connect(self.set_span)
         self.bar.refused.connect(self._refuse)

@@ -21,6 +21,7 @@ from app.editor.panels.transfer_preview import TransferPreviewQuery
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.pixels.grey_levels import grey_levels
+from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import Viewer
 from core.chain.engine import Plan
 from core.errors import ImagechainError, UnconnectedError
@@ -128,6 +129,7 @@ class PreviewView(Viewer):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self._module = session.library[session.network.nodes[node].module]
         self.setAccessibleName(f"illustration of {node}: {self._module.title}")
+        have_plot_menu(self, session.message.emit)
         if evaluator is None:
             self._show_problem(NO_EVALUATION)
 

@@ -48,12 +48,6 @@ _PICTURES = ";;".join(
         dialog_filter("Samples", *(one for one in WRITTEN if one.plain), CSV),
     )
 )
-_CURVES = ";;".join(
-    (
-        dialog_filter("Pictures", *plot_export.PICTURES),
-        dialog_filter("Numbers", *plot_export.NUMBERS),
-    )
-)
 
 
 class Help(QObject):
@@ -110,7 +104,7 @@ class Help(QObject):
         self._export_of(self._viewer())
 
     def _export_of(self, viewer: Exported) -> None:
-        kinds = _PICTURES if isinstance(viewer, ImageViewer) else _CURVES
+        kinds = _PICTURES if isinstance(viewer, ImageViewer) else plot_export.KINDS
         dialog = SaveDialog(self._window, "Export", str(Path.cwd()), kinds)
         dialog.setObjectName("export_dialog")
         dialog.setDefaultSuffix("png")

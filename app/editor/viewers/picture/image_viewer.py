@@ -31,6 +31,7 @@ from app.editor.viewers.pixels.picture_choices import (
 from app.editor.viewers.pixels.picture_facts import Facts, laid_over
 from app.editor.viewers.pixels.picture_query import KeptPicture, Picture, PictureQuery
 from app.editor.viewers.pixels.probing import facts_text
+from app.editor.viewers.plot.plot_export import columns_text
 from app.editor.viewers.viewer import StatusLine, Viewer
 from app.editor.widgets import Menu, centred_hint
 from core.errors import UsageError
@@ -182,6 +183,15 @@ class ImageViewer(Viewer):
             QApplication.clipboard().setImage(
                 QImage.fromData(shown_png(picture, table, self.canvas.split))
             )
+
+    def copy_histogram(self) -> None:
+        if self.picture is not None:
+            spread, unit = self.picture.spread, self.picture.facts.unit
+            columns = [
+                (unit or "value", spread.centres.tolist()),
+                ("samples", spread.counts.tolist()),
+            ]
+            QApplication.clipboard().setText(columns_text(columns))
 
     def queries(self) -> tuple[Query, ...]:
         query = self._query
@@ -416,6 +426,10 @@ class ImageViewer(Viewer):
         menu.addAction("&Fit\tF").triggered.connect(self.fit)
         menu.addAction("&One Sample, One Dot\t1").triggered.connect(self.one_to_one)
         menu.addAction("&Copy Picture").triggered.connect(self.copy)
+        if self.picture is not None and self.canvas.levels.isVisible():
+            numbers = menu.addAction("Copy Histo&gram as Numbers")
+            numbers.setObjectName("copy_histogram")
+            numbers.triggered.connect(self.copy_histogram)
         menu.addSeparator()
         for inner in self.bar.menus:
             menu.addMenu(inner)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, QPointF, Qt, Signal
-from PySide6.QtGui import QFont, QKeyEvent, QPen
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
+from PySide6.QtGui import QContextMenuEvent, QFont, QKeyEvent, QPen
 from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme, theme_of
@@ -30,6 +31,7 @@ _STEP = 0.01  # of the abscissa's range, for the arrow keys
 class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     read = Signal(str)  # text: what the cursor reads; empty where it reads nothing
     recoloured = Signal()  # the pens are others
+    menu_wanted = Signal(QPoint)  # (place on the screen)
     theme: Theme | None = None
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -52,6 +54,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._ranges: _Ranges | None = None
         self._at: tuple[int, float, str] | None = None
         self.scene().sigMouseMoved.connect(self._mouse_moved)
+        self.scene().sigMouseClicked.connect(self._clicked)
         self._take_colours()
 
     def _take_colours(self) -> None:
@@ -89,6 +92,35 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     def frame(self) -> None:
         self.framed = True
         self._frame(self._whole())
+
+    def limits(self, along: bool) -> _Range | None:
+        """What the first panel shows of its abscissa, or of its ordinate; None without panels."""
+        for plot, panel in zip(self._plots, self.drawing.panels, strict=True):
+            low, high = plot.getViewBox().viewRange()[along]
+            log = panel.log if along else self.drawing.log_x
+            return (10.0**low, 10.0**high) if log else (low, high)
+        return None
+
+    def set_limits(self, along: bool, low: float, high: float) -> None:
+        """Show so much of the abscissa, or of the first panel's ordinate."""
+        log = self.drawing.panels[0].log if along else self.drawing.log_x
+        ends = np.array([low, high])
+        if not low < high or (log and low <= 0):
+            return
+        low, high = np.log10(ends).tolist() if log else (low, high)
+        box = self._plots[0].getViewBox()
+        (box.setYRange if along else box.setXRange)(low, high, padding=0.0)
+        self._seen_otherwise()
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Open the menu for the key; a right click may also be the beginning of a drag."""
+        if event.reason() is QContextMenuEvent.Reason.Keyboard:
+            self.menu_wanted.emit(self.mapToGlobal(self.rect().center()))
+        event.accept()
+
+    def _clicked(self, event: Any) -> None:
+        if event.button() is Qt.MouseButton.RightButton:
+            self.menu_wanted.emit(event.screenPos().toPoint())
 
     def leaveEvent(self, event: QEvent) -> None:
         super().leaveEvent(event)

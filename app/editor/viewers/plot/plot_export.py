@@ -1,27 +1,35 @@
-"""Writing what the plot viewer shows: as a picture, as drawing, as numbers."""
+"""Writing what a plot shows, as a picture, as drawing, as numbers; the menu that offers it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QBuffer, QIODevice, QPoint, QRect
-from PySide6.QtGui import QPainter, QPixmap
+from PySide6.QtCore import QBuffer, QIODevice, QPoint, QRect, Qt
+from PySide6.QtGui import QGuiApplication, QPainter, QPixmap
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QWidget
 
+from app.editor.dialogs import SaveDialog, show_beside
+from app.editor.panels.fields.field_menu import offer
 from app.editor.viewers.plot.curves_query import TransferCurves
+from app.editor.widgets import Menu
 from core.atomic import write_bytes, write_text
 from core.chain.results import CurveData, TableData
-from core.errors import UsageError
-from nodes.files.common.file_format import CSV, SVG, suffixes
+from core.errors import ImagechainError, UsageError
+from nodes.files.common.file_format import CSV, SVG, dialog_filter, suffixes
 from nodes.files.common.table_cells import csv_lines
 from nodes.files.formats import PNG
 
 PICTURES = (PNG, SVG)
 NUMBERS = (CSV,)
+KINDS = ";;".join((dialog_filter("Pictures", *PICTURES), dialog_filter("Numbers", *NUMBERS)))
+Columns = Sequence[tuple[str, Iterable[Any]]]
+Numbers = Callable[[], str]  # all numbers of a plot as CSV; empty where there are none
+Report = Callable[[str, str], object]  # "note" or "error", and a text for the person
 Data = TransferCurves | CurveData | TableData
 _SHARPNESS = 2  # dots of a PNG for each of the window
 
@@ -69,8 +77,13 @@ def csv_text(data: Data) -> str:
         for series in data.series:
             columns.append((f"{series.label}: {data.x_label}", series.x.tolist()))
             columns.append((f"{series.label}: {data.y_label}", series.y.tolist()))
+    return columns_text(columns)
+
+
+def columns_text(columns: Columns) -> str:
+    """Columns with their names above them; empty without any."""
     names = [name for name, _ in columns]
-    return _lines([names, *zip_longest(*(values for _, values in columns))])
+    return _lines([names, *zip_longest(*(values for _, values in columns))]) if names else ""
 
 
 def _lines(rows: Iterable[Sequence[Any]]) -> str:
@@ -105,3 +118,63 @@ def _svg(widget: QWidget) -> bytes:
     widget.render(painter, QPoint())
     painter.end()
     return bytes(buffer.data().data())
+
+
+# The menu of a plot.
+
+
+def have_plot_menu(
+    widget: QWidget,
+    report: Report,
+    numbers: Numbers = str,
+    table: Callable[[], object] | None = None,
+) -> None:
+    """Open the menu by the right button and the menu key.
+
+    `table` asks where to write the numbers, where that is done elsewhere.
+    """
+
+    def open_at(point: QPoint) -> None:
+        menu = plot_menu(widget, report, numbers())
+        if table is not None:
+            offer(menu, "plot.table", "Save the numbers…", table)
+        menu.popup(widget.mapToGlobal(point))
+
+    widget.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+    widget.customContextMenuRequested.connect(open_at)
+
+
+def plot_menu(widget: QWidget, report: Report, numbers: str) -> Menu:
+    """Copy what a widget shows or save it; so with its numbers as CSV, unless they are empty."""
+    menu = Menu(widget)
+    menu.setObjectName("plot_menu")
+    menu.aboutToHide.connect(menu.deleteLater)
+    clipboard = QGuiApplication.clipboard()
+
+    def copy_picture() -> None:
+        clipboard.setPixmap(widget.grab())
+
+    def ask() -> None:
+        kinds = KINDS if numbers else dialog_filter("Pictures", *PICTURES)
+        dialog = SaveDialog(widget, "Save the plot", str(Path.cwd()), kinds)
+        dialog.setObjectName("plot_dialog")
+        dialog.setDefaultSuffix("png")
+        dialog.fileSelected.connect(lambda name: save(Path(name)))
+        show_beside(widget, dialog)
+
+    def save(path: Path) -> None:
+        try:
+            if numbers and CSV.matches(path):
+                write_text(path, numbers)
+            else:
+                export_picture(widget, path)
+        except ImagechainError as error:
+            report("error", f"not saved: {error}")
+        else:
+            report("note", f"wrote {path}")
+
+    offer(menu, "plot.copy", "Copy picture", copy_picture)
+    if numbers:
+        offer(menu, "plot.copy_numbers", "Copy numbers", partial(clipboard.setText, numbers))
+    offer(menu, "plot.save", f"Save as PNG, SVG{' or CSV' if numbers else ''}…", ask)
+    return menu

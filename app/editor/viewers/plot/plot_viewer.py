@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import get_args
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -16,6 +18,8 @@ from PySide6.QtWidgets import (
     QDoubleSpinBox,
     QHBoxLayout,
     QHeaderView,
+    QLineEdit,
+    QMenu,
     QStackedWidget,
     QTableWidgetItem,
     QVBoxLayout,
@@ -25,13 +29,15 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import label_of
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
+from app.editor.number_text import shown_figure
+from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.session import Session
 from app.editor.viewers.network_ports import PLOT_TYPES, PortChoice, followed, ports_by_node
 from app.editor.viewers.plot.bar_chart import BarChart
 from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery, TransferCurves
 from app.editor.viewers.plot.plot_canvas import PlotCanvas
-from app.editor.viewers.plot.plot_export import Data, export
+from app.editor.viewers.plot.plot_export import Data, csv_text, export, plot_menu
 from app.editor.viewers.plot.plotted_lines import (
     Drawing,
     Parts,
@@ -55,6 +61,7 @@ from core.network.network import Network
 
 _LIST_SHARE = 0.36  # of the width, at most, for the legend; of the height where it lies below
 _BARE = "{} has no curves. Select a node that has some, or choose curves above."
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _NO_LIMIT = 16_777_215  # of a size: Qt's largest
 _NARROW = 75  # characters; a narrower viewer has its legend below the plot
 
@@ -65,8 +72,6 @@ class PlotViewer(Viewer):
     It follows the selection, unless it is pinned: of a node with a transfer function the chain's
     are shown, with the node's own drawn thick.
     """
-
-    plotted = Signal(str)  # (node): its transfer function is in sight here; empty: no node's is
 
     def __init__(
         self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
@@ -81,8 +86,7 @@ class PlotViewer(Viewer):
         self._kept: tuple[Data | None, str] = (None, "")
         self._made_of_kept: tuple[tuple[Data, bool, str], Drawing] | None = None
         self._lost: str | None = None
-        self._node, self._bare, self._plotted = "", "", ""
-        self._in_sight = False
+        self._node, self._bare = "", ""
         self._data_port: str | None = None  # the port that the data are of
         self._switched: dict[str, bool] = {}
         self._build()
@@ -117,12 +121,6 @@ class PlotViewer(Viewer):
             self._bare, self.port, self._lost = name, None, None
             self._follow_choices()
             self._draw()
-        self._tell()
-
-    def set_in_sight(self, on: bool) -> None:
-        """Whether it is in front, so that no other part need show the same."""
-        self._in_sight = on
-        self._tell()
 
     def set_angle(self, angle_deg: float) -> None:
         """Plot along a line in that direction: 0 across, 90 along."""
@@ -251,6 +249,11 @@ class PlotViewer(Viewer):
         self.bar.fit.clicked.connect(self.canvas.frame)
         self.canvas.read.connect(self.status.show_more)
         self.canvas.recoloured.connect(self._fill_list)
+        self.canvas.menu_wanted.connect(self._open_menu)
+        self.bars.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+        self.bars.customContextMenuRequested.connect(
+            lambda point: self._open_menu(self.bars.mapToGlobal(point))
+        )
         self.list.toggled.connect(self._toggle)
 
     def sizeHint(self) -> QSize:
@@ -277,6 +280,32 @@ class PlotViewer(Viewer):
             width = self.list.sizeHint().width()
             self.list.setFixedWidth(min(width, int(_LIST_SHARE * self.width())))
 
+    def _open_menu(self, point: QPoint) -> None:
+        """Copy, save, logarithm, and the limits of the axes: two numbers to be typed over."""
+        text = "" if self.data is None else csv_text(self.data)
+        menu = plot_menu(self._curves, self.session.message.emit, text)
+        menu.addSeparator()
+        log = offer(menu, "plot.log", "Logarithmic ordinate", self.bar.log.click)
+        log.setCheckable(True)
+        log.setChecked(self.bar.log.isChecked())
+        for along, name in enumerate(("Abscissa", "Ordinate") if self.canvas.isVisible() else ()):
+            limits = self.canvas.limits(bool(along))
+            if limits is not None:
+                edit, action = line_in_menu(menu, name, f"plot.limits.{name.lower()}")
+                edit.setText(" to ".join(shown_figure(limit) for limit in limits))
+                edit.setAccessibleName(f"{name}: from and to")
+                edit.returnPressed.connect(partial(self._limit, menu, edit, bool(along)))
+                menu.addAction(action)
+        if self.canvas.isVisible():
+            offer(menu, "plot.all", "Show all (F)", self.canvas.frame)
+        menu.popup(point)
+
+    def _limit(self, menu: QMenu, edit: QLineEdit, along: bool) -> None:
+        numbers = _NUMBER.findall(edit.text().replace("\N{MINUS SIGN}", "-"))
+        if len(numbers) == 2:
+            menu.close()
+            self.canvas.set_limits(along, *map(float, numbers))
+
     def _choose_port(self, port: str) -> None:
         self.look_at(port or None)
 
@@ -290,19 +319,9 @@ class PlotViewer(Viewer):
         if names and not self.bar.pin.isChecked():
             self.look_at_node(names[-1])
 
-    def _tell(self) -> None:
-        declared = self.session.declared(self._node) if self._node else None
-        of_chain = self._in_sight and self.port is None and not self._bare
-        transfer = declared is not None and any(p.types[0] == "transfer" for p in declared.outputs)
-        plotted = self._node if of_chain and transfer else ""
-        if plotted != self._plotted:
-            self._plotted = plotted
-            self.plotted.emit(plotted)
-
     def _follow_choices(self) -> None:
         self.bar.show_choices(self.port, self.angle_deg, self.parts, bare=bool(self._bare))
         self.ask()
-        self._tell()
 
     def _draw(self) -> None:
         if self._bare:

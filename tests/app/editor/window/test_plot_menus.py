@@ -1,0 +1,210 @@
+"""Every plot of the window has a menu: copy it, save it, its numbers, its axes."""
+
+import csv
+import io
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QContextMenuEvent, QGuiApplication, QImage
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit
+
+from app.editor.docks.fit_job import DrawnEdge
+from app.editor.panels.preview_view import PreviewView
+from window_hands import show_small
+
+COPY, NUMBERS, SAVE = "plot.copy", "plot.copy_numbers", "plot.save"
+
+
+@pytest.fixture
+def camera(window, idle):
+    show_small(window, "mwir_camera")
+    window.resize(1600, 900)
+    idle(window)
+    window.activateWindow()
+    return window
+
+
+@pytest.fixture
+def select(camera, idle):
+    def by_name(name):
+        camera.session.select([name])
+        idle(camera)
+        return camera.viewers.plot
+
+    return by_name
+
+
+def menu_of(widget):
+    """The menu of the right button or of the menu key."""
+    point = widget.rect().center()
+    reason = QContextMenuEvent.Reason.Keyboard
+    QApplication.sendEvent(widget, QContextMenuEvent(reason, point, widget.mapToGlobal(point)))
+    return opened()
+
+
+def opened():
+    menu = QApplication.activePopupWidget()
+    assert menu is not None
+    return menu
+
+
+def names(menu):
+    return [action.objectName() for action in menu.actions() if action.objectName()]
+
+
+def choose(menu, name):
+    action = next(action for action in menu.actions() if action.objectName() == name)
+    menu.close()
+    action.trigger()
+
+
+def copied_rows():
+    return list(csv.reader(io.StringIO(QGuiApplication.clipboard().text())))
+
+
+def saved(widget, path):
+    """Save by the menu, and answer the dialog."""
+    choose(menu_of(widget), SAVE)
+    dialog = widget.findChild(QFileDialog, "plot_dialog")
+    dialog.selectFile(str(path))
+    dialog.accept()
+    QApplication.processEvents()
+    return path.read_bytes()
+
+
+def test_curves_are_copied_saved_and_seen_by_their_logarithm(select, tmp_path):
+    plot = select("jitter")
+    canvas = plot.canvas
+    assert names(menu_of(canvas))[:4] == [COPY, NUMBERS, SAVE, "plot.log"]
+    choose(opened(), COPY)
+    assert not QGuiApplication.clipboard().pixmap().isNull()
+    choose(menu_of(canvas), NUMBERS)
+    rows = copied_rows()
+    assert rows[0][0] == "frequency_cyc_per_mrad"
+    assert "jitter.mtf" in rows[0]
+    choose(menu_of(canvas), "plot.log")
+    assert plot.bar.log.isChecked()
+    assert canvas.drawing.panels[0].log
+
+
+def test_a_right_click_opens_the_menu_and_a_right_drag_zooms(select):
+    canvas = select("jitter").canvas
+    view = canvas.viewport()
+    middle = view.rect().center()
+    QTest.mouseMove(view, middle)
+    QTest.mouseClick(view, Qt.MouseButton.RightButton, pos=middle)
+    QApplication.processEvents()
+    assert COPY in names(opened())
+    opened().close()
+
+
+def test_limits_are_typed_and_shown_all_again(select):
+    canvas = select("jitter").canvas
+    whole = canvas.limits(False)
+    menu = menu_of(canvas)
+    line = menu.findChild(QLineEdit, "plot.limits.abscissa")
+    assert " to " in line.text()
+    line.setText("1.5 to x")
+    line.returnPressed.emit()
+    assert opened() is menu  # nothing that could be used
+    line.setText("0.5 to 1.5")
+    line.returnPressed.emit()
+    assert canvas.limits(False) == pytest.approx((0.5, 1.5))
+    menu = menu_of(canvas)
+    line = menu.findChild(QLineEdit, "plot.limits.ordinate")
+    line.setText("-0.25, 1e0")
+    line.returnPressed.emit()
+    assert canvas.limits(True) == pytest.approx((-0.25, 1.0))
+    assert canvas.limits(False) == pytest.approx((0.5, 1.5))
+    choose(menu_of(canvas), "plot.all")
+    assert canvas.limits(False) == pytest.approx(whole)
+
+
+def test_limits_of_a_logarithmic_axis_are_values(select):
+    plot = select("merit")
+    assert plot.bar.log.isChecked()
+    plot.canvas.set_limits(True, 0.001, 1.0)
+    assert plot.canvas.limits(True) == pytest.approx((0.001, 1.0))
+    before = plot.canvas.limits(True)
+    plot.canvas.set_limits(True, -1.0, 1.0)  # which has no logarithm
+    assert plot.canvas.limits(True) == before
+
+
+def test_bars_have_the_menu_without_limits(select, tmp_path):
+    plot = select("budget")
+    menu = menu_of(plot.bars)
+    assert menu.findChildren(QLineEdit) == []
+    choose(menu, NUMBERS)
+    assert copied_rows()[1][0] == "Shot"
+
+
+def test_a_trade_off_is_saved_as_picture_and_numbers(camera, idle, tmp_path):
+    camera.viewers.trade_off("jitter", "sigma_mrad")
+    idle(camera)
+    plots = camera.viewers.tradeoff.plots
+    assert names(menu_of(plots)) == [COPY, NUMBERS, SAVE]
+    opened().close()
+    assert QImage.fromData(saved(plots, tmp_path / "trade.png")).width() == 2 * plots.width()
+    assert saved(plots, tmp_path / "trade.csv").count(b"\n") > 10
+    assert b"<svg" in saved(plots, tmp_path / "trade.svg")
+
+
+def test_what_cannot_be_saved_is_said(camera, idle, tmp_path):
+    camera.viewers.trade_off("jitter", "sigma_mrad")
+    idle(camera)
+    said = []
+    camera.session.message.connect(lambda kind, text: said.append((kind, text)))
+    plots = camera.viewers.tradeoff.plots
+    choose(menu_of(plots), SAVE)
+    dialog = plots.findChild(QFileDialog, "plot_dialog")
+    dialog.fileSelected.emit(str(tmp_path / "none" / "trade.png"))
+    ((kind, text),) = said
+    assert kind == "error"
+    assert text.startswith("not saved:")
+    dialog.reject()
+
+
+def test_an_illustration_is_copied_and_saved(select, camera, tmp_path):
+    select("focal_plane")
+    preview = camera.panels.panels["focal_plane"].findChild(PreviewView)
+    assert names(menu_of(preview)) == [COPY, SAVE]
+    choose(opened(), COPY)
+    assert QGuiApplication.clipboard().pixmap().size() == preview.size()
+    assert not QImage.fromData(saved(preview, tmp_path / "wells.png")).isNull()
+
+
+def test_a_fit_gives_its_samples(camera):
+    chart = camera.fitting.chart
+    camera.fit_dock.show()
+    assert NUMBERS not in names(menu_of(chart))
+    opened().close()
+    chart.show_edge(DrawnEdge("edge", np.arange(3.0), np.arange(3.0), np.ones(3)))
+    choose(menu_of(chart), NUMBERS)
+    assert copied_rows() == [
+        ["distance (samples)", "picture", "chain"],
+        ["0.0", "0.0", "1.0"],
+        ["1.0", "1.0", "1.0"],
+        ["2.0", "2.0", "1.0"],
+    ]
+
+
+def test_a_measured_mtf_is_copied_and_its_numbers_written_with_the_measurement(camera):
+    camera.measure_dock.show()
+    chart = camera.measuring.chart
+    assert names(menu_of(chart)) == [COPY, SAVE, "plot.table"]
+    choose(opened(), "plot.table")
+    (dialog,) = camera.findChildren(QFileDialog, "measure_export_dialog")
+    dialog.reject()
+    assert COPY in names(menu_of(camera.measuring.canvas))
+    opened().close()
+
+
+def test_a_histogram_is_copied_as_numbers(camera, idle):
+    viewer = camera.viewers.images[1]
+    viewer._open_menu(viewer.mapToGlobal(viewer.rect().center()))
+    choose(opened(), "copy_histogram")
+    (unit, samples), *rows = copied_rows()
+    assert (unit, samples) == (viewer.picture.facts.unit, "samples")
+    assert [int(count) for _, count in rows] == viewer.picture.spread.counts.tolist()
