@@ -108,10 +108,6 @@ class ImageViewer(Viewer):
         output = declared.output(name) if declared is not None else None
         return output is not None and output.types[0] == "magnitude"
 
-    def compare_with(self, port: str | None, mode: str = "wipe") -> None:
-        """Compare with another wire: "wipe" or "difference"; None ends it."""
-        self._choose(other=port, mode="alone" if port is None else mode)
-
     def add_compare_actions(self, actions: Sequence[QAction]) -> None:
         """Offer these actions of the window under Compare, and let their keys work here."""
         self.canvas.addActions(actions)

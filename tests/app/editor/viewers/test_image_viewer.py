@@ -278,7 +278,7 @@ def test_nothing_is_left_of_a_closed_viewer(bench):
         bench.settle()
         viewer.bar.display.profile.setChecked(True)
         viewer.bar.opening.emit()
-        viewer.compare_with("scene.image")
+        viewer.bar.compare.other_chosen.emit("scene.image")
         bench.settle()
         return viewer
 

@@ -130,7 +130,7 @@ def test_centred_spectrum_is_shown_on_frequencies(bench, viewer):
 
 
 def test_wipe(bench, viewer):
-    viewer.compare_with("blur.mtf")
+    viewer.bar.compare.other_chosen.emit("blur.mtf")
     bench.settle()
     canvas, picture = viewer.canvas, viewer.picture
     assert canvas.second.isVisible()
@@ -148,13 +148,13 @@ def test_wipe(bench, viewer):
         found = drawn.pixelColor(dot).red()
         wanted = here if left else there
         assert wanted.min() <= found <= wanted.max()
-    viewer.compare_with(None)
+    viewer.bar.compare.mode.chosen.emit("alone")
     bench.settle()
     assert not canvas.second.isVisible()
 
 
 def test_both_sides_of_a_wipe_are_written(bench, viewer, tmp_path):
-    viewer.compare_with("blur.mtf")
+    viewer.bar.compare.other_chosen.emit("blur.mtf")
     bench.settle()
     viewer.canvas.set_split(0.25)
     viewer.save_as(tmp_path / "both.png")
@@ -165,7 +165,7 @@ def test_both_sides_of_a_wipe_are_written(bench, viewer, tmp_path):
 
 
 def test_the_wipe_is_dragged(bench, viewer):
-    viewer.compare_with("scene.image")
+    viewer.bar.compare.other_chosen.emit("scene.image")
     bench.settle()
     place = viewer.picture.facts.columns * 0.75 - 0.5
     viewer.canvas.wipe.setValue(place)
@@ -173,7 +173,8 @@ def test_the_wipe_is_dragged(bench, viewer):
 
 
 def test_difference(bench, viewer):
-    viewer.compare_with("scene.image", "difference")
+    viewer.bar.compare.other_chosen.emit("scene.image")
+    viewer.bar.compare.mode.chosen.emit("difference")
     bench.settle()
     wanted = bench.value(FINAL) - bench.value("scene.image")
     assert (viewer.picture.samples == wanted).all()

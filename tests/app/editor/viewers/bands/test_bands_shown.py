@@ -222,7 +222,7 @@ def test_the_picture_in_colours_is_drawn_and_saved(viewer, bench, tmp_path):
 
 def test_a_wipe_of_colours_and_greys(viewer, bench, tmp_path):
     choose(viewer, bench, "colours")
-    viewer.compare_with(PLAIN)
+    viewer.bar.compare.other_chosen.emit(PLAIN)
     bench.settle()
     assert viewer.canvas.second.image.ndim == 2
     viewer.save_as(tmp_path / "wipe.png")
