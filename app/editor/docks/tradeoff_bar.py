@@ -1,17 +1,21 @@
-"""The controls above the charts of a trade-off."""
+"""The controls above the charts of a trade-off, and the list of figures that opens there."""
 
 from __future__ import annotations
 
 import math
 
-from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel, QSpinBox, QWidget
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QShowEvent
+from PySide6.QtWidgets import QLabel, QLineEdit, QSpinBox, QWidget, QWidgetAction
 
 from app.editor.docks.tradeoff_ranges import LEAST_COUNT, MOST_COUNT, ParameterChoice, Span
 from app.editor.number_text import shown_number
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Session
-from app.editor.widgets import Check, FlowLayout, toggle_button, tool_button
+from app.editor.viewers.plot.curve_list import CurveList
+from app.editor.widgets import Check, FlowLayout, Menu, menu_button
+
+_ROWS = 16  # of figures that are seen at once, at most
 
 
 class TradeOffBar(QWidget):
@@ -39,16 +43,9 @@ class TradeOffBar(QWidget):
         self.count.setSuffix(" points")
         self.count.setRange(LEAST_COUNT, MOST_COUNT)
         self.count.setKeyboardTracking(False)
-        self.figures = toggle_button(
-            "tradeoff.choose", "Figures", "Choose the figures to show", self
-        )
-        self.figures.setChecked(True)
-        self.export = tool_button(
-            "tradeoff.export",
-            "Export…",
-            "Save the charts (.png .svg), or their numbers (.csv)",
-            self,
-        )
+        self.figures = menu_button("tradeoff.choose", "Figures", "Choose the figures to show", self)
+        self.choice = FigureMenu(self.figures)
+        self.figures.setMenu(self.choice)
         layout = FlowLayout(self, across=4, down=2)
         layout.setContentsMargins(2, 2, 2, 0)
         for widget in (
@@ -60,7 +57,6 @@ class TradeOffBar(QWidget):
             self.log,
             self.count,
             self.figures,
-            self.export,
         ):
             layout.addWidget(widget)
         self.low.committed.connect(self._typed)
@@ -123,6 +119,48 @@ class TradeOffBar(QWidget):
             return
         self.show_span(Span(low, high, log, self._span.whole, self.count.value()))
         self.span_chosen.emit(self._span)
+
+
+# All figures, to be ticked: those in whose names what is typed occurs.
+
+
+class FigureMenu(Menu):
+    """A line to search in, and the list; wide enough for every name."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.search = QLineEdit(self)
+        self.search.setObjectName("tradeoff.search")
+        self.search.setAccessibleName("Search figures")
+        self.search.setPlaceholderText("Search figures")
+        self.search.setClearButtonEnabled(True)
+        self.list = CurveList(self)
+        self.list.setObjectName("tradeoff.figures")
+        self.list.setAccessibleName("Figures to show")
+        for widget in (self.search, self.list):
+            action = QWidgetAction(self)
+            action.setDefaultWidget(widget)
+            self.addAction(action)
+        self.search.textChanged.connect(self.narrow)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        self.setActiveAction(self.actions()[0])  # from which Tab goes on to the list
+        self.search.setFocus(Qt.FocusReason.PopupFocusReason)
+
+    def fit(self) -> None:
+        """Have room for the longest name, and for many of them."""
+        frame, bar = 2 * self.list.frameWidth(), self.list.verticalScrollBar().sizeHint().width()
+        rows = min(self.list.count(), _ROWS) * max(self.list.sizeHintForRow(0), 1)
+        self.list.setFixedSize(self.list.sizeHintForColumn(0) + frame + bar + 4, rows + frame)
+        self.narrow()
+
+    def narrow(self) -> None:
+        words = self.search.text().casefold().split()
+        for item in map(self.list.item, range(self.list.count())):
+            item.setHidden(not all(word in item.text().casefold() for word in words))
+        if words:
+            self.list.scrollToTop()
 
 
 def _number(text: str) -> float | None:

@@ -17,6 +17,7 @@ from PySide6.QtGui import (
     QPainter,
     QPaintEvent,
     QPen,
+    QResizeEvent,
 )
 from PySide6.QtWidgets import QWidget
 
@@ -30,7 +31,7 @@ LOG_FROM = 100.0  # the largest over the smallest value, from which on decades a
 FAINTEST = 1e-9  # of the largest value: what is below is not resolved
 _MOST_DOTS = 40
 _ABOVE = 2.0  # dots free above a chart
-_LINES = 7  # of text, the least height of a chart
+_LINES = 5.5  # of text, the least height of a chart
 _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
 
 
@@ -67,7 +68,17 @@ class TradeOffPlots(QWidget):
 
     def show_graphs(self, graphs: Sequence[Graph], span: Span | None, label: str) -> None:
         self.graphs, self.span, self._label = tuple(graphs), span, label
+        self._make_room()
         self.update()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._make_room()
+
+    def _make_room(self) -> None:
+        """Leave each chart so high that it is read: what it stands in scrolls."""
+        down = -(-len(self.graphs) // self._across()) if self.graphs else 1
+        self.setMinimumHeight(round(down * _LINES * self.fontMetrics().height()))
 
     def show_mark(self, value: float | None) -> None:
         if value != self.mark:
@@ -92,7 +103,7 @@ class TradeOffPlots(QWidget):
 
     def minimumSizeHint(self) -> QSize:
         line = self.fontMetrics().height()
-        return QSize(10 * line, (_LINES - 1) * line)
+        return QSize(10 * line, round(_LINES * line))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         painter = QPainter(self)

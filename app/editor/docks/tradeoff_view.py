@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from PySide6.QtCore import QEvent, QSize, Signal
-from PySide6.QtGui import QShowEvent
-from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
+from PySide6.QtCore import QEvent, QSize
+from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget
 
 from app.editor.declared_text import label_of
 from app.editor.docks.tradeoff_bar import TradeOffBar
@@ -22,8 +21,7 @@ from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure, shown_number
 from app.editor.session import Session, renamed_node
 from app.editor.viewers.network_ports import ports_depend_on
-from app.editor.viewers.plot.curve_list import CurveList
-from app.editor.viewers.plot.plot_export import export_picture, have_plot_menu
+from app.editor.viewers.plot.plot_export import have_plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import thick
 from app.editor.viewers.plot.plotted_lines import Entry
 from app.editor.viewers.viewer import StatusLine, Viewer
@@ -33,27 +31,22 @@ from app.tradeoff.tradeoff_drawing import csv_text
 from app.tradeoff.tradeoff_figures import SENSORS, Figure, figures_of, makes_pixels
 from app.tradeoff.tradeoff_results import Curve, Point, Results, TradeOff, parameter_of
 from app.tradeoff.values import Variation
-from core.atomic import write_text
 from core.chain.engine import Plan
 from core.errors import UsageError
 from core.evaluation.store import Store
 from core.evaluation.work import Work
 from core.network.network import Network
-from nodes.files.common.file_format import CSV
 
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
 
 
-_LIST_SHARE = 0.36  # of the width, at most
 _HINT = "Choose a parameter above, or right-click a value on a control panel and choose Trade off…"
 _HOW = "The vertical line marks the current value: drag it, or press ← and →"
 
 
 class TradeOffView(Viewer):
     """Charts of figures over one parameter."""
-
-    export_wanted = Signal()  # the person is to be asked where to write it
 
     def __init__(
         self,
@@ -70,7 +63,6 @@ class TradeOffView(Viewer):
         self._chosen: frozenset[str] | None = None
         self._state: Hashable = None
         self._known: Hashable = None
-        self._listed = False
         self._build()
         self._follow_nodes()
 
@@ -87,8 +79,6 @@ class TradeOffView(Viewer):
         if parameter is None:
             self.varied.choose()
         self.span = usual_span(parameter, self.varied.present) if parameter else None
-        self._fill_list()
-        self.list.scroll_to_ticked()
         self._begin()
 
     def set_span(self, span: Any) -> None:
@@ -106,10 +96,7 @@ class TradeOffView(Viewer):
         """Write the charts (``.png``, ``.svg``), or their numbers (``.csv``)."""
         if not (numbers := self._numbers()):
             raise UsageError("the trade-off has no curves to save")
-        if CSV.matches(path):
-            write_text(path, numbers)
-        else:
-            export_picture(self.plots, path)
+        save_plot(self.plots, numbers, path)
 
     def _numbers(self) -> str:
         """All points as CSV; empty where there are none."""
@@ -167,27 +154,24 @@ class TradeOffView(Viewer):
     def _build(self) -> None:
         self.bar = TradeOffBar(self.session, self)
         self.plots = TradeOffPlots(self)
-        self.list = CurveList(self)
-        self.list.setObjectName("tradeoff.figures")
-        self.list.setAccessibleName("Figures to show")
+        self.list = self.bar.choice.list
         self.status = StatusLine(self.owner, "What could not be computed", "Values there", self)
-        beside = QHBoxLayout()
-        beside.setSpacing(2)
-        beside.addWidget(self.plots, 1)
-        beside.addWidget(self.list, 0)
+        scrolled = QScrollArea(self)
+        scrolled.setFrameShape(QFrame.Shape.NoFrame)
+        scrolled.setWidgetResizable(True)
+        scrolled.setWidget(self.plots)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
         layout.addWidget(self.bar)
-        layout.addLayout(beside, 1)
+        layout.addWidget(scrolled, 1)
         layout.addWidget(self.status)
         self.plots.show_hint(_HINT)
         have_plot_menu(self.plots, self.session.message.emit, self._numbers)
         self.bar.parameter.chosen.connect(self.trade_off)
         self.bar.span_chosen.connect(self.set_span)
         self.bar.refused.connect(self._refuse)
-        self.bar.figures.toggled.connect(self.list.setVisible)
-        self.bar.export.clicked.connect(self.export_wanted)
+        self.bar.choice.aboutToShow.connect(self._open_list)
         self.list.toggled.connect(self.show_figure)
         self.plots.moved.connect(self.varied.move)
         self.plots.stepped.connect(self._step)
@@ -213,19 +197,15 @@ class TradeOffView(Viewer):
         self._fill_list()
         self._begin()
 
-    def showEvent(self, event: QShowEvent) -> None:
-        super().showEvent(event)
-        if not self._listed:
-            self._fill_list()
-            self.list.scroll_to_ticked()
+    def _open_list(self) -> None:
+        self.bar.choice.search.clear()
+        self._fill_list(opening=True)
+        self.list.scroll_to_ticked()
 
-    def _fill_list(self) -> None:
-        self._listed = self.isVisible()
-        if not self._listed:
+    def _fill_list(self, *, opening: bool = False) -> None:
+        if not opening and not self.bar.choice.isVisible():
             return
-        every = tuple(self.figures.values())
-        titles = listed_titles(every)
-        entries = [Entry(one.text, title) for one, title in zip(every, titles, strict=True)]
+        entries = [Entry(one.text, listed_title(one)) for one in self.figures.values()]
         names = [figure.text for figure in self.shown]
         colours = self.theme.curves
         pens = {name: thick(colours[n % len(colours)], 2) for n, name in enumerate(names)}
@@ -233,8 +213,7 @@ class TradeOffView(Viewer):
         self.list.fill(
             entries, names, {entry.name: pens.get(entry.name, other) for entry in entries}
         )
-        most = int(_LIST_SHARE * max(self.width(), self.sizeHint().width()))
-        self.list.setFixedWidth(min(self.list.sizeHint().width(), most))
+        self.bar.choice.fit()
 
     def _draw(self) -> None:
         shown = self.shown
@@ -316,19 +295,12 @@ def title_of(figure: Figure, shown: Sequence[Figure] = ()) -> str:
     return f"{label_of(figure.name)}{unit}" + (f", {figure.node}" if alike else "")
 
 
-def listed_titles(every: Sequence[Figure]) -> list[str]:
-    """As the list of all figures has them: without their units."""
-    nodes: dict[str, set[str]] = {}
-    for figure in every:
-        nodes.setdefault(figure.name, set()).add(figure.node)
-    one_each = {name: min(having) for name, having in nodes.items()}
-    other = {name: max(having) for name, having in nodes.items()}
-    titles = []
-    for figure in every:  # two of a name are enough to see whether others are called alike
-        ends = (one_each[figure.name], other[figure.name])
-        alike = [replace(figure, node=node) for node in ends]
-        titles.append(title_of(replace(figure, unit=""), alike))
-    return titles
+def listed_title(figure: Figure) -> str:
+    """As the list of all figures has it, in full: with its node and unit."""
+    if figure.is_total:
+        return title_of(figure)
+    unit = f" ({figure.unit})" if figure.unit else ""
+    return f"{label_of(figure.name)} of {figure.node}{unit}"
 
 
 def renamed(text: str, old: str, new: str) -> str:

@@ -27,7 +27,7 @@ class PanelArea(WheelScrollArea):
     those with a transfer function, which stands among the curves, it is folded at first.
     """
 
-    illustrations_changed = Signal()
+    illustrations_changed = Signal(object)  # (illustrations)
 
     def __init__(
         self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
@@ -81,7 +81,7 @@ class PanelArea(WheelScrollArea):
         for panel in self.panels.values():
             if panel.module == module:
                 panel.head.show_illustration(on)
-        self.illustrations_changed.emit()
+        self.illustrations_changed.emit(self.illustrations)
 
     def edit_name(self) -> None:
         """Open the name of the node selected last for editing."""

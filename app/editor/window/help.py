@@ -66,7 +66,6 @@ class Help(QObject):
         self._actions = actions
         self._window = window
         self.handbook = HandbookOpening(session, self)
-        viewers.tradeoff.export_wanted.connect(lambda: self._export_of(viewers.tradeoff))
 
     def shortcuts(self) -> None:
         show_beside(self._window, ShortcutList(self._actions(), self._window))

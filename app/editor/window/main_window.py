@@ -95,7 +95,7 @@ class MainWindow(QMainWindow):
         )
         self.panels.sets_folder = self.shelf.folder / "parameters"
         self.panels.illustrations = settings.illustrations
-        self.panels.illustrations_changed.connect(self._remember_illustrations)
+        self.panels.illustrations_changed.connect(partial(setattr, settings, "illustrations"))
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.full_screen = FullScreen(self.viewers, self.session, self)
         self.part_focus = PartFocus(self.parts, self)
@@ -135,9 +135,6 @@ class MainWindow(QMainWindow):
         look: Look = "dark" if self.theme.look == "light" else "light"
         self.settings.look = look
         self.set_theme(THEMES[look])
-
-    def _remember_illustrations(self) -> None:
-        self.settings.illustrations = self.panels.illustrations
 
     def open_first(self, text: str) -> None:
         """Open a network in place of the first page, and say what is offered there."""

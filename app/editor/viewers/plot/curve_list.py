@@ -47,11 +47,9 @@ class CurveList(QListWidget):
 
     def height_for(self, width: int) -> int:
         """What the entries need from left to right in that width."""
-        left, lines, most = 0, 1, width - 2 * self.frameWidth()
-        for row in range(self.count()):
-            hint = self.sizeHintForIndex(self.indexFromItem(self.item(row))).width()
-            lines, left = (lines + 1, hint) if 0 < left > most - hint else (lines, left + hint)
-        return lines * max(self.sizeHintForRow(0), 1) + 2 * self.frameWidth()
+        self.resize(width, self.height())
+        self.doItemsLayout()
+        return self.contentsSize().height() + 2 * self.frameWidth()
 
     def fill(
         self,

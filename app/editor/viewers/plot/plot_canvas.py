@@ -93,24 +93,21 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.framed = True
         self._frame(self._whole())
 
-    def limits(self, along: bool) -> _Range | None:
-        """What the first panel shows of its abscissa, or of its ordinate; None without panels."""
-        for plot, panel in zip(self._plots, self.drawing.panels, strict=True):
-            low, high = plot.getViewBox().viewRange()[along]
-            log = panel.log if along else self.drawing.log_x
-            return (10.0**low, 10.0**high) if log else (low, high)
-        return None
+    def limits(self, along: bool) -> _Range:
+        """What is shown of the abscissa, or of the first panel's ordinate."""
+        low, high = self._plots[0].getViewBox().viewRange()[along]
+        return (10.0**low, 10.0**high) if self._is_log(along) else (low, high)
 
     def set_limits(self, along: bool, low: float, high: float) -> None:
-        """Show so much of the abscissa, or of the first panel's ordinate."""
-        log = self.drawing.panels[0].log if along else self.drawing.log_x
-        ends = np.array([low, high])
-        if not low < high or (log and low <= 0):
-            return
-        low, high = np.log10(ends).tolist() if log else (low, high)
-        box = self._plots[0].getViewBox()
-        (box.setYRange if along else box.setXRange)(low, high, padding=0.0)
-        self._seen_otherwise()
+        log = self._is_log(along)
+        if low < high and (low > 0 or not log):
+            box = self._plots[0].getViewBox()
+            ends = np.log10((low, high)) if log else (low, high)
+            (box.setYRange if along else box.setXRange)(*ends, padding=0.0)
+            self._seen_otherwise()
+
+    def _is_log(self, along: bool) -> bool:
+        return self.drawing.panels[0].log if along else self.drawing.log_x
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """Open the menu for the key; a right click may also be the beginning of a drag."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -34,23 +33,15 @@ Data = TransferCurves | CurveData | TableData
 _SHARPNESS = 2  # dots of a PNG for each of the window
 
 
-def export(widget: QWidget, data: Data, path: Path) -> None:
-    """Write a picture of the widget, or the data it shows, by the suffix of the file.
-
-    Raises
-    ------
-    UsageError
-        For another suffix.
-    FileError
-        If the file cannot be written.
-    """
-    if CSV.matches(path):
-        write_text(path, csv_text(data))
+def save_plot(widget: QWidget, numbers: str, path: Path) -> None:
+    """Write a picture of the widget, or its numbers, by the suffix of the file."""
+    if numbers and CSV.matches(path):
+        write_text(path, numbers)
     else:
-        export_picture(widget, path)
+        _save_picture(widget, path)
 
 
-def export_picture(widget: QWidget, path: Path) -> None:
+def _save_picture(widget: QWidget, path: Path) -> None:
     if PNG.matches(path):
         write_bytes(path, _png(widget))
     elif SVG.matches(path):
@@ -129,13 +120,10 @@ def have_plot_menu(
     numbers: Numbers = str,
     table: Callable[[], object] | None = None,
 ) -> None:
-    """Open the menu by the right button and the menu key.
-
-    `table` asks where to write the numbers, where that is done elsewhere.
-    """
+    """Open the menu by the right button and the menu key; `table` asks where to write numbers."""
 
     def open_at(point: QPoint) -> None:
-        menu = plot_menu(widget, report, numbers())
+        menu = plot_menu(widget, report, numbers if numbers() else None)
         if table is not None:
             offer(menu, "plot.table", "Save the numbers…", table)
         menu.popup(widget.mapToGlobal(point))
@@ -144,15 +132,12 @@ def have_plot_menu(
     widget.customContextMenuRequested.connect(open_at)
 
 
-def plot_menu(widget: QWidget, report: Report, numbers: str) -> Menu:
-    """Copy what a widget shows or save it; so with its numbers as CSV, unless they are empty."""
+def plot_menu(widget: QWidget, report: Report, numbers: Numbers | None) -> Menu:
+    """Copy what a widget shows or save it, and its numbers if it has some."""
     menu = Menu(widget)
     menu.setObjectName("plot_menu")
     menu.aboutToHide.connect(menu.deleteLater)
     clipboard = QGuiApplication.clipboard()
-
-    def copy_picture() -> None:
-        clipboard.setPixmap(widget.grab())
 
     def ask() -> None:
         kinds = KINDS if numbers else dialog_filter("Pictures", *PICTURES)
@@ -164,17 +149,14 @@ def plot_menu(widget: QWidget, report: Report, numbers: str) -> Menu:
 
     def save(path: Path) -> None:
         try:
-            if numbers and CSV.matches(path):
-                write_text(path, numbers)
-            else:
-                export_picture(widget, path)
+            save_plot(widget, numbers() if numbers else "", path)
         except ImagechainError as error:
             report("error", f"not saved: {error}")
         else:
             report("note", f"wrote {path}")
 
-    offer(menu, "plot.copy", "Copy picture", copy_picture)
+    offer(menu, "plot.copy", "Copy picture", lambda: clipboard.setPixmap(widget.grab()))
     if numbers:
-        offer(menu, "plot.copy_numbers", "Copy numbers", partial(clipboard.setText, numbers))
+        offer(menu, "plot.copy_numbers", "Copy numbers", lambda: clipboard.setText(numbers()))
     offer(menu, "plot.save", f"Save as PNG, SVG{' or CSV' if numbers else ''}…", ask)
     return menu

@@ -37,7 +37,7 @@ from app.editor.viewers.plot.bar_chart import BarChart
 from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery, TransferCurves
 from app.editor.viewers.plot.plot_canvas import PlotCanvas
-from app.editor.viewers.plot.plot_export import Data, csv_text, export, plot_menu
+from app.editor.viewers.plot.plot_export import Data, csv_text, plot_menu, save_plot
 from app.editor.viewers.plot.plotted_lines import (
     Drawing,
     Parts,
@@ -149,16 +149,10 @@ class PlotViewer(Viewer):
             self._draw()
 
     def export(self, path: Path) -> None:
-        """Write what is shown (``.png``, ``.svg``), or all of its numbers (``.csv``).
-
-        Raises
-        ------
-        ImagechainError
-            If nothing is shown, or it cannot be written.
-        """
+        """Write what is shown (``.png``, ``.svg``), or all of its numbers (``.csv``)."""
         if self.data is None or self._bare:
             raise UsageError("the viewer shows no curves")
-        export(self._pages.currentWidget(), self.data, path)
+        save_plot(self._pages.currentWidget(), csv_text(self.data), path)
 
     def queries(self) -> tuple[Query, ...]:
         if self._bare:
@@ -282,21 +276,20 @@ class PlotViewer(Viewer):
 
     def _open_menu(self, point: QPoint) -> None:
         """Copy, save, logarithm, and the limits of the axes: two numbers to be typed over."""
-        text = "" if self.data is None else csv_text(self.data)
-        menu = plot_menu(self._curves, self.session.message.emit, text)
+        data = self.data
+        numbers = None if data is None else partial(csv_text, data)
+        menu = plot_menu(self._curves, self.session.message.emit, numbers)
         menu.addSeparator()
         log = offer(menu, "plot.log", "Logarithmic ordinate", self.bar.log.click)
         log.setCheckable(True)
         log.setChecked(self.bar.log.isChecked())
-        for along, name in enumerate(("Abscissa", "Ordinate") if self.canvas.isVisible() else ()):
-            limits = self.canvas.limits(bool(along))
-            if limits is not None:
+        if self.canvas.isVisible() and self.canvas.drawing.panels:
+            for along, name in enumerate(("Abscissa", "Ordinate")):
                 edit, action = line_in_menu(menu, name, f"plot.limits.{name.lower()}")
-                edit.setText(" to ".join(shown_figure(limit) for limit in limits))
+                edit.setText(" to ".join(map(shown_figure, self.canvas.limits(bool(along)))))
                 edit.setAccessibleName(f"{name}: from and to")
                 edit.returnPressed.connect(partial(self._limit, menu, edit, bool(along)))
                 menu.addAction(action)
-        if self.canvas.isVisible():
             offer(menu, "plot.all", "Show all (F)", self.canvas.frame)
         menu.popup(point)
 
@@ -324,16 +317,17 @@ class PlotViewer(Viewer):
         self.ask()
 
     def _draw(self) -> None:
+        data = self.data
+        log = self.log if self.log is not None else getattr(data, "log_y", False)
+        self.bar.log.setChecked(log)
+        plotted = not self._bare and not isinstance(data, TableData)
+        self.bar.log.setVisible(plotted)
+        self.bar.fit.setVisible(plotted and not getattr(data, "bars", ()))
         if self._bare:
             self.hint.setText(_BARE.format(self._bare))
             self._pages.setCurrentWidget(self.hint)
             self.status.show_text("")
             return
-        data = self.data
-        log = self.log if self.log is not None else getattr(data, "log_y", False)
-        self.bar.log.setChecked(log)
-        self.bar.log.setVisible(not isinstance(data, TableData))
-        self.bar.fit.setVisible(not isinstance(data, TableData) and not getattr(data, "bars", ()))
         if isinstance(data, TableData):
             self.table.show_table(data)
             self._pages.setCurrentWidget(self.table)

@@ -23,6 +23,12 @@ def sigma(window):
     return window.session.network.nodes["blur"].params["sigma_x_mrad"]
 
 
+def open_figures(view):
+    """What a press on the button opens, which would wait in a loop of its own."""
+    view.bar.figures.menu().popup(view.bar.figures.mapToGlobal(QPoint(0, 0)))
+    return {view.list.item(row).text(): view.list.item(row) for row in range(view.list.count())}
+
+
 def test_it_is_hidden_until_it_is_asked_for(opened_window, idle):
     window = opened_window
     view, action = window.viewers.tradeoff, window.actions_by_name["trade_off"]
@@ -35,7 +41,10 @@ def test_it_is_hidden_until_it_is_asked_for(opened_window, idle):
     assert view.isVisible()
     assert action.isChecked()
     assert view.bar.parameter.hasFocus()
+    assert view.list.count() == 0
+    open_figures(view)
     assert view.list.count() == len(view.figures) > 5
+    view.bar.figures.menu().close()
     QTest.keyClick(view.bar.parameter, KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
     assert not view.isVisible()
     assert not action.isChecked()
@@ -191,9 +200,9 @@ def test_a_range_that_is_none_is_refused(opened_window, dock, text, told):
 
 
 def test_figures_are_ticked_in_the_list(opened_window, dock, idle, graph):
-    rows = {dock.list.item(row).text(): dock.list.item(row) for row in range(dock.list.count())}
-    assert rows["NETD system"].checkState() == Qt.CheckState.Checked
-    rows["NER"].setCheckState(Qt.CheckState.Checked)
+    rows = open_figures(dock)
+    assert rows["NETD system of electronics (K)"].checkState() == Qt.CheckState.Checked
+    rows["NER of electronics (W/m²/sr)"].setCheckState(Qt.CheckState.Checked)
     idle(opened_window)
     assert [each.name for each in dock.plots.graphs] == [
         "electronics.ner",
@@ -202,12 +211,46 @@ def test_figures_are_ticked_in_the_list(opened_window, dock, idle, graph):
         MTF,
     ]
     assert np.isfinite(graph("electronics.ner").y).all()
-    dock.bar.figures.click()
+    assert dock.list.isVisible()
+    dock.bar.figures.menu().close()
     assert not dock.list.isVisible()
 
 
+def test_the_list_is_searched_and_has_the_names_in_full(dock, qtbot):
+    rows = open_figures(dock)
+    search = dock.bar.choice.search
+    qtbot.waitUntil(search.hasFocus)
+    QTest.keyClicks(search, "mtf pixels")
+    shown = {text for text, item in rows.items() if not item.isHidden()}
+    assert shown == {text for text in rows if "MTF" in text and "pixels" in text}
+    assert 1 < len(shown) < len(rows)
+    QTest.keyClick(search, KEY.Key_Tab)
+    assert dock.list.hasFocus()
+    search.clear()
+    assert not any(item.isHidden() for item in rows.values())
+    room = dock.list.viewport().width()
+    assert dock.list.sizeHintForColumn(0) <= room
+    dock.bar.figures.menu().close()
+
+
+def test_the_charts_have_the_width_of_the_dock_and_each_its_height(dock, idle, opened_window):
+    assert dock.plots.width() >= dock.width() - 30
+    for name in list(open_figures(dock))[:9]:
+        open_figures(dock)[name].setCheckState(Qt.CheckState.Checked)
+        idle(opened_window)
+    dock.bar.figures.menu().close()
+    dock.resize(dock.width(), 260)
+    idle(opened_window)
+    dock.plots.grab()
+    line = dock.plots.fontMetrics().height()
+    heights = [frame.height() for frame in dock.plots._frames]
+    assert len(heights) >= 9
+    assert min(heights) > 2.2 * line
+
+
 def test_numbers_and_pictures_are_written(opened_window, dock, tmp_path, graph):
-    QTest.mouseClick(dock.bar.export, LEFT)
+    give_focus(dock.plots)
+    opened_window.actions_by_name["export"].trigger()
     dialog = opened_window.findChild(QFileDialog, "export_dialog")
     dialog.fileSelected.emit(str(tmp_path / "a.csv"))
     dialog.reject()
@@ -237,7 +280,6 @@ def test_every_control_is_reached_and_named(dock):
         bar.log,
         bar.count,
         bar.figures,
-        bar.export,
         dock.plots,
         dock.list,
     ):

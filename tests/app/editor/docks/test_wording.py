@@ -1,14 +1,11 @@
 """What the trade-off dock calls figures, and which it shows at first."""
 
-from dataclasses import replace
-
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 
-from app.editor.docks import tradeoff_view as wording
-from app.editor.docks.tradeoff_view import first_figures, listed_titles
+from app.editor.docks.tradeoff_view import first_figures, listed_title
 from app.run.shipped import shipped_networks
-from app.tradeoff.tradeoff_figures import Figure, figures_of
+from app.tradeoff.tradeoff_figures import figures_of
 from core.network.file import load_network
 
 
@@ -32,39 +29,23 @@ def test_a_parameter_of_an_analysis_moves_that_ones_figures(known):
     assert first_figures(network, others, "merit") == {"merit.snr", "merit.netd_K"}
 
 
-def test_a_node_is_named_only_where_figures_are_called_alike(known):
+def test_the_list_has_each_figure_in_full(known):
     _, figures = known
-    every = tuple(figures.values())
-    titles = dict(zip(figures, listed_titles(every), strict=True))
-    assert titles["electronics.netd_system_K"] == "NETD system"
-    assert titles["electronics.snr"] == "SNR, electronics"
-    assert titles["merit.snr"] == "SNR, merit"
+    titles = {name: listed_title(figure) for name, figure in figures.items()}
+    assert titles["electronics.netd_system_K"] == "NETD system of electronics (K)"
+    assert titles["electronics.snr"] == "SNR of electronics"
+    assert titles["merit.snr"] == "SNR of merit"
     assert titles["total.mtf_nyquist_x"] == "MTF ξ, samples' Nyquist"
     assert titles["total.mtf_pixel_nyquist_x"] == "MTF ξ, pixels' Nyquist"
     assert len(set(titles.values())) == len(titles)
 
 
 def test_what_is_ticked_is_in_sight(dock):
+    dock.bar.figures.menu().popup(QPoint(0, 0))
     first = next(
         dock.list.item(row)
         for row in range(dock.list.count())
         if dock.list.item(row).checkState() == Qt.CheckState.Checked
     )
     assert dock.list.viewport().rect().intersects(dock.list.visualItemRect(first))
-
-
-def test_titles_of_many_figures_look_at_each_a_few_times(monkeypatch):
-    """Not at every other figure: 5,000 nodes have 20,000."""
-    looked = []
-    each = [Figure(f"blur_{n}", "half_contrast", "cyc/mrad", "") for n in range(300)]
-    each += [Figure("alone", "snr", "", "")]
-    title = wording.title_of
-    monkeypatch.setattr(
-        wording, "title_of", lambda one, shown: looked.append(len(shown)) or title(one, shown)
-    )
-    titles = wording.listed_titles(each)
-    assert sum(looked) <= 2 * len(each)
-    monkeypatch.undo()
-    assert titles == [wording.title_of(replace(one, unit=""), each) for one in each]
-    assert titles[7].endswith(", blur_7")
-    assert "alone" not in titles[-1]
+    dock.bar.figures.menu().close()
