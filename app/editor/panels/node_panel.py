@@ -26,7 +26,6 @@ from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.panels.head import PanelHead
 from app.editor.panels.module_body import ModuleBody, UnknownBody
 from app.editor.panels.preview_view import PreviewView, preview_query
-from app.editor.panels.transfer_preview import TransferPreviewQuery
 from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
 from app.editor.widgets import Menu
@@ -84,7 +83,7 @@ class NodePanel(QFrame):
             query = preview_query(module, node) if module is not None else None
             if query is not None:
                 preview = PreviewView(session, evaluator, node, self.head.place)
-                at_first = not isinstance(query, TransferPreviewQuery)
+                at_first = getattr(query, "part", "") != "mtf"  # which stands among the curves
                 self.head.illustrate(preview, shown=at_first != (self.module in illustrations))
             self.body = ModuleBody(declared, of, evaluator, self)
         else:

@@ -269,3 +269,22 @@ def test_a_section_is_shown_only_while_its_parameters_count(qtbot, session):
             QApplication.processEvents()
             for inside in section.parameters:
                 assert sections.field(inside).isVisible() == (choice in values)
+
+
+@pytest.mark.parametrize(
+    ("key", "folded"),
+    [("jitter_mtf", True), ("charge_eff_phase", False), ("focal_plane", False)],
+)
+def test_at_first_a_curve_that_stands_among_the_curves_is_folded_away(qtbot, session, key, folded):
+    area = panel_area(qtbot, session)
+    drop(session, key, "first")
+    head = area.panels["first"].head
+    assert head.fold_picture.isChecked() is folded
+    session.do(set_node_field("first", "pinned", True))
+    QTest.mouseClick(head.fold_picture, Qt.MouseButton.LeftButton)
+    drop(session, key, "second")
+    for name in ("first", "second"):
+        assert area.panels[name].head.fold_picture.isChecked() is not folded
+    QTest.mouseClick(area.panels["second"].head.fold_picture, Qt.MouseButton.LeftButton)
+    assert head.fold_picture.isChecked() is folded
+    assert area.illustrations == frozenset()
