@@ -1569,7 +1569,7 @@ def charge_diffusion_mtf(
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
-    absorption_per_um (1/µm).
+    mean_absorption_per_um (1/µm).
     """
 
 def crosstalk(

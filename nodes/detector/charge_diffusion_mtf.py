@@ -121,8 +121,8 @@ class ChargeDiffusionMTF(
         absorption = silicon_absorption_per_um(wavelength_um=wavelength)
         return tuple(absorption.tolist()), tuple(width.tolist())
 
-    @readout("1/µm", name="absorption_per_um")
-    def mean_absorption(self, context: Context) -> float:
+    @readout("1/µm")
+    def mean_absorption_per_um(self, context: Context) -> float:
         """Absorption coefficient, mean over the band."""
         absorptions, weights = self._absorptions(context)
         return sum(a * w for a, w in zip(absorptions, weights, strict=True)) / sum(weights)

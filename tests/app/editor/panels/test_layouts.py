@@ -25,6 +25,7 @@ CONDITIONAL = [
     if section.shown_when
 ]
 ENOUGH = {  # to be computed whatever is chosen
+    "charge_diffusion_mtf": {"absorption_per_um": 0.05},
     "exit_pupil": {"path": "pupil.npy", "size_x": 160, "size_y": 160},
     "atmosphere_mtf": {"fried_r0_m": 0.1, "aperture_mm": 50.0},
     "poisson_noise": {"photons_per_unit": 10.0},

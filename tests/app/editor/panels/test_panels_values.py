@@ -53,6 +53,7 @@ SOURCES = {
     "transfer": "blur.mtf",
 }
 PARAMS = {
+    "charge_diffusion_mtf": {"absorption_per_um": 0.05},
     "read_image": {"path": "picture.npy", "fov_x_deg": 10.0, "fov_y_deg": 10.0},
     "noise_file": {"path": "picture.npy"},
     "camera": {"pixels_x": 64, "pixels_y": 64, "pitch_um": 20.0, "focal_length_mm": 50.0},

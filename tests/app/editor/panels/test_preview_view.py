@@ -38,6 +38,7 @@ MOVING = {"range_m": 1000.0, "integration_time_s": 0.01}
 
 # Parameters to begin with, and an edit whose effect is told.
 EDITS = {
+    "charge_diffusion_mtf": ({"absorption_per_um": 0.05}, "diffusion_length_um", 300.0),
     "read_image": ({"path": "one.npy"}, "scale", 3.0),
     "test_scene": ({"width": 64, "height": 64}, "delta_K", 25.0),
     "init_trans": ({**INIT}, "focal_length_mm", 75.0),
