@@ -47,7 +47,16 @@ _ROWS: Mapping[str, Mapping[str, int | Factor]] = {
     "current of electrons": {"e-/s": 0, "ke-/s": 3},
     "gain": {"e-/DN": 0},
     "digital number": {"DN": 0},
-    "extinction": {"1/km": 0, "/km": 0, "1/m": 3, "/m": 3},
+    "extinction": {
+        "1/km": 0,
+        "/km": 0,
+        "1/m": 3,
+        "/m": 3,
+        "1/cm": 5,
+        "1/mm": 6,
+        "1/µm": 9,
+        "1/um": 9,
+    },
     "radiance": {
         "W/m²/sr": 0,
         "W/m2/sr": 0,

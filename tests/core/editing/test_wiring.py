@@ -46,7 +46,7 @@ def new_links(network, operation):
         (["pupil"], "input", "exit_pupil_mtf"),
         (["context"], "output", "init_trans"),
         (["phase"], "output", "init_trans diffraction_mtf exit_pupil_mtf mtf_file psf_file "
-                              "line_of_sight charge_eff_phase"),
+                              "line_of_sight crosstalk charge_eff_phase"),
         (["transfer"], "input", "write_matrix examine_image mtf_slices"),
         (["table"], "input", ""),
         ([], "input", ""),
