@@ -119,7 +119,7 @@ def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
         refuse_oversized_text(file)
         text = file.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise FileError(f"{file}: is not a text file of numbers") from error
+        raise FileError(f"{file}: not a text file of numbers") from error
     except OSError as error:
         raise FileError(f"{file}: {error.strerror or error}") from error
     lines = [line.strip() for line in text.splitlines()]
@@ -209,7 +209,7 @@ def npy_header(path: Path) -> NpyHeader:
     """Read the header of a ``.npy`` file and check it against the file's length."""
     with stored_bytes(path) as content:
         if content[: len(_NPY_MAGIC)] != _NPY_MAGIC:
-            raise FileError(f"{path}: is not a .npy file; it must begin with \\x93NUMPY")
+            raise FileError(f"{path}: not a .npy file; it must begin with \\x93NUMPY")
         start = io.BytesIO(content[:_LONGEST_HEADER])
         length = len(content)
     try:
@@ -218,13 +218,13 @@ def npy_header(path: Path) -> NpyHeader:
             raise ValueError("its version is unknown")
         shape, fortran_order, dtype = read(start)
     except _HEADER_FAULTS as error:
-        raise FileError(f"{path}: is damaged or truncated: its header cannot be read") from error
+        raise FileError(f"{path}: damaged or truncated: its header cannot be read") from error
     if dtype.hasobject:
         raise FileError(f"{path}: contains Python objects; allowed: an array of numbers")
     needed = start.tell() + math.prod(shape) * dtype.itemsize
     if min(shape, default=0) < 0 or needed > length:
         raise FileError(
-            f"{path}: is damaged or truncated: {length} bytes cannot hold an array of shape {shape}"
+            f"{path}: damaged or truncated: {length} bytes cannot hold an array of shape {shape}"
         )
     return NpyHeader(shape, dtype, fortran_order, start.tell())
 

@@ -294,8 +294,8 @@ def _check_coverage(
     raise ParameterError(
         "cut_on_um, cut_off_um",
         (cut_on_um, cut_off_um),
-        f"an interval within the bands of {info.path.name}, {low.min():.6g} to "
-        f"{high.max():.6g} um, which cover {covered:.6g} um of it",
+        f"the bands of {info.path.name} lie between {low.min():.6g} and {high.max():.6g} um and "
+        f"cover {covered:.6g} um of this interval; set an interval within the bands",
         unit="um",
     )
 

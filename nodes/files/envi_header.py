@@ -170,7 +170,7 @@ def _text_of(header: Path) -> str:
         raise FileError(f"{header}: {size} bytes are too many for an ENVI header")
     raw = first_bytes(header, size)
     if not raw.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"ENVI") or b"\0" in raw:
-        raise FileError(f"{header}: is not an ENVI header; its first line must be ENVI")
+        raise FileError(f"{header}: not an ENVI header; its first line must be ENVI")
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -99,7 +99,7 @@ def refuse_unsupported(path: Path) -> None:
         )
     if header.cards.get("NAXIS") == "0":
         where = ", only its extensions hold data" if extension else ""
-        remedy = ": save the extension as a file of its own" if extension else ""
+        remedy = ": save the extension as a separate file" if extension else ""
         raise FileError(
             f"{path}: the primary header of this FITS file holds no picture (NAXIS = 0){where}; "
             f"allowed: a picture in the primary header{remedy}"

@@ -111,10 +111,7 @@ def _names(file: Path, number: int, line: str) -> tuple[list[str], list[str]]:
         others = [name for name in names if name.startswith(prefix)]
         others += ["radial"] if alone == "mtf" and "radial" in names else []
         if alone in names and others:
-            wanted = (
-                f"names without {alone} beside {others[0]}, because it is not clear which "
-                "of them applies"
-            )
+            wanted = f"names with either {alone} or {others[0]}, not both"
             raise line_refused(file, number, wanted)
     if units[0]:
         unit = unit_of(units[0])
@@ -159,12 +156,12 @@ def _columns(
             if not is_allowed(value):
                 raise line_refused(file, number, allowed)
         if table and numbers[0] <= table[-1][0]:
-            wanted = f"a frequency above the one before, {table[-1][0]:g}"
+            wanted = f"a frequency above the previous one, {table[-1][0]:g}"
             raise line_refused(file, number, wanted)
         table.append(numbers)
     if len(table) < 2:
         points = "1 point" if len(table) == 1 else f"{len(table)} points"
-        raise FileError(f"{file}: has {points}; at least 2 make a curve")
+        raise FileError(f"{file}: {points}; a curve needs at least 2")
     return list(zip(*table, strict=True))
 
 

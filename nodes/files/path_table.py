@@ -104,7 +104,7 @@ def _csv_points(lines: list[str], file: Path) -> tuple[Points, Points]:
             raise line_refused(file, number, allowed)
         rows.append((place, passed, added))
     if len(rows) < 2:
-        raise FileError(f"{file}: has {len(rows)} points; at least 2 make a spectrum")
+        raise FileError(f"{file}: {len(rows)} points; a spectrum needs at least 2")
     return tuple((row[0], row[1]) for row in rows), tuple((row[0], row[2]) for row in rows)
 
 
@@ -113,8 +113,8 @@ def _places(cells: list[str], file: Path, number: int) -> tuple[int, ...]:
     for name in COLUMNS:
         if names.count(name) != 1:
             raise FileError(
-                f"{file}: line {number}: names {names.count(name)} columns {name}; one each of "
-                f"{', '.join(COLUMNS)} is needed, or a tape7 with FREQ and TOT TRANS"
+                f"{file}: line {number}: {names.count(name)} columns are named {name}; allowed: "
+                f"one each of {', '.join(COLUMNS)}, or a tape7 with FREQ and TOT TRANS"
             )
     return tuple(names.index(name) for name in COLUMNS)
 
@@ -131,8 +131,8 @@ def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
     for name in _NEEDED:
         if known.count(name) != 1:
             raise FileError(
-                f"{file}: line {start + 1}: has {known.count(name)} columns {name}; a tape7 of "
-                "radiance (IEMSCT 1 or 2) has one each of FREQ, TOT TRANS and PTH THRML"
+                f"{file}: line {start + 1}: {known.count(name)} columns are named {name}; a tape7 "
+                "of radiance (IEMSCT 1 or 2) has one each of FREQ, TOT TRANS and PTH THRML"
             )
     transmission: list[tuple[float, float]] = []
     radiance: list[tuple[float, float]] = []
@@ -149,7 +149,7 @@ def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
         transmission.append((wavelength, min(passed, 1.0)))
         radiance.append((wavelength, added * 1e8 / wavelength**2))
     if len(transmission) < 2:
-        raise FileError(f"{file}: has {len(transmission)} rows; at least 2 make a spectrum")
+        raise FileError(f"{file}: {len(transmission)} rows; a spectrum needs at least 2")
     return tuple(reversed(transmission)), tuple(reversed(radiance))
 
 

@@ -180,7 +180,7 @@ def _strips(path: Path, picture: Any, band: int) -> Iterator[tuple[slice, Array]
         if stored is None or picture.has_error:
             raise _unread(path, _message(picture.geterror))
         if stored.size != (end - start) * spec.width:
-            raise FileError(f"{path}: is damaged: rows {start} to {end} are incomplete")
+            raise FileError(f"{path}: damaged: rows {start} to {end} are incomplete")
         yield slice(start, end), stored.reshape(end - start, spec.width)
 
 
@@ -188,7 +188,7 @@ def _unread(path: Path, message: str) -> FileError:
     """A packing that this build of the library does not support is no damage."""
     if "support is not configured" in message:
         return FileError(f"{path}: cannot be read: {message}; allowed: none, deflate or LZW")
-    return FileError(f"{path}: is damaged: {message}")
+    return FileError(f"{path}: damaged: {message}")
 
 
 @contextlib.contextmanager
@@ -223,7 +223,7 @@ def _refuse_blank(path: Path) -> None:
     """
     if not any(first_bytes(path, _BLANK_BYTES)):
         raise FileError(
-            f"{path}: is not a picture or was never filled: its first {_BLANK_BYTES} bytes are 0"
+            f"{path}: not a picture, or never filled: its first {_BLANK_BYTES} bytes are 0"
         )
 
 

@@ -61,7 +61,7 @@ def atomic_store(path: Path) -> Iterator[Path]:
     """
     target = Path(os.path.realpath(path))
     if target.exists() and not is_store(target):
-        raise FileError(f"cannot write {path}: what is there is no Zarr store; {_ALLOWED}")
+        raise FileError(f"cannot write {path}: it exists and is not a Zarr store; {_ALLOWED}")
     if not target.parent.is_dir():
         raise FileError(f"cannot write {path}: there is no folder {path.parent}")
     sweep(target.parent)
@@ -107,7 +107,7 @@ def _states(folder: Path) -> Iterator[tuple[str, os.stat_result]]:
                     status = entry.stat()
                     if not stat.S_ISREG(status.st_mode):
                         raise FileError(
-                            f"{entry.path}: is not a regular file; a store contains only files "
+                            f"{entry.path}: not a regular file; a store contains only files "
                             "and folders"
                         )
                     if too_long := oversized_file(status.st_size):

@@ -153,13 +153,13 @@ def _absent(
         file = opened.folder / name
         if not file.is_file():
             if opened.attributes.get(_WHOLE) is True:
-                raise FileError(f"{opened.folder}: is damaged: its chunk {name} is missing")
+                raise FileError(f"{opened.folder}: damaged: its chunk {name} is missing")
             yield place
             continue
         length = file.stat().st_size
         whole = int.from_bytes(first_bytes(file, 16)[12:], "little") if is_blosc else length
         if length != whole or not length:
-            raise FileError(f"{opened.folder}: is damaged: its chunk {name} is cut short")
+            raise FileError(f"{opened.folder}: damaged: its chunk {name} is cut short")
 
 
 def write_store(
@@ -220,7 +220,7 @@ def _opened(folder: Path) -> _Opened:
             if len(pictures) != 1:
                 names = ", ".join(f"{folder.name}/{name}" for name in sorted(pictures)) or "none"
                 raise FileError(
-                    f"{folder}: is a group; allowed: the path of an array of 2 or 3 dimensions in "
+                    f"{folder}: a group; allowed: the path of an array of 2 or 3 dimensions in "
                     f"it ({names})"
                 )
             (stored,) = pictures.values()
@@ -229,7 +229,7 @@ def _opened(folder: Path) -> _Opened:
         axes = _axes(folder, stored.shape, named)
         opened = _Opened(folder / stored.path, stored, attributes, axes)
         if min(*opened.chunks, *opened.stored) < 1:
-            raise FileError(f"{folder}: is damaged: its chunks have the shape {opened.stored}")
+            raise FileError(f"{folder}: damaged: its chunks have the shape {opened.stored}")
         return opened
     except FileError:
         raise

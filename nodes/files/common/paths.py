@@ -19,10 +19,10 @@ def readable_file(path: str | os.PathLike[str]) -> Path:
         raise FileError(f"{text!r}: the path contains a null character")
     status = _status(text)
     if stat.S_ISDIR(status.st_mode):
-        raise FileError(f"{text}: is a folder, not a file")
+        raise FileError(f"{text}: a folder, not a file")
     # Opening a pipe would wait for ever.
     if not stat.S_ISREG(status.st_mode):
-        raise FileError(f"{text}: is not a regular file")
+        raise FileError(f"{text}: not a regular file")
     if not os.access(text, os.R_OK):
         raise FileError(f"{text}: no permission to read this file")
     if status.st_size == 0:

@@ -68,7 +68,8 @@ def refuse_oversized_text(path: Path) -> None:
     most = min(_LONGEST_TEXT, _SHARE * memory / 2) if memory else _LONGEST_TEXT
     if length > most:
         raise FileError(
-            f"{path}: a text of {_gb(length)}; allowed: {_gb(most)}; store so many samples as .npy"
+            f"{path}: a text file of {_gb(length)}; allowed: {_gb(most)}; store so many samples "
+            "as .npy"
         )
 
 
@@ -84,7 +85,7 @@ def refuse_impossible(info: PictureInfo, *, compression: str, bits: int) -> None
     claimed = info.rows * info.columns * info.bands * bits / 8
     if claimed > most * length:
         raise FileError(
-            f"{info.path}: is damaged: {info.rows} × {info.columns} × {info.bands} samples of "
+            f"{info.path}: damaged: {info.rows} × {info.columns} × {info.bands} samples of "
             f"{bits} bits cannot come from a file of {length} bytes"
         )
 

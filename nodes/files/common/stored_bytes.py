@@ -78,7 +78,7 @@ def stored_bytes(path: Path) -> Iterator[StoredBytes]:
     try:
         with os.fdopen(os.open(path, flags), "rb") as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                raise FileError(f"{path}: is not a regular file")
+                raise FileError(f"{path}: not a regular file")
             yield StoredBytes(path, file)
     except OSError as error:
         raise FileError(f"{path}: {error.strerror or error}") from error

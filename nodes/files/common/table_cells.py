@@ -121,7 +121,7 @@ def table_lines(file: Path, *, what: str, wanted: str, most_bytes: int = 10_000_
     try:
         return file.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise FileError(f"{file}: is not a text file{wanted}") from error
+        raise FileError(f"{file}: not a text file{wanted}") from error
 
 
 def point_rows(
@@ -145,7 +145,7 @@ def point_rows(
         widths, rows = (len(numbers),), rows + 1
         yield number, numbers
     if rows < 2:
-        raise FileError(f"{file}: has {rows} points; at least 2 make a {makes}")
+        raise FileError(f"{file}: {rows} points; a {makes} needs at least 2")
 
 
 def numbers_of(cells: Iterable[str]) -> tuple[float, ...] | None:
@@ -168,9 +168,9 @@ def lens_lines(path: Path, *, what: str) -> list[str]:
     except OSError as error:
         raise FileError(f"{path}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
-        raise FileError(f"{path}: is not a text file of {what}") from error
+        raise FileError(f"{path}: not a text file of {what}") from error
     if any(ord(sign) < 32 and sign not in "\t\n\r\f\x1a" for sign in text):
-        raise FileError(f"{path}: is not a text file of {what}")
+        raise FileError(f"{path}: not a text file of {what}")
     return text.rstrip("\x1a").splitlines()
 
 

@@ -204,10 +204,10 @@ def test_header_that_is_none(tmp_path):
     header.write_text(text.replace("ENVI", "#ENV", 1))
     with pytest.raises(FileError, match="header is missing"):
         envi.read_info(data)
-    with pytest.raises(FileError, match="is not an ENVI header"):
+    with pytest.raises(FileError, match="not an ENVI header"):
         envi.read_info(header)
     header.write_bytes(text.encode() + b"\0\1")
-    with pytest.raises(FileError, match="is not an ENVI header"):
+    with pytest.raises(FileError, match="not an ENVI header"):
         envi.read_info(data)
     header.write_text(text + "\nwavelength = {1,\n 2,\n 3\n")
     with pytest.raises(FileError, match="the brace opened after 'wavelength' is never closed"):

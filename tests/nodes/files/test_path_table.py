@@ -69,8 +69,8 @@ def test_an_exponent_of_three_digits(tmp_path):
     [
         (tape7(end=()), "ends without -9999."),
         (tape7(end=("  -9999.", *CARDS, HEAD)), "several runs"),
-        (tape7(head=HEAD.replace("PTH THRML", "         ")), "0 columns PTH THRML"),
-        (tape7(rows=ROWS[:1]), "has 1 rows"),
+        (tape7(head=HEAD.replace("PTH THRML", "         ")), "0 columns are named PTH THRML"),
+        (tape7(rows=ROWS[:1]), "1 rows; a spectrum needs at least 2"),
         (tape7(rows=[ROWS[1], ROWS[0]]), "line 5.*a wavenumber above the previous one"),
         (tape7(rows=[(2000.0, 1.3, 0.0, 0.0), ROWS[1]]), "line 4.*TOT TRANS from 0 to 1"),
         (tape7(rows=[(2000.0, 0.3, -1e-7, 0.0), ROWS[1]]), "line 4.*radiance of at least 0"),
@@ -101,12 +101,12 @@ def test_csv_by_names_and_without(tmp_path):
     ("text", "words"),
     [
         ("8,0.7\n9,0.8\n", "line 1.*three numbers"),
-        ("um,tau,L\n8,0.7,0.5\n", "names 0 columns wavelength_um"),
+        ("um,tau,L\n8,0.7,0.5\n", "0 columns are named wavelength_um"),
         ("8,1.7,0.5\n9,0.8,0.6\n", "line 1.*transmission from 0 to 1"),
         ("8,0.7,-0.5\n9,0.8,0.6\n", "path radiance of at least 0"),
         ("9,0.7,0.5\n8,0.8,0.6\n", "line 2.*above the previous one, 9"),
         ("8,0.7,0.5\n9,0.8,much\n", "line 2.*must be numbers"),
-        ("8,0.7,0.5\n", "has 1 points"),
+        ("8,0.7,0.5\n", "1 points; a spectrum needs at least 2"),
         ("8,0.7,nan\n9,0.8,0.6\n", "path radiance of at least 0"),
     ],
 )

@@ -223,7 +223,7 @@ GOOD = "frequency (cyc/mm),mtf\n0,1\n10,0.5\n"
         ("# nothing\n", "contains no table"),
         ("frequency (cyc/mm)\n0\n1\n", "line 1: must be a header line"),
         ("0,1\n10,0.5\n", "line 1: must be a header line: frequency with its unit"),
-        ("frequency (cyc/mm),mtf\n0,1\n", "1 point; at least 2"),
+        ("frequency (cyc/mm),mtf\n0,1\n", "1 point; a curve needs at least 2"),
         ("frequency (cyc/mm),mtf\n0,1\n10,nan\n", "line 3: must be MTF from 0 to 2"),
         ("frequency (cyc/mm),mtf\nnan,1\n10,1\n", "line 2: must be a frequency from 0"),
         ("frequency (cyc/mm),mtf\n0,1\n10,.5\n5,.7\n", "line 4: must be a frequency above"),
@@ -235,13 +235,13 @@ GOOD = "frequency (cyc/mm),mtf\n0,1\n10,0.5\n"
         ("frequency (cyc/inch),mtf\n0,1\n10,0.5\n", "cyc/mm, cyc/mrad or cyc/pixel"),
         ("frequency (cyc/mm),mtfx\n0,1\n10,0.5\n", "must be a header line"),
         ("frequency (cyc/mm),phase_x\n0,0\n10,0.5\n", "at least one of them an MTF"),
-        ("frequency (cyc/mm),mtf,mtf_x\n0,1,1\n1,1,1\n", "names without mtf beside mtf_x"),
+        ("frequency (cyc/mm),mtf,mtf_x\n0,1,1\n1,1,1\n", "either mtf or mtf_x, not both"),
         ("frequency (cyc/mm),mtf,phase\n0,1,0\n1,1,1\n", "a phase needs a direction"),
         ("frequency (cyc/mm),mtf,phase_x\n0,1,1\n1,1,1\n", "column phase_x: the table has 1 at"),
         ("frequency (cyc/mm),mtf\n0,0.9\n10,0.5\n", "0.9 at frequency 0; allowed: 1 within 0.001"),
         ("frequency (cyc/mm),mtf_x,radial\n0,1,1\n10,0.5,.5\n", "direction = 'file'"),
-        (bytes(range(256)) * 40, "is not a text file of columns, frequency and MTF"),
-        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "is not a text file of columns"),
+        (bytes(range(256)) * 40, "not a text file of columns, frequency and MTF"),
+        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "not a text file of columns"),
         ("frequency (cyc/mm),mtf\n" + "0,1\n" * 3_000_000, "12000023 bytes are too many"),
     ],
 )  # fmt: skip
@@ -278,7 +278,7 @@ def test_missing_focal_length_and_missing_file(tmp_path):
     for params, words in (
         ({"path": "lens.csv"}, "focal_length_mm"),
         ({"path": "other.csv"}, "other.csv: no such file"),
-        ({"path": "."}, "is a folder, not a file"),
+        ({"path": "."}, "a folder, not a file"),
     ):
         errors = plan_of(tmp_path, "mtf_file", params, init={})[1].errors()
         assert len(errors) == 1

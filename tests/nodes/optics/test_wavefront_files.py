@@ -255,7 +255,7 @@ def test_a_complex_pupil_holds_at_its_own_wavelength(tmp_path):
         ("a.txt", b"0 0\n0 0\n", "the aperture is unknown"),
         ("a.txt", b"nan nan\nnan nan\n", "the aperture is unknown"),
         ("a.txt", b"Pupil grid size: 3 by 2\n1 2 3\n", "3 by 2 samples, but the file has 3 by 1"),
-        ("a.txt", bytes(range(256)), "is not a text file"),
+        ("a.txt", bytes(range(256)), "not a text file"),
         ("a.txt", struct.pack("<99d", *range(99)), "a.txt"),
         ("a.npy", b"\x93NUMPY\x01\0 and no more", "damaged or truncated"),
         ("a.fits", b"SIMPLE  =                    T", "a.fits"),
