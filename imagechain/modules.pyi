@@ -2414,16 +2414,16 @@ def measured_mtf(
     `slanted_edge` finds the angle of the edge and sorts the samples by their distance from it into
     bins of a quarter sample. The derivative of the bin means is windowed and Fourier transformed,
     and corrected for the responses of the bins and of the derivative. Frequencies are along the
-    edge's normal. `row_average` averages the rows, drops the ends and Fourier transforms the
-    derivative. The MTF is its modulus divided by the largest value; the response of the
-    derivative, 0.64 at Nyquist, is not corrected. Standard errors come from leaving out rows.
+    edge's normal. `row_average` averages the rows, drops the flat ends and Fourier transforms the
+    derivative. The MTF is its modulus divided by the largest value; the response of the derivative,
+    0.64 at Nyquist, is not corrected. Standard errors come from leaving out rows.
 
     `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. It includes
-    all stages from the source on, and the samples of a test scene, which are means over their area.
-    The blur of a scene from a file is unknown and not included; a picture straight from a file has
-    no expected MTF. Aliasing in `row_average` is not included. `imagechain measure` finds the edges
-    in pictures of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and
-    appendix B.
+    all stages from the source on, and the blur of a test scene's samples, which are means over
+    their area. The blur of a scene from a file is unknown and not included; a picture straight from
+    a file has no expected MTF. Aliasing in `row_average` is not included. `imagechain measure`
+    finds the edges in pictures of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to
+    5.70 and appendix B.
 
     Parameters
     ----------
@@ -2530,7 +2530,7 @@ def figures_of_merit(
     of the eye's threshold through the MTF and the MRTD's contrast (`mrtd`), or the published
     CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), for which V50 values are published: α
     = 169.6 √Hz, σ the noise in K·√s that passes the eyeball and the eye's channel at the frequency,
-    S the scene contrast; fixed patterns count with `flir92`. Display and eye are not part of the
+    S the scene contrast; `flir92` includes fixed patterns. Display and eye are not part of the
     MRTD. The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is
     quoted for identifying tracked vehicles; it could not be checked.
 
@@ -2627,7 +2627,7 @@ def noise_budget(
 
     Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
     propagated to the picture through all later filters, combined pixels and interpolation.
-    Variances of independent noises add, so each source has a share of the sum. `fixed` counts the
+    Variances of independent noises add, so each source has a share of the sum. `fixed` means the
     patterns that stay from frame to frame, averaged over all sensors of this kind. Rounding counts
     as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share of a Gaussian
     blur is proportional to its variance. A stage that amplifies has a negative share: it recovers
@@ -2737,8 +2737,8 @@ def spatial_blur(
     otherwise as a two-dimensional kernel. Complete kernels give the same result as Back Transform,
     except for rounding. A truncated kernel has an error of at most `error_bound`: the sum of the
     moduli of what was cut off, as a share of the scene's largest deviation from its mean. The mean
-    is kept. If a transfer function has not fallen to zero at Nyquist, its kernel rings and cannot
-    be both short and precise.
+    does not change. If a transfer function has not fallen to zero at Nyquist, its kernel rings and
+    cannot be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
     128², ±4 at 512²; two-dimensional kernels are always slower (`imagechain bench`, table
@@ -2782,12 +2782,12 @@ def line_by_line(
     the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan have one scale, factors along the flight have one per column, and pupils and other
-    non-separable factors have both. As in their own modules, all factors are in angles at the
-    sensor; edges and PTFs are treated as in Back Transform. Separable factors are exact.
+    scan have one scale for the frame, factors along the flight one per column, and pupils and other
+    non-separable factors have both. All factors are in angles at the sensor, as in their own
+    modules; edges and PTFs are treated as in Back Transform. Separable factors are exact.
     Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
     estimate of the error, or summed exactly for each interval (`direct`). For a pushbroom or an
-    array, which sample evenly, both outputs agree. The ground is taken as flat, and motion blur as
+    array, which sample evenly, both outputs agree. The ground is assumed flat, and motion blur has
     the same angle as at nadir.
 
     When is one interval for the whole image good enough? The Inframetrics' blur of three samples on
@@ -2956,19 +2956,19 @@ def image_quality(
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
     The ground sample distance is the picture's interval times the range, in the plane normal to the
-    line of sight. GIQE 3 takes it as it is, GIQE 4 on the ground (divided by √sin e, e the
-    elevation of the line of sight seen from the target), and GIQE 5 between both (by sin e to the
-    power ¼). The relative edge response (how far an edge rises within one sample around it) and the
-    overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer functions,
-    and the SNR from its signal and temporal noise; no noise is drawn or measured. GSD, RER and H
-    are geometric means of both directions; in GIQE 5 the worse RER counts twice. Connect the
-    picture as the sensor samples it, before a frame grabber interpolates it.
+    line of sight. GIQE 3 uses this distance, GIQE 4 the distance on the ground (divided by √sin e,
+    e the elevation of the line of sight seen from the target), and GIQE 5 their geometric mean
+    (divided by sin e to the power ¼). The relative edge response (how far an edge rises within one
+    sample around it) and the overshoot H (its height 1 to 3 samples beside it) follow from the
+    chain's transfer functions, and the SNR from its signal and temporal noise; no noise is drawn or
+    measured. GSD, RER and H are geometric means of both directions; in GIQE 5 the worse RER counts
+    twice. Connect the picture as the sensor samples it, before a frame grabber interpolates it.
 
-    The SNR of the equations is that of a contrast: the difference between surfaces of 15 % and 7 %
-    reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance and
-    Reflected Light gives its radiance, the difference follows from its light and air. Otherwise the
-    scene's mean radiance counts as that of 15 %, so the SNR is 8/15 of the mean signal over the
-    noise, and a warning says so. `mean` takes the whole mean signal.
+    The equations use the SNR of a contrast: the difference in signal between surfaces of 15 % and
+    7 % reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance
+    and Reflected Light gives its radiance, the difference follows from its light and air. Otherwise
+    the scene's mean radiance is assumed to come from a surface of 15 %, so the SNR is 8/15 of the
+    mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:

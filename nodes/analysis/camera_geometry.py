@@ -520,7 +520,7 @@ class CameraGeometry(
         past = {side: by for side, by in beyond.items() if by > 1e-9 * (half_x + half_y)}
         if not past:
             return
-        sides = ", ".join(f"{by:.4g} m past its {side}" for side, by in past.items())
+        sides = ", ".join(f"{by:.4g} m past its {side} edge" for side, by in past.items())
         raise DataError(
             f"the scene of {2 * half_x:.5g} × {2 * half_y:.5g} m is too small: the camera sees "
             f"{sides}; lower altitude_m, narrow the field, use fewer rows, enlarge "
@@ -554,7 +554,7 @@ class CameraGeometry(
 
     @readout()
     def panoramic_factor(self, image: Image) -> float:
-        """Ground sample across the track: at the farther end, divided by the one in the middle."""
+        """Ground sample across the track at the farther end, divided by the one in the middle."""
         camera = self.camera(image)
         return max(_sample(camera, end)[0] for end in (0.0, 1.0)) / _sample(camera, 0.5)[0]
 

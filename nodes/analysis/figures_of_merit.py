@@ -89,7 +89,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     of the eye's threshold through the MTF and the MRTD's contrast (`mrtd`), or the published
     CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), for which V50 values are published: α
     = 169.6 √Hz, σ the noise in K·√s that passes the eyeball and the eye's channel at the frequency,
-    S the scene contrast; fixed patterns count with `flir92`. Display and eye are not part of the
+    S the scene contrast; `flir92` includes fixed patterns. Display and eye are not part of the
     MRTD. The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is
     quoted for identifying tracked vehicles; it could not be checked.
 
@@ -344,7 +344,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     @warning
     def extinction(self, image: Image, given: frozenset[str]) -> Caution | None:
-        """An extinction is entered, but the Atmospheric Path before gives the transmission."""
+        """An extinction is entered, but an Atmospheric Path before this gives the transmission."""
         if "extinction_per_km" not in given or not image.air:
             return None
         paths = [air for air in image.air if air.is_grey and air.range_m]
@@ -353,9 +353,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             if alike(self.extinction_per_km, of_path):
                 return None
         return Caution(
-            f"extinction_per_km = {self.extinction_per_km:g} 1/km is not used: the ranges take "
-            "the transmission of the Atmospheric Path before this node",
-            "clear it here, or set it there",
+            f"extinction_per_km = {self.extinction_per_km:g} 1/km is not used: the ranges are "
+            "computed with the transmission of the Atmospheric Path before this node",
+            "clear it here, or set it on Atmospheric Path",
         )
 
     @warning

@@ -54,19 +54,19 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
     The ground sample distance is the picture's interval times the range, in the plane normal to the
-    line of sight. GIQE 3 takes it as it is, GIQE 4 on the ground (divided by √sin e, e the
-    elevation of the line of sight seen from the target), and GIQE 5 between both (by sin e to the
-    power ¼). The relative edge response (how far an edge rises within one sample around it) and the
-    overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer functions,
-    and the SNR from its signal and temporal noise; no noise is drawn or measured. GSD, RER and H
-    are geometric means of both directions; in GIQE 5 the worse RER counts twice. Connect the
-    picture as the sensor samples it, before a frame grabber interpolates it.
+    line of sight. GIQE 3 uses this distance, GIQE 4 the distance on the ground (divided by √sin e,
+    e the elevation of the line of sight seen from the target), and GIQE 5 their geometric mean
+    (divided by sin e to the power ¼). The relative edge response (how far an edge rises within one
+    sample around it) and the overshoot H (its height 1 to 3 samples beside it) follow from the
+    chain's transfer functions, and the SNR from its signal and temporal noise; no noise is drawn or
+    measured. GSD, RER and H are geometric means of both directions; in GIQE 5 the worse RER counts
+    twice. Connect the picture as the sensor samples it, before a frame grabber interpolates it.
 
-    The SNR of the equations is that of a contrast: the difference between surfaces of 15 % and 7 %
-    reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance and
-    Reflected Light gives its radiance, the difference follows from its light and air. Otherwise the
-    scene's mean radiance counts as that of 15 %, so the SNR is 8/15 of the mean signal over the
-    noise, and a warning says so. `mean` takes the whole mean signal.
+    The equations use the SNR of a contrast: the difference in signal between surfaces of 15 % and
+    7 % reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance
+    and Reflected Light gives its radiance, the difference follows from its light and air. Otherwise
+    the scene's mean radiance is assumed to come from a surface of 15 %, so the SNR is 8/15 of the
+    mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
@@ -208,8 +208,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         if transfer_of(image).reflectance is not None:
             return None
         return Caution(
-            "the SNR is an estimate: the scene is not in reflectance, so its mean radiance counts "
-            "as that of a surface of 15 %, and the contrast of 15 % and 7 % as 8/15 of it",
+            "the SNR is an estimate: the scene is not in reflectance, so its mean radiance is "
+            "assumed to come from a surface of 15 %, and the contrast with 7 % is 8/15 of it",
             "give the scene in reflectance with Reflected Light, enter snr, or set snr_of to mean",
         )
 
@@ -376,7 +376,7 @@ def quality_table(work: Work, edge: EdgeQuality, snr: float | Unseen, *, view: V
         third = float(giqe_3(gsd_inch=gsd_m / INCH_M, **known))
         shown_snr = snr if math.isfinite(snr) else None
     rows: tuple[tuple[Any, ...], ...] = (
-        ("giqe5", fifth, "NIIRS", "GIQE 5, for the picture as it is", why),
+        ("giqe5", fifth, "NIIRS", "GIQE 5, for the picture without sharpening", why),
         ("giqe4", fourth, "NIIRS", "GIQE 4, with overshoot H and noise gain G", why),
         ("giqe3", third, "NIIRS", "GIQE 3, with overshoot H and noise gain G", why),
         ("gsd_m", gsd_m, "m", "ground sample distance normal to the line of sight (GIQE 3)"),

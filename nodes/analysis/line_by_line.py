@@ -204,12 +204,12 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan have one scale, factors along the flight have one per column, and pupils and other
-    non-separable factors have both. As in their own modules, all factors are in angles at the
-    sensor; edges and PTFs are treated as in Back Transform. Separable factors are exact.
+    scan have one scale for the frame, factors along the flight one per column, and pupils and other
+    non-separable factors have both. All factors are in angles at the sensor, as in their own
+    modules; edges and PTFs are treated as in Back Transform. Separable factors are exact.
     Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
     estimate of the error, or summed exactly for each interval (`direct`). For a pushbroom or an
-    array, which sample evenly, both outputs agree. The ground is taken as flat, and motion blur as
+    array, which sample evenly, both outputs agree. The ground is assumed flat, and motion blur has
     the same angle as at nadir.
 
     When is one interval for the whole image good enough? The Inframetrics' blur of three samples on
@@ -445,7 +445,9 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
 
 
 def _source(context: Context, magnitude: Magnitude, phase: Phase) -> Image:
-    source = one_source(magnitude, phase, wanted="frame to scan", refusal="no scanner sees")
+    source = one_source(
+        magnitude, phase, wanted="frame to scan", refusal="Line by Line cannot combine"
+    )
     if context.grid != magnitude.grid or context.edges != magnitude.edges:
         raise DataError(
             "context and magnitude come from different Init & Trans nodes: wire "

@@ -180,16 +180,16 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     `slanted_edge` finds the angle of the edge and sorts the samples by their distance from it into
     bins of a quarter sample. The derivative of the bin means is windowed and Fourier transformed,
     and corrected for the responses of the bins and of the derivative. Frequencies are along the
-    edge's normal. `row_average` averages the rows, drops the ends and Fourier transforms the
-    derivative. The MTF is its modulus divided by the largest value; the response of the
-    derivative, 0.64 at Nyquist, is not corrected. Standard errors come from leaving out rows.
+    edge's normal. `row_average` averages the rows, drops the flat ends and Fourier transforms the
+    derivative. The MTF is its modulus divided by the largest value; the response of the derivative,
+    0.64 at Nyquist, is not corrected. Standard errors come from leaving out rows.
 
     `expected` is the MTF of the picture's chain in the same direction, up to Nyquist. It includes
-    all stages from the source on, and the samples of a test scene, which are means over their area.
-    The blur of a scene from a file is unknown and not included; a picture straight from a file has
-    no expected MTF. Aliasing in `row_average` is not included. `imagechain measure` finds the edges
-    in pictures of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to 5.70 and
-    appendix B.
+    all stages from the source on, and the blur of a test scene's samples, which are means over
+    their area. The blur of a scene from a file is unknown and not included; a picture straight from
+    a file has no expected MTF. Aliasing in `row_average` is not included. `imagechain measure`
+    finds the edges in pictures of real cameras. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to
+    5.70 and appendix B.
     """
 
     formulas = (
@@ -269,7 +269,9 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         Section("Region", ("region_x", "region_y", "region_width", "region_height")),
         Section("Slanted edge", ("window", "samples"), shown_when=("method", ("slanted_edge",))),
         Section(
-            "Level ends", ("clip_left_px", "clip_right_px"), shown_when=("method", ("row_average",))
+            "Extent of the edge",
+            ("clip_left_px", "clip_right_px"),
+            shown_when=("method", ("row_average",)),
         ),
         Section("Curve", ("axis",)),
     )

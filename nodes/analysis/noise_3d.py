@@ -93,7 +93,7 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     def check(self) -> None:
         """Refuse a single frame, of which nothing temporal can be measured."""
         if self.frames == 1:
-            raise ParameterError("frames", 1, "0, or 2 and more")
+            raise ParameterError("frames", 1, "0, or at least 2")
 
     def run(self, here: NodeContext, image: Image | None = None) -> NoiseOutputs:
         if image is None and self.path is None:
@@ -135,17 +135,16 @@ def frames_in_file(path: Path, here: NodeContext, image: Image | None) -> tuple[
     stamps = stamps_of(file, header_beside(file))
     known = _described(file, stamps)
     if known.frames < 2:
-        raise DataError(f"{file}: holds a single frame; temporal noise needs 2 or more")
+        raise DataError(f"{file}: only one frame; temporal noise needs 2 or more")
     if image is not None and image.shape != (known.rows, known.columns):
         raise DataError(
-            f"{file}: holds frames of {known.rows} × {known.columns} samples, and the picture "
-            f"that predicts their noise has {image.rows} × {image.columns}: link a picture of "
-            "the same camera, or none"
+            f"{file}: frames of {known.rows} × {known.columns} samples, but the linked picture has "
+            f"{image.rows} × {image.columns}: link a picture of the same camera, or none"
         )
     if image is not None and known.unit and known.unit != image.unit:
         raise DataError(
-            f"{file}: holds frames in {known.unit!r:.40}, and the picture that predicts their "
-            f"noise is in {image.unit!r:.40}: link a picture in the same unit, or none"
+            f"{file}: frames in {known.unit!r:.40}, but the linked picture is in "
+            f"{image.unit!r:.40}: link a picture in the same unit, or none"
         )
     if known.path != file:
         stamps += stamps_of(known.path)

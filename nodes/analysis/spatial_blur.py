@@ -46,8 +46,8 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     otherwise as a two-dimensional kernel. Complete kernels give the same result as Back Transform,
     except for rounding. A truncated kernel has an error of at most `error_bound`: the sum of the
     moduli of what was cut off, as a share of the scene's largest deviation from its mean. The mean
-    is kept. If a transfer function has not fallen to zero at Nyquist, its kernel rings and cannot
-    be both short and precise.
+    does not change. If a transfer function has not fallen to zero at Nyquist, its kernel rings and
+    cannot be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
     128², ±4 at 512²; two-dimensional kernels are always slower (`imagechain bench`, table
@@ -90,7 +90,7 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
 
     def run(self, magnitude: Magnitude, phase: Phase, here: NodeContext) -> SpatialOutputs:
         source = one_source(
-            magnitude, phase, wanted="scene to convolve", refusal="no convolution combines"
+            magnitude, phase, wanted="scene to convolve", refusal="Spatial Blur cannot combine"
         )
         factors = (*magnitude.factors, *phase.factors)
         kernels = here.step(
@@ -174,7 +174,9 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
             TableRow("taps", kernels.taps, "", "multiplications per sample"),
             TableRow("taps_x", across, "", "for the pass along x"),
             TableRow("taps_y", along, "", "for the pass along y"),
-            TableRow("taps_plane", sum(_size(k) for k in planes), "", "for the planar kernel"),
+            TableRow(
+                "taps_plane", sum(_size(k) for k in planes), "", "for the two-dimensional kernel"
+            ),
             TableRow(
                 "error_bound",
                 kernels.error_bound,

@@ -254,7 +254,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @warning
     def path(self, magnitude: Magnitude) -> Caution | None:
-        """The air scatters more light than Atmospheric Path takes away."""
+        """Scattering and absorption add up to more than the extinction of Atmospheric Path."""
         image = magnitude.image
         known = [] if image is None else [air for air in image.air if air.range_m]
         scattering = self.scattering_per_km
@@ -267,10 +267,10 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         if scattering + self.absorption_per_km <= extinction * (1 + NEAR):
             return None
         return Caution(
-            "the air scatters more light than it takes away: absorption_per_km and "
+            "scattering and extinction disagree: absorption_per_km and "
             f"scattering_per_km add up to {scattering + self.absorption_per_km:g} 1/km, but "
             f"the extinction of Atmospheric Path is {extinction:.4g} 1/km at {middle:g} µm",
-            "make them agree",
+            "lower them, or raise the extinction on Atmospheric Path",
         )
 
     @warning

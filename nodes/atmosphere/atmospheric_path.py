@@ -158,8 +158,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         band = image.band_um
         if band is None and not (air.is_grey and air.air_K is None and not air.radiance):
             raise DataError(
-                "the image has no band over which the transmission and radiance of the air "
-                "could be summed: give cut_on_um and cut_off_um where it is read"
+                "the image has no band for the transmission and radiance of the air: set "
+                "cut_on_um and cut_off_um on Read Image"
             )
         if band is not None:
             air.require_covered(*band)
@@ -300,7 +300,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     @warning
     def ranges(self, image: Image, context: Context | None) -> Caution | None:
-        """The range differs from the camera's, or from that of the Atmospheric Path before."""
+        """The range differs from the camera's, or from another Atmospheric Path's."""
         of_camera = None if image.camera is None else image.camera.range_m
         of_context = None if context is None else context.range_m
         own = self.range_m or of_camera or of_context
@@ -310,7 +310,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             *(
                 apart_caution(
                     "range_m", own, before.range_m, unit="m",
-                    where="on the Atmospheric Path before",
+                    where="on the Atmospheric Path before this node",
                     remedy="two Atmospheric Paths in a row are constituents of the same air: "
                            "give both the same range",
                 )
@@ -359,8 +359,8 @@ def scene_temperature(work: Work, samples: Array, *, factor: float, band_um: Ban
     mean = factor * float(np.mean(samples, dtype=np.float64))
     if not (math.isfinite(mean) and mean > 0.0):
         raise DataError(
-            f"a picture with mean radiance {mean:g} W/m²/sr has no brightness temperature, "
-            "which would weight the transmission: give source_K"
+            f"a picture with mean radiance {mean:g} W/m²/sr has no brightness temperature "
+            "to weight the transmission: give source_K"
         )
     low, high = band_um
     return float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))

@@ -126,7 +126,7 @@ def one_source(magnitude: Magnitude, phase: Phase, *, wanted: str, refusal: str)
     if source is None or other is None:
         raise DataError(
             f"a transfer function alone has no {wanted}: set apply to multiply in the modules "
-            "before"
+            "before this node"
         )
     if source.key != other.key or magnitude.grid != phase.grid or magnitude.edges != phase.edges:
         raise DataError(

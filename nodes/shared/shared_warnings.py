@@ -57,7 +57,7 @@ def band_caution(
         return None
     apart = "do not overlap" if both <= 0 else f"share {100 * both / whole:.0f} % of their width"
     return Caution(
-        f"the picture's radiance is that of {_band(picture)} and cut_on_um to cut_off_um are "
+        f"the picture's radiance covers {_band(picture)}, but cut_on_um to cut_off_um is "
         f"{_band((low, high))}: the bands {apart}",
         "leave cut_on_um and cut_off_um empty to use the picture's band, or set the picture's "
         "band to this one",

@@ -13,7 +13,7 @@ from nodes.transform.init_trans import InitTrans
 
 WRITES = "run writes net-output/final.png, net-output/mtf.csv, net-output/readouts.json"
 BAND = (
-    "electronics: the picture's radiance is that of 8 to 14 µm and cut_on_um to cut_off_um are 3 "
+    "electronics: the picture's radiance covers 8 to 14 µm, but cut_on_um to cut_off_um is 3 "
     "to 5 µm: the bands do not overlap: leave cut_on_um and cut_off_um empty to use the "
     "picture's band, or set the picture's band to this one"
 )

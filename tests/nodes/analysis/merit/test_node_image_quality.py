@@ -171,7 +171,7 @@ def test_the_contrast_of_a_scene_in_reflectance(tmp_path, unit, mean, bands):
 
 def test_a_contrast_of_unknown_reflectances_is_warned_of(tmp_path):
     (said,) = cautions(bench_of(tmp_path), "contrast")
-    assert "its mean radiance counts as that of a surface of 15 %" in said
+    assert "its mean radiance is assumed to come from a surface of 15 %" in said
     assert not cautions(bench_of(tmp_path, {"snr": 50.0}), "contrast")
     assert not cautions(bench_of(tmp_path, {"snr_of": "mean"}), "contrast")
 

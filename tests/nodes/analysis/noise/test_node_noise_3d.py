@@ -88,7 +88,7 @@ def test_bars_are_the_table(tmp_path):
 def test_a_single_frame_is_refused(tmp_path):
     plan, *_ = measured(tmp_path, (), frames=1)
     assert [str(error) for error in plan.errors()] == [
-        "noise: frames = 1 is not allowed: 0, or 2 and more"
+        "noise: frames = 1 is not allowed: 0, or at least 2"
     ]
 
 

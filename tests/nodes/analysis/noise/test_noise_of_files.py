@@ -121,14 +121,14 @@ def test_what_is_refused(tmp_path):
     )  # fmt: skip
     assert line({"path": "none.npy"}) == "noise: none.npy: no such file"
     assert line({"path": "one.npy"}) == (
-        "noise: one.npy: holds a single frame; temporal noise needs 2 or more"
+        "noise: one.npy: only one frame; temporal noise needs 2 or more"
     )
     assert line({"path": "f.npy"}, image={"path": "small.npy"}) == (
-        "noise: f.npy: holds frames of 80 × 120 samples, and the picture that predicts their noise "
+        "noise: f.npy: frames of 80 × 120 samples, but the linked picture "
         "has 7 × 120: link a picture of the same camera, or none"
     )
     assert line({"path": "f.bsq"}, image={"path": "one.npy", "unit": "K"}) == (
-        "noise: f.bsq: holds frames in 'DN', and the picture that predicts their noise is in 'K': "
+        "noise: f.bsq: frames in 'DN', but the linked picture is in 'K': "
         "link a picture in the same unit, or none"
     )
 
