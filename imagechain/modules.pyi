@@ -167,8 +167,8 @@ def write_image(
     if the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
 
     An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
-    in W/m²/sr/µm, written one after the other, so that the cube is never in memory as a whole.
-    Every other format stores their sum. A Zarr store (`.zarr`) is written chunk by chunk.
+    in W/m²/sr/µm, written one after the other, so that the whole cube is never in memory. Every
+    other format stores their sum. A Zarr store (`.zarr`) is written chunk by chunk.
 
     Parameters
     ----------
@@ -267,8 +267,8 @@ def init_trans(
     """Transform the image to magnitude and phase, and pass the geometry to the other modules.
 
     Empty parameters are taken from a Camera before it, else from the image's header. A fill factor
-    of 1 counts as empty. Values entered here take priority; if they differ from those, a warning
-    says so. Source: Tantalo 1996, section 4.1.
+    of 1 is treated as empty. Values entered here take priority; if the two differ, a warning says
+    so. Source: Tantalo 1996, section 4.1.
 
     Parameters
     ----------
@@ -437,11 +437,11 @@ def interpolate(
 
     Sample centres lie half an interval from the frame's edges. Beyond the edges, a picture from
     Back Transform continues as Init & Trans defines: a mirrored frame is mirrored, a periodic frame
-    wraps round. Any other picture, or one cropped since, continues with its outermost samples.
-    Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order 0 takes the nearest
-    sample (the later one of two equally near), 1 is bilinear, 3 is cubic convolution. The same size
-    changes nothing. Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a =
-    −1/2).
+    wraps round. Any other picture, or one cropped after Back Transform, continues with its
+    outermost samples. Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order
+    0 takes the nearest sample (the later one of two equally near), 1 is bilinear, 3 is cubic
+    convolution. The same size changes nothing. Sources: Tantalo 1996, sections 5.1 and 5.2
+    (bilinear); Keys 1981 (cubic, a = −1/2).
 
     Parameters
     ----------
@@ -769,18 +769,18 @@ def camera(
     for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
     pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
     focal length, F-number and aperture give the third. An image without a sampling interval gets
-    one from the pixels' angle on the axis. So does an image whose field of view is that of the
-    lens, 2·atan(Np/2f), where a wide field would otherwise be divided into equal angles. A warning
-    names values that disagree; nothing is corrected.
+    one from the pixels' angle on the axis. So does an image with the same field of view as the
+    lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal angles. A warning names
+    values that disagree; nothing is corrected.
 
-    The obscuration blocks light: electrons, NETD and SNR count an open share of 1 − ε² of the
-    aperture, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
-    transmission in radiometry; diffraction keeps the F-number. `irradiance` says how light depends
+    The obscuration blocks light: electrons, NETD and SNR use 1 − ε² of the aperture, its open
+    share, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
+    transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how light depends
     on either: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from the axis and usual in
-    infrared work, `sine` (π/(4F²)) for a lens corrected for coma, as fast photographic and
-    infrared lenses are. They differ by 25 % at F/1 and by 1.6 % at F/4. Sources: Holst 2008,
-    Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD);
-    Kingslake 1983, Optical System Design, chapter 6 (sine condition, T-number).
+    infrared work, `sine` (π/(4F²)) for a lens corrected for coma, as fast photographic and infrared
+    lenses are. They differ by 25 % at F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical
+    Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983,
+    Optical System Design, chapter 6 (sine condition, T-number).
 
     Parameters
     ----------
@@ -1162,8 +1162,8 @@ def mtf_file(
         what to do if the MTF is not 1 at zero frequency: refuse it, or divide by that value: one of
         refuse, at_zero; default 'refuse'
     field : int | Expression
-        field position in a Zemax listing, counted from 0; the diffraction limit does not count: a
-        whole number from 0 to 1000; default 0
+        field position in a Zemax listing, counted from 0 without the diffraction limit: a whole
+        number from 0 to 1000; default 0
     focal_length_mm : float | Expression | None
         focal length, for cyc/mm and cyc/pixel; empty: from Init & Trans [mm]: a number of at least
         0 or empty; default empty
@@ -1534,7 +1534,7 @@ def charge_diffusion_mtf(
     the detector. Back side means a thinned detector with a passivated surface: carriers are
     generated mostly at the back and cross the undepleted silicon, thickness_um minus depletion_um.
     If absorption_per_um is empty, silicon at 295 K is assumed over the band (the cold filter's or
-    the picture's), and each wavelength counts by the carriers that it generates, with the same
+    the picture's), and each wavelength is weighted by the carriers that it generates, with the same
     number of photons per wavelength. Lit from the front, red and near-infrared light blurs most,
     because it is absorbed deep; lit from the back, blue light blurs most. Sources: Seib 1974;
     Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
@@ -1823,7 +1823,7 @@ def focal_plane(
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
-    pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² +
+    pitch² times both fill factors of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² +
     1)·(1 − ε²) the projected solid angle of the optics at F-number F and obscuration ε (Camera also
     takes a T-number, which includes τ, and the sine condition); τ optics_transmission; η
     cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
@@ -1903,10 +1903,10 @@ def focal_plane(
         electrons per digital number; empty: the full well gives the highest number [e-/DN]: a
         number of at least 0 or empty; default empty
     offset_dn : float | Expression
-        digital number of zero electrons [DN]: a number from -1.67772e+07 to 1.67772e+07; default
+        digital number at zero electrons [DN]: a number from -1.67772e+07 to 1.67772e+07; default
         0.0
     units : Literal['dn', 'electrons', 'radiance']
-        unit of the output; every unit shows the digitized picture: one of dn, electrons, radiance;
+        unit of the output; the picture is digitized in any case: one of dn, electrons, radiance;
         default 'dn'
 
     Notes
@@ -2026,15 +2026,16 @@ def nuc(
 ) -> Part:
     """Correct the non-uniformity of pixels with uniform references at one or two temperatures.
 
-    Put it behind the camera's modules. A black body that fills the field of view replaces the input
-    of the first module that adds noise. Its picture is averaged over `reference_frames` frames with
-    their own noise, once for all frames. `one_point`: the pattern at `low_K` is subtracted; the
-    residual grows with the distance from `low_K`, because the gains differ. `two_point`: gain and
-    offset come from a straight line through both references; the residual is the noise of their
-    means and the nonlinearity. `drift_K` adds offset drift since the references, as rms over the
-    pixels in kelvin of the scene. A pixel with less than a tenth of the mean response keeps its
-    gain. The frames of a reference share their 1/f noise, but budgets count it as if it were new in
-    each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+    Put it after the camera's modules. A black body that fills the field of view replaces the input
+    of the first module that adds noise. Its picture is averaged over `reference_frames` frames,
+    each with its own noise; the same average corrects every frame. `one_point`: the pattern at
+    `low_K` is subtracted; the residual grows with the distance from `low_K`, because the gains
+    differ. `two_point`: gain and offset come from a straight line through both references; the
+    residual is the noise of their means and the nonlinearity. `drift_K` adds offset drift since the
+    references, as rms over the pixels in kelvin of the scene. A pixel with less than a tenth of the
+    mean response keeps its gain. The frames of a reference share their 1/f noise, but budgets count
+    it as if it were new in each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst
+    2008.
 
     Parameters
     ----------

@@ -77,7 +77,7 @@ def our_module(key: str) -> type[Module]:
     for found in vars(import_module(f"nodes.{OURS[key]}")).values():
         if isinstance(found, type) and issubclass(found, Module) and found.key == key:
             return found
-    raise ImportError(f"nodes/{OURS[key].replace('.', '/')}.py has no module of the key {key}")
+    raise ImportError(f"nodes/{OURS[key].replace('.', '/')}.py has no module with the key {key}")
 
 
 @cache

@@ -129,7 +129,7 @@ def _safely(name: str, check: Callable[[], Iterable[str]]) -> list[str]:
     except ImagechainError as error:
         return [f"{name}: does not run: {error}"]
     except Exception as error:  # whatever code of others may raise
-        return [f"{name}: {type(error).__name__} in place of an error in words: {error}"]
+        return [f"{name}: {type(error).__name__} instead of an ImagechainError: {error}"]
 
 
 def _of_declaration(declared: Declaration) -> Iterator[str]:
@@ -179,7 +179,7 @@ def _of_values(trial: _Trial) -> Iterator[str]:
             yield f"output {name} is not finite"
         if isinstance(wire, Image) and isinstance(value, np.ndarray):
             if value.shape != wire.shape:
-                yield f"output {name} has {value.shape} samples, and says {wire.shape}"
+                yield f"output {name} has {value.shape} samples, but declares {wire.shape}"
             if value.flags.writeable:
                 yield (
                     f"output {name} can be modified: return a read-only array, because the "
@@ -224,10 +224,7 @@ def _of_regions(trial: _Trial) -> Iterator[str]:
             part = other.value(again, f"{IT}.{name}", other.work(policy), region)
             error = float(np.abs(part - whole[region.slices]).max()) / span
             if error > DOUBLE_ERROR:
-                yield (
-                    f"output {name}: a part of it differs from the whole by {error:.1g} of "
-                    "its range"
-                )
+                yield f"output {name}: computed in part, it differs by {error:.1g} of its range"
 
 
 def _of_keys(trial: _Trial) -> Iterator[str]:

@@ -53,7 +53,7 @@ def installed_plug_ins(taken: Iterable[str] = ()) -> PlugIns:
         try:
             for module in _modules_at(point, package):
                 if module.key in known:
-                    raise TypeError(f"there are two modules {module.key}")
+                    raise TypeError(f"two modules have the key {module.key}")
                 known.add(module.key)
                 modules[module.key] = module
         except (Exception, SystemExit) as error:  # whatever code of others may raise

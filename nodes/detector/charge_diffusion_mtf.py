@@ -32,7 +32,7 @@ class ChargeDiffusionMTF(
     the detector. Back side means a thinned detector with a passivated surface: carriers are
     generated mostly at the back and cross the undepleted silicon, thickness_um minus depletion_um.
     If absorption_per_um is empty, silicon at 295 K is assumed over the band (the cold filter's or
-    the picture's), and each wavelength counts by the carriers that it generates, with the same
+    the picture's), and each wavelength is weighted by the carriers that it generates, with the same
     number of photons per wavelength. Lit from the front, red and near-infrared light blurs most,
     because it is absorbed deep; lit from the back, blue light blurs most. Sources: Seib 1974;
     Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).

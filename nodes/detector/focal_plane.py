@@ -82,7 +82,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
-    pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² +
+    pitch² times both fill factors of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² +
     1)·(1 − ε²) the projected solid angle of the optics at F-number F and obscuration ε (Camera also
     takes a T-number, which includes τ, and the sine condition); τ optics_transmission; η
     cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
@@ -417,7 +417,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     dynamic_range_dB = _figure(
         "dynamic_range_dB",
         "dB",
-        "Dynamic range: saturation (full well or last number) over the temporal noise in the dark.",
+        "Dynamic range: saturation (full well or highest DN) over the temporal noise in the dark.",
     )
     gain_figure = _figure("gain_e_per_dn", "e-/DN", "Electrons per digital number.")
     mean_dn = _figure("mean_dn", "DN", "Mean signal of the picture, in digital numbers.")
@@ -475,10 +475,10 @@ def optics_caution(image: Image, passed: Band) -> Caution | None:
             continue
         return Caution(
             f"MTF and ranges are for the wrong wavelengths: {factor.label} ({factor.node}) "
-            f"blurs for {band[0]:g} to {band[1]:g} µm, but the cold filter passes "
+            f"computes the blur for {band[0]:g} to {band[1]:g} µm, but the cold filter passes "
             f"{passed[0]:g} to {passed[1]:g} µm",
             f"set cut_on_um = {passed[0]:g} and cut_off_um = {passed[1]:g} on {factor.node} "
-            "too, or use a picture of the filter's band",
+            "too, or use a picture in the filter's band",
         )
     return None
 
@@ -495,8 +495,8 @@ def obscuration_caution(image: Image, context: Context) -> Caution | None:
             blurs, blocks = aperture.obscuration_ratio, context.obscuration_ratio
             if abs(blurs - blocks) > NEAR:
                 return Caution(
-                    "electrons are counted for the wrong aperture: obscuration_ratio = "
-                    f"{blurs:.4g} on {factor.node} shapes the blur, but the light is that of "
+                    "electrons are counted for the wrong aperture: the blur uses "
+                    f"obscuration_ratio = {blurs:.4g} on {factor.node}, but the light uses "
                     f"{blocks:.4g} on Camera or Init & Trans",
                     f"enter the obscuration on Camera and leave it empty on {factor.node}",
                 )

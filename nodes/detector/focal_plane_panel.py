@@ -28,7 +28,7 @@ from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 
 _NEEDED_BY = {
     "full_well_e": "nonlinearity_percent refers to the full well",
-    "housing_K": "with a cold_shield_efficiency below 1, radiation of the housing reaches the "
+    "housing_K": "with a cold_shield_efficiency below 1, radiation from the housing reaches the "
     "detector",
     "detector_K": "rule_07 needs it",
     "material_cutoff_um": "rule_07 needs it",
@@ -187,7 +187,7 @@ class FocalPlanePanel(SeededModule):
     offset_dn: Annotated[
         float,
         Param(
-            "digital number of zero electrons",
+            "digital number at zero electrons",
             unit="DN",
             low=-(2.0**24),
             high=2.0**24,
@@ -196,7 +196,7 @@ class FocalPlanePanel(SeededModule):
     ] = 0.0
     units: Annotated[
         Literal["dn", "electrons", "radiance"],
-        Param("unit of the output; every unit shows the digitized picture"),
+        Param("unit of the output; the picture is digitized in any case"),
     ] = "dn"
 
     panel = (

@@ -167,7 +167,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         ),
         Section("Heat", ("time_constant_s", "frame_rate_Hz")),
         Section("1/f noise", ("corner_Hz", "longest_period_s")),
-        Section("Among pixels", ("response_percent", "offset_mK")),
+        Section("Non-uniformity", ("response_percent", "offset_mK")),
         *SEED_SECTIONS,
     )  # fmt: skip
 
@@ -334,7 +334,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     @warning
     def settling(self) -> Caution | None:
-        """The thermal lag is longer than the frames that are computed."""
+        """The thermal lag lasts longer than the frames that are computed."""
         kept = self._kept()
         left = kept ** (_MOST_FRAMES - 1)
         if left <= 1e-3:

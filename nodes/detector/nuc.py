@@ -45,15 +45,16 @@ class CorrectedOutputs(NamedTuple):
 class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Detector"):
     """Correct the non-uniformity of pixels with uniform references at one or two temperatures.
 
-    Put it behind the camera's modules. A black body that fills the field of view replaces the input
-    of the first module that adds noise. Its picture is averaged over `reference_frames` frames with
-    their own noise, once for all frames. `one_point`: the pattern at `low_K` is subtracted; the
-    residual grows with the distance from `low_K`, because the gains differ. `two_point`: gain and
-    offset come from a straight line through both references; the residual is the noise of their
-    means and the nonlinearity. `drift_K` adds offset drift since the references, as rms over the
-    pixels in kelvin of the scene. A pixel with less than a tenth of the mean response keeps its
-    gain. The frames of a reference share their 1/f noise, but budgets count it as if it were new in
-    each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+    Put it after the camera's modules. A black body that fills the field of view replaces the input
+    of the first module that adds noise. Its picture is averaged over `reference_frames` frames,
+    each with its own noise; the same average corrects every frame. `one_point`: the pattern at
+    `low_K` is subtracted; the residual grows with the distance from `low_K`, because the gains
+    differ. `two_point`: gain and offset come from a straight line through both references; the
+    residual is the noise of their means and the nonlinearity. `drift_K` adds offset drift since the
+    references, as rms over the pixels in kelvin of the scene. A pixel with less than a tenth of the
+    mean response keeps its gain. The frames of a reference share their 1/f noise, but budgets count
+    it as if it were new in each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst
+    2008.
     """
 
     formulas = (
@@ -122,8 +123,8 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         band = image.band_um
         if band is None:
             raise DataError(
-                "the radiance of the references needs the picture's band: set it where the "
-                "picture is read"
+                "the radiance of the references needs the picture's band: set cut_on_um and "
+                "cut_off_um on Read Image"
             )
         low, high = (
             MeanFrame(
@@ -176,7 +177,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
 
     @warning
     def nothing(self, image: Image) -> Caution | None:
-        """No node before adds a fixed pattern, so nothing is corrected."""
+        """No node before this one adds a fixed pattern, so nothing is corrected."""
         if self.method == "none" or seen_by_camera(image.recipe) is not None:
             return None
         return Caution(

@@ -205,8 +205,8 @@ def mean_response(
         mean = float(np.mean(samples, dtype=np.float64))
         if not mean > 0.0:
             raise DataError(
-                f"a picture with mean {mean:g} has no brightness temperature, which would "
-                "weight the response: give source_K"
+                f"a picture with mean {mean:g} has no brightness temperature to weight the "
+                "response: give source_K"
             )
         source_K = float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))
     return response.mean_of_body(low, high, source_K=source_K)

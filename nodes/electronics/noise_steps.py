@@ -83,7 +83,9 @@ class ScaledByChance(Linear):
 
     @property
     def by_chance(self) -> str:
-        return "gain_model = literal: the gain error as printed scales the picture"
+        return (
+            "gain_model = literal scales the picture by the gain error; use per_pixel or published"
+        )
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         return power.scaled(self.gain_percent / 100.0 * work.value(self.seen).mean)

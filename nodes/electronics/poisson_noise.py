@@ -103,7 +103,7 @@ class PoissonNoise(
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """The picture is a temperature, to which numbers of photons are not proportional."""
+        """The picture is in temperature, and photon numbers are not proportional to temperature."""
         if self.mode != "photon" or not is_temperature(image.unit):
             return None
         return unit_caution(image.unit, meant="photons_per_unit")
@@ -117,7 +117,7 @@ class PoissonNoise(
         named = f", {unit!r:.40}," if unit else ""
         return Caution(
             f"the amount of noise depends on the picture's unit{named} because Poisson "
-            "deviates are counted in it, as in 1996; the noise is added before the optics",
+            "deviates are drawn in it, as in 1996; the noise is added before the optics",
             "keep it to compare with the thesis; for a camera's shot noise, delete this node "
             "and use Focal Plane, which counts electrons at the detector",
         )

@@ -161,8 +161,8 @@ def bands_of(
 
 def _no_wavelengths(info: PictureInfo) -> str:
     return (
-        f"{info.path}: gives no wavelengths for its bands, as an ENVI header would: read one "
-        "band with bands = one"
+        f"{info.path}: the bands have no wavelengths; give them in an ENVI header, or set "
+        "bands = one to read a single band"
     )
 
 

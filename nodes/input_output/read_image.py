@@ -243,8 +243,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if not bare or scaled or not is_radiance(self.unit):
             return None
         return Caution(
-            f"the file stores whole numbers, and unit says that they are {self.unit}",
-            "give the scale that converts them to radiance, or their unit, such as DN",
+            f"the radiance may be wrong: the file stores whole numbers, but unit = {self.unit}",
+            "set scale to convert them to radiance, or set unit to their unit, such as DN",
         )
 
     @warning
@@ -293,7 +293,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if not count:
             return None
         return Caution(
-            f"the store lacks {count} of its chunks: their samples are taken as missing",
+            f"the store lacks {count} of its chunks: their samples are treated as missing",
             "if the store should be complete, copy it again",
         )
 

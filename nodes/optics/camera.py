@@ -39,18 +39,18 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
     pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
     focal length, F-number and aperture give the third. An image without a sampling interval gets
-    one from the pixels' angle on the axis. So does an image whose field of view is that of the
-    lens, 2·atan(Np/2f), where a wide field would otherwise be divided into equal angles. A warning
-    names values that disagree; nothing is corrected.
+    one from the pixels' angle on the axis. So does an image with the same field of view as the
+    lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal angles. A warning names
+    values that disagree; nothing is corrected.
 
-    The obscuration blocks light: electrons, NETD and SNR count an open share of 1 − ε² of the
-    aperture, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
-    transmission in radiometry; diffraction keeps the F-number. `irradiance` says how light depends
+    The obscuration blocks light: electrons, NETD and SNR use 1 − ε² of the aperture, its open
+    share, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
+    transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how light depends
     on either: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from the axis and usual in
-    infrared work, `sine` (π/(4F²)) for a lens corrected for coma, as fast photographic and
-    infrared lenses are. They differ by 25 % at F/1 and by 1.6 % at F/4. Sources: Holst 2008,
-    Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD);
-    Kingslake 1983, Optical System Design, chapter 6 (sine condition, T-number).
+    infrared work, `sine` (π/(4F²)) for a lens corrected for coma, as fast photographic and infrared
+    lenses are. They differ by 25 % at F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical
+    Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983,
+    Optical System Design, chapter 6 (sine condition, T-number).
     """
 
     formulas = (
@@ -219,7 +219,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
 
     @warning
     def field_of_view(self, image: Image) -> Caution | None:
-        """The picture's field of view differs from that of the pixels."""
+        """The picture's field of view differs from the pixels'."""
         sheet = self.sheet()
         return first(
             *(

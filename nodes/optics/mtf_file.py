@@ -89,8 +89,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     field: Annotated[
         int,
         Param(
-            "field position in a Zemax listing, counted from 0; the diffraction limit does "
-            "not count",
+            "field position in a Zemax listing, counted from 0 without the diffraction limit",
             low=0,
             high=1000,
             slider=(0, 12),
@@ -235,7 +234,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             if values[-1] > ENDS_LOW and last < nyquist:
                 return Caution(
                     f"higher frequencies are lost: the table ends at {last:.4g} cyc/mrad with "
-                    f"an MTF of {values[-1]:.3g}, and the MTF is taken as 0 from there to the "
+                    f"an MTF of {values[-1]:.3g}, and the MTF is set to 0 from there to the "
                     f"picture's Nyquist frequency, {nyquist:.4g} cyc/mrad",
                     "extend the table until the MTF is 0",
                 )

@@ -40,8 +40,8 @@ class InitTrans(
     """Transform the image to magnitude and phase, and pass the geometry to the other modules.
 
     Empty parameters are taken from a Camera before it, else from the image's header. A fill factor
-    of 1 counts as empty. Values entered here take priority; if they differ from those, a warning
-    says so. Source: Tantalo 1996, section 4.1.
+    of 1 is treated as empty. Values entered here take priority; if the two differ, a warning says
+    so. Source: Tantalo 1996, section 4.1.
     """
 
     formulas = (
@@ -177,7 +177,7 @@ class InitTrans(
             raise ParameterError(
                 name,
                 None,
-                f"no field of view is known: give {name} here or where the image is read",
+                f"no field of view is known: give {name} here or on Read Image",
                 unit="deg",
             )
         return of_image
@@ -195,14 +195,14 @@ class InitTrans(
 
     @warning
     def camera(self, image: Image, given: frozenset[str]) -> Caution | None:
-        """A value differs from the one on the Camera before."""
+        """A value differs from the one on Camera."""
         if image.camera is None:
             return None
         sheet = image.camera
         for name, of_camera in (("fill_x", sheet.fill_x), ("fill_y", sheet.fill_y)):
             if name in given and getattr(self, name) == 1.0 and of_camera not in (None, 1.0):
                 return Caution(
-                    f"{name} = 1 counts as empty here, so {of_camera:g} from Camera is used",
+                    f"{name} = 1 is treated as empty here, so {of_camera:g} from Camera is used",
                     "change it on Camera",
                 )
         return first(

@@ -38,8 +38,8 @@ class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Tran
             named = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
             what = "already radiance" if is_radiance(image.unit) else "not a temperature"
             raise DataError(
-                f"the picture, {named}, is {what}: To Radiance needs K, °C, °F or mK, the unit on "
-                "Read Image"
+                f"the picture, {named}, is {what}: To Radiance needs K, °C, °F or mK; set the "
+                "unit on Read Image"
             )
         surface = self.surface(image)
         made = here.step(

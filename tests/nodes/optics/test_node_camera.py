@@ -103,7 +103,7 @@ def test_two_of_three_give_the_third(planned, given, expected):
         ({"f_number": 2}, ("f_number = 2", "4 on Camera")),
         ({"range_m": 500}, ("range_m = 500 m", "2000 m on Camera")),
         ({"fill_y": 0.5}, ("fill_y = 0.5", "0.9 on Camera")),
-        ({"fill_x": 1.0}, ("fill_x = 1 counts as empty", "0.95 from Camera")),
+        ({"fill_x": 1.0}, ("fill_x = 1 is treated as empty", "0.95 from Camera")),
     ],
 )
 def test_what_init_gives_otherwise_is_warned_of(planned, init, words):

@@ -202,10 +202,10 @@ def test_broken_packages_keep_nobody_from_working(tmp_path):
     assert "Gaussian MTF" in done.stdout
     assert "0 0" in done.stdout
     both = done.stdout + done.stderr
-    assert "of the package broken_lens, which is installed, but broken_lens:MODULES" in both
+    assert "to the package broken_lens, which is installed, but broken_lens:MODULES" in both
     for name, (_, words) in BROKEN.items():
         (line,) = [
-            one for one in done.stderr.splitlines() if f"warning: of the package {name}" in one
+            one for one in done.stderr.splitlines() if f"of the package {name} are missing:" in one
         ]
         assert words in line
     assert "Traceback" not in both
