@@ -763,10 +763,10 @@ def camera(
     irradiance: Literal['disc', 'sine'] = 'disc',
     range_m: float | Expression | None = None,
 ) -> Part:
-    """Enter a camera's data once, for Init & Trans and all modules behind it.
+    """Enter a camera's data once, for Init & Trans and all modules after it.
 
     The image passes unchanged and carries the data: pitch, focal length, F-number, fill and range
-    for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
+    for Init & Trans and all modules after it, aperture and obscuration for Diffraction MTF, the
     pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
     focal length, F-number and aperture give the third. An image without a sampling interval gets
     one from the pixels' angle on the axis. So does an image with the same field of view as the
@@ -1944,16 +1944,16 @@ def microbolometer(
 ) -> Part:
     """Add an uncooled detector's noise, from its data sheet, and its thermal lag.
 
-    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t), with
-    the data sheet's F₀ (1), transmission τ₀, background and, if both are given, integration time
-    t₀. The NETD of a bare detector has τ₀ = 1; that of a camera already contains its lens: give
-    its F-number and transmission as the reference too. Ω is as in Focal Plane. A
-    bolometer's noise does not depend on the scene, so the NETD at another background goes as
-    1/(dL/dT). From frame to frame exp(−1/(rate·time constant)) of a change remains: if frames
-    differ, each still shows part of the earlier ones. With a scan velocity on Init & Trans the lag
-    is a low-pass along the lines, 1/(1 + 2πi·τ·v·ξ). 1/f noise equals the white noise at
-    `corner_Hz`. Non-uniform gain and offset are the same in every frame; Non-Uniformity Correction
-    removes them. Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22.
+    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t), with the data
+    sheet's F₀ (1), transmission τ₀, background and, if both are given, integration time t₀. The
+    NETD of a bare detector has τ₀ = 1; a camera's NETD already includes its lens: give its F-number
+    and transmission as the reference too. Ω is as in Focal Plane. A bolometer's noise does not
+    depend on the scene, so the NETD at another background goes as 1/(dL/dT). From frame to frame
+    exp(−1/(rate·time constant)) of a change remains: if frames differ, each still shows part of the
+    earlier ones. With a scan velocity on Init & Trans the lag is a low-pass along the lines, 1/(1 +
+    2πi·τ·v·ξ). 1/f noise equals the white noise at `corner_Hz`. Non-uniform gain and offset are the
+    same in every frame; Non-Uniformity Correction removes them. Sources: Kruse 2001, chapters 3 and
+    4; Rogalski 2011, chapters 4 and 22.
 
     Parameters
     ----------
@@ -1967,7 +1967,7 @@ def microbolometer(
     reference_f_number : float | Expression
         F-number at which that NETD was measured: a number from 0.1 to 1000; default 1.0
     reference_transmission : float | Expression
-        transmission of the optics behind which that NETD was measured; 1: a bare detector: a number
+        transmission of the optics used when that NETD was measured; 1: a bare detector: a number
         above 0 to 1; default 1.0
     reference_K : float | Expression
         background temperature at which that NETD was measured [K]: a number from 1 to 10000;
@@ -2319,7 +2319,7 @@ def noise_3d_source(
     vh are the same in every frame of a sequence; the others are new in each. `corner_Hz` adds 1/f
     noise to each sample; at that frequency its temporal spectrum equals the spectrum of sigma_tvh.
     It extends from 1/`longest_period_s` to half the frame rate, and any frame can be computed from
-    its number. Its whole variance counts as temporal. 3-D Noise uses only some frames, and measures
+    its number. All of its variance is temporal. 3-D Noise uses only some frames, and measures
     slower changes as fixed (vh). Without any component the picture does not change. Sources:
     D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
 

@@ -218,7 +218,7 @@ def noise_bars(work: Work, noise: NoiseShares, *, kind: Kind, show: Show, unit: 
 @ends_lineage
 def blur_bars(work: Work, blur: BlurShares, *, show: Show) -> CurveData:
     """Two bars for each stage, across and along: its share of −ln |MTF|, or that itself."""
-    title = "Blur" if blur.before is None else f"Blur behind {blur.before}"
+    title = "Blur" if blur.before is None else f"Blur after {blur.before}"
     if not blur.shares:
         return CurveData(f"{title}: none known", "stage", "share (%)", ())
     names = tuple(stage.label for stage in blur.shares)

@@ -294,7 +294,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             self.aperture_mm,
             context.focal_length_mm / context.f_number,
             unit="mm",
-            where="by focal_length_mm and f_number of Init & Trans",
+            where="from focal_length_mm and f_number on Init & Trans",
             near=F_NUMBER_NEAR,
             remedy="make them agree",
         )

@@ -229,7 +229,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     @warning
     def unit(self, image: Image) -> Caution | None:
         """The picture is not in units of radiance."""
-        return unit_caution(image.unit, meant="electrons of photons")
+        return unit_caution(image.unit, meant="counting photons")
 
     @warning
     def band(self, image: Image, context: Context) -> Caution | None:
@@ -422,7 +422,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     gain_figure = _figure("gain_e_per_dn", "e-/DN", "Electrons per digital number.")
     mean_dn = _figure("mean_dn", "DN", "Mean signal of the picture, in digital numbers.")
     weighting_figure = _figure(
-        "photon_weighting", "", "Spectrum by which photons are counted: scene, source or middle."
+        "photon_weighting", "", "Spectrum used to count photons: scene, source or middle."
     )
     weighting_worth_percent = _figure(
         "weighting_worth_percent", "%", "How much the signal differs between these spectra."

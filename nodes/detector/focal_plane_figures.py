@@ -351,7 +351,7 @@ def figures(
             "mean signal in digital numbers",
         ),
         ("scene_K", levels.scene_K, "K", "brightness temperature of the mean"),
-        ("photon_weighting", collection.weights.used, "", "spectrum by which photons are counted"),
+        ("photon_weighting", collection.weights.used, "", "spectrum used to count photons"),
         *_worth(levels, collection),
     )
     return TableData(tuple(TableRow(*row) for row in rows))

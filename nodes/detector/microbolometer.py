@@ -47,16 +47,16 @@ class BolometerOutputs(NamedTuple):
 class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer", group="Detector"):
     """Add an uncooled detector's noise, from its data sheet, and its thermal lag.
 
-    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t), with
-    the data sheet's F₀ (1), transmission τ₀, background and, if both are given, integration time
-    t₀. The NETD of a bare detector has τ₀ = 1; that of a camera already contains its lens: give
-    its F-number and transmission as the reference too. Ω is as in Focal Plane. A
-    bolometer's noise does not depend on the scene, so the NETD at another background goes as
-    1/(dL/dT). From frame to frame exp(−1/(rate·time constant)) of a change remains: if frames
-    differ, each still shows part of the earlier ones. With a scan velocity on Init & Trans the lag
-    is a low-pass along the lines, 1/(1 + 2πi·τ·v·ξ). 1/f noise equals the white noise at
-    `corner_Hz`. Non-uniform gain and offset are the same in every frame; Non-Uniformity Correction
-    removes them. Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22.
+    The noise, as radiance of the scene, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t), with the data
+    sheet's F₀ (1), transmission τ₀, background and, if both are given, integration time t₀. The
+    NETD of a bare detector has τ₀ = 1; a camera's NETD already includes its lens: give its F-number
+    and transmission as the reference too. Ω is as in Focal Plane. A bolometer's noise does not
+    depend on the scene, so the NETD at another background goes as 1/(dL/dT). From frame to frame
+    exp(−1/(rate·time constant)) of a change remains: if frames differ, each still shows part of the
+    earlier ones. With a scan velocity on Init & Trans the lag is a low-pass along the lines, 1/(1 +
+    2πi·τ·v·ξ). 1/f noise equals the white noise at `corner_Hz`. Non-uniform gain and offset are the
+    same in every frame; Non-Uniformity Correction removes them. Sources: Kruse 2001, chapters 3 and
+    4; Rogalski 2011, chapters 4 and 22.
     """
 
     formulas = (
@@ -89,7 +89,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     reference_transmission: Annotated[
         float,
         Param(
-            "transmission of the optics behind which that NETD was measured; 1: a bare detector",
+            "transmission of the optics used when that NETD was measured; 1: a bare detector",
             low=0, high=1, above=True,
         ),
     ] = 1.0  # fmt: skip

@@ -167,7 +167,7 @@ class SpectralResponse(
     @warning
     def unit(self, image: Image) -> Caution | None:
         """The picture is not in units of radiance."""
-        return unit_caution(image.unit, meant="radiance that is weighted over wavelength")
+        return unit_caution(image.unit, meant="weighting over wavelength")
 
     @warning
     def source(self, image: Image) -> Caution | None:
@@ -328,7 +328,10 @@ def counted_weights(bands: BandStack, efficiency: QuantumEfficiency) -> Row:
     is the same all over it, and so is the energy of its photons.
     """
     if not bands.density:
-        raise DataError("no photons can be counted: the picture's bands are not radiance per µm")
+        raise DataError(
+            "photons cannot be counted: the picture's bands are not radiance per µm; set the unit "
+            "on Read Image"
+        )
     weights = tuple(
         centre / PHOTON_ENERGY_J_UM * efficiency.integral(centre - width / 2, centre + width / 2)
         for centre, width in zip(bands.centres_um, bands.widths_um, strict=True)

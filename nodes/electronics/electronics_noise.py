@@ -391,7 +391,7 @@ class ElectronicsNoise(
             name = "entered" if typed else "band"
             curves.append(Curve((low, high), (of_band,) * 2, 1, "dashed", name, 2.0))
             marks.append(Mark(low, of_band, brief(of_band), down=0.8, dot=False))
-            where = "entered" if typed else "of the band"
+            where = "entered" if typed else "over the band"
             words.append(f"D* {where} {brief(of_band)} cm √Hz/W")
         most, least = max(levels, default=1e12), min(levels, default=1e12)
         along = Axis(
@@ -458,7 +458,7 @@ class ElectronicsNoise(
         if self.scan_mirror_rate_Hz is None:
             return None
         return apart_caution(
-            "the scan velocity of scan_mirror_rate_Hz",
+            "the scan velocity from scan_mirror_rate_Hz",
             self.scan_velocity(context),
             context.scan_velocity_mrad_per_s,
             unit="mrad/s",

@@ -82,7 +82,7 @@ class ExamineImage(
         """Refuse half a probe."""
         if (self.probe_x is None) != (self.probe_y is None):
             name = "probe_x" if self.probe_x is None else "probe_y"
-            raise ParameterError(name, None, "given only together with the other coordinate")
+            raise ParameterError(name, None, "give both coordinates, or neither")
 
     def run(self, image: Image | Magnitude | Phase | Transfer, here: NodeContext) -> ExamineOutputs:
         band, unit = None, ""

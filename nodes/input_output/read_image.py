@@ -134,7 +134,9 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if low is None and high is None:
             return
         if low is None:
-            raise ParameterError("cut_on_um", None, "given together with cut_off_um", unit="µm")
+            raise ParameterError(
+                "cut_on_um", None, "give it, or leave cut_off_um empty too", unit="µm"
+            )
         if high is None or low >= high:
             raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
 
@@ -175,8 +177,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return checked_band(self.band, info.bands, info.path)
         names = [name.upper() for name in info.channels]
         if not {"R", "G", "B"} <= set(names):
-            what = f"channels R, G and B, which {info.path.name} does not have"
-            raise ParameterError("bands", self.bands, f"{what}: choose one or all")
+            why = f"{info.path.name} has no channels R, G and B; choose one or all"
+            raise ParameterError("bands", self.bands, why)
         return tuple(names.index(name) for name in "RGB")
 
     def of_samples(self, held: HeldSamples, node: str) -> ImageOutput:
@@ -184,7 +186,11 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         info = held.info
         cube = info.wavelengths_um is not None
         if cube != (self.bands == "all"):
-            allowed = "all, of an array with bands" if cube else "one, of an array without bands"
+            allowed = (
+                "all, because the array has bands"
+                if cube
+                else "one, because the array has no bands"
+            )
             raise ParameterError("bands", self.bands, allowed)
         if cube:
             return ImageOutput(self._cube(held, node))
@@ -331,8 +337,8 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         read = channels[self.band] if self.band < len(channels) else f"number {self.band}"
         return Caution(
             f"only channel {read} of {', '.join(channels)} of this colour picture is read",
-            f"for another channel set band, 0 to {len(channels) - 1}; for their mix set bands to "
-            "luminance",
+            f"for another channel set band, 0 to {len(channels) - 1}; for all channels set bands "
+            "to luminance",
         )
 
     @warning
@@ -343,7 +349,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return None
         return Caution(
             f"only band {self.band} is read: the file contains {header.bands} bands",
-            f"band chooses another one, 0 to {header.bands - 1}",
+            f"for another band set band, 0 to {header.bands - 1}",
         )
 
     @readout("samples")

@@ -102,15 +102,16 @@ class WriteImage(
     def run(self, image: Image, here: NodeContext) -> None:
         target = self.target(here)
         if ENVI_FRAMES.matches(target) and image.bands is None:
-            allowed = (
-                f"a name that ends in {', '.join(suffixes(*WRITTEN))}, because the picture has no"
-            )
-            raise ParameterError("path", target.name, f"{allowed} bands of wavelength")
+            endings = ", ".join(suffixes(*WRITTEN))
+            allowed = f"a name that ends in {endings}, because the picture has no spectral bands"
+            raise ParameterError("path", target.name, allowed)
         if ZARR.matches(target):
             check_zarr(target)
         held = _dtypes(target)
         if self.dtype not in ("automatic", *held):
-            allowed = f"automatic, or what a {target.suffix.lower()} file holds: {', '.join(held)}"
+            allowed = (
+                f"automatic, or a type that {target.suffix.lower()} can store: {', '.join(held)}"
+            )
             raise ParameterError("dtype", self.dtype, allowed)
 
     def target(self, here: NodeContext) -> Path:

@@ -33,10 +33,10 @@ _figure = partial(table_figure, table=_of_camera)
 
 
 class Camera(Module, key="camera", title="Camera", group="Optics"):
-    """Enter a camera's data once, for Init & Trans and all modules behind it.
+    """Enter a camera's data once, for Init & Trans and all modules after it.
 
     The image passes unchanged and carries the data: pitch, focal length, F-number, fill and range
-    for Init & Trans and all modules behind it, aperture and obscuration for Diffraction MTF, the
+    for Init & Trans and all modules after it, aperture and obscuration for Diffraction MTF, the
     pitch for Sample Pixels. Init & Trans uses the data for parameters that you leave empty. Two of
     focal length, F-number and aperture give the third. An image without a sampling interval gets
     one from the pixels' angle on the axis. So does an image with the same field of view as the
@@ -177,7 +177,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             self.f_number,
             self.focal_length_mm / self.aperture_mm,
             unit="",
-            where=f"by {self.focal_length_mm:g} mm over {self.aperture_mm:g} mm",
+            where=f"from {self.focal_length_mm:g} mm over {self.aperture_mm:g} mm",
             near=F_NUMBER_NEAR,
             remedy="leave one of the three empty; otherwise diffraction uses the aperture and "
             "radiometry the F-number",

@@ -253,7 +253,7 @@ class DiffractionMTF(
                 self.aperture_mm,
                 _of_context(context),
                 unit="mm",
-                where="by Camera, or focal length over F-number of Init & Trans",
+                where="from Camera, or focal length over F-number on Init & Trans",
                 near=F_NUMBER_NEAR,
             ),
             apart_caution(

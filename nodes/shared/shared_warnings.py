@@ -37,7 +37,7 @@ def unit_caution(unit: str, *, meant: str) -> Caution | None:
     named = f"is in {unit!r:.40}" if unit.strip() else "has no unit"
     return Caution(
         f"the picture {named}, but {meant} would need radiance in W/m²/sr",
-        "put To Radiance before it, which converts temperatures to radiance"
+        "put To Radiance before this node to convert temperatures to radiance"
         if is_temperature(unit)
         else "convert it with scale and unit on Read Image",
     )

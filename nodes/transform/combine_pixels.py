@@ -89,7 +89,7 @@ def _twice(
     return Caution(
         f"the pixel is averaged twice: {detector} already averages over {width_mrad:.4g} mrad "
         f"{direction}, and blocks of {factor} samples average over {block:.4g} mrad once more, "
-        f"so the contrast at Nyquist is {float(left):.3g} times what the detector leaves",
+        f"so the contrast at Nyquist falls to {float(left):.3g} times its value after {detector}",
         "use Sample Pixels instead of this node, or leave Detector MTF out; ignore this if "
         "both are intended, as in the networks of 1996",
     )

@@ -231,7 +231,7 @@ class InitTrans(
                     getattr(self, name),
                     None if interval is None else math.degrees(interval * samples / 1000.0),
                     unit="deg",
-                    where="by the picture's own sampling",
+                    where="from the picture's own sampling",
                 )
                 for name, interval, samples in (
                     ("fov_x_deg", image.interval_x_mrad, image.columns),

@@ -108,7 +108,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
             )
         if not _LEAST <= known <= 65536:
             raise ParameterError(
-                f"factor_{axis}", known, f"from {_LEAST:g} to 65536, by the pitch", unit="samples"
+                f"factor_{axis}", known, f"from {_LEAST:g} to 65536, from the pitch", unit="samples"
             )
         return known
 
@@ -122,7 +122,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
                     getattr(self, f"factor_{axis}"),
                     _pitch_in_samples(axis, image),
                     unit="samples",
-                    where="by the detector's pitch",
+                    where="from the detector's pitch",
                 )
                 for axis in ("x", "y")
             )

@@ -142,8 +142,8 @@ class NoiseOf(Recipe):
             names = ", ".join(dict.fromkeys(noise.name for noise in noises if noise.pattern))
             raise DataError(
                 f"a known pattern ({names}) of {self.image.rows} × {self.image.columns} "
-                "samples must be computed as a whole, and "
-                f"{amount_text(work.blocks.disk.memory_bytes)} of memory are too few for it",
+                "samples must be computed in one piece, and "
+                f"{amount_text(work.blocks.disk.memory_bytes)} of memory is too little for it",
                 hint="give more with --memory",
             )
         without = noise_free(picture)

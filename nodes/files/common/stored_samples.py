@@ -114,7 +114,7 @@ def _as_integers(
             row, column, _ = np.argwhere(wrong)[0]
             raise DataError(
                 f"sample {values[row, column].ravel()[0]:g} at row {first + row}, column "
-                f"{column} does not fit {dtype} (whole, 0 to {top}); give low and high to "
+                f"{column} does not fit {dtype} (whole numbers, 0 to {top}); give low and high to "
                 "scale"
             )
         return values.astype(dtype)

@@ -120,7 +120,7 @@ def test_a_picture_without_bands_is_refused(tmp_path, cube):
     bench = reading(tmp_path, {"path": "o.img"}, read={"bands": "one"})
     error = bench.error("out")
     assert isinstance(error, ParameterError)
-    assert "no bands" in str(error)
+    assert "no spectral bands" in str(error)
     assert "\n" not in str(error)
 
 

@@ -51,7 +51,7 @@ CASES = {
     ),
     ("focal_plane", "unit"): (
         {"scene": {"unit": "K"}},
-        ("'K'", "electrons", "W/m²/sr", "To Radiance"),
+        ("'K'", "counting photons", "W/m²/sr", "To Radiance"),
         {"scene": {"unit": "W/m²/sr"}},
     ),
     ("focal_plane", "band"): (
@@ -207,7 +207,7 @@ CASES = {
     ),
     ("camera", "aperture"): (
         {"focal_length_mm": 100.0, "aperture_mm": 40.0, "f_number": 2.0},
-        ("f_number = 2 here", "2.5 by 100 mm over 40 mm"),
+        ("f_number = 2 here", "2.5 from 100 mm over 40 mm"),
         {"focal_length_mm": 100.0, "aperture_mm": 50.0, "f_number": 2.0},
     ),
     ("camera", "field_of_view"): (
@@ -232,7 +232,7 @@ CASES = {
     ),
     ("diffraction_mtf", "aperture"): (
         {"aperture_mm": 40.0},
-        ("aperture_mm = 40 mm here", "50 mm by Camera"),  # 100 mm at F/2
+        ("aperture_mm = 40 mm here", "50 mm from Camera"),  # 100 mm at F/2
         {"aperture_mm": 51.0},
     ),
     ("diffraction_mtf", "kelvin"): (

@@ -203,7 +203,7 @@ class TestFiles:
         assert ("one_band" in found) is warned
         if warned:
             assert found["one_band"].message == "only band 0 is read: the file contains 3 bands"
-            assert found["one_band"].remedy == "band chooses another one, 0 to 2"
+            assert found["one_band"].remedy == "for another band set band, 0 to 2"
 
     def test_gains_of_the_header_that_are_not_applied(self):
         outputs = ImageOutput(image(Header(not_applied=("data gain values",))))

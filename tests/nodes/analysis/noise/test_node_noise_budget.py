@@ -250,5 +250,5 @@ def test_noise_through_what_is_not_known_is_refused():
 
 def test_blur_before_what_is_not_known_does_not_count():
     data = ported(crossed())("budget.blur")
-    assert data.title == "Blur behind crossed"
+    assert data.title == "Blur after crossed"
     assert bars(data)["horizontal"] == {"Gaussian MTF": 100.0}
