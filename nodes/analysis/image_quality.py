@@ -330,7 +330,7 @@ def signal_over_noise(
         signal = levels[0].signal / levels[0].gain / gain_before if levels else seen.mean / gain
         if not signal > 0.0:
             raise DataError(
-                f"the picture's mean signal is {signal:.6g}: its SNR needs a signal above zero"
+                f"the picture's mean signal is {signal:.6g}; its SNR needs a signal above zero"
             )
         if snr_of == "contrast":
             signal *= (BRIGHT - DARK) / BRIGHT

@@ -366,7 +366,8 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             raise ParameterError(
                 name,
                 value,
-                f"the scan reaches the horizon with a field of view of {field:g}°",
+                f"the scan reaches the horizon with a field of view of {field:g}°; use a narrower "
+                "field, or look closer to nadir",
                 unit=unit,
             ) from error
         return tuple(angles.tolist())

@@ -176,10 +176,10 @@ def _region(image: Array, where: Rectangle) -> tuple[NDArray[np.float64], float]
     columns = slice(where.left, where.left + where.width)
     region = np.asarray(image[rows, columns], np.float64)
     if not np.isfinite(region).all():
-        raise DataError("the region contains samples that are not finite")
+        raise DataError("the region contains samples that are not finite; move the region")
     lowest, highest = float(region.min()), float(region.max())
     if not highest - lowest > 1e-12 * max(abs(lowest), abs(highest)):
-        raise DataError("no edge found: the region is uniform")
+        raise DataError("no edge found: the region is uniform; move the region to an edge")
     return (region - lowest) / (highest - lowest), highest - lowest
 
 

@@ -385,7 +385,10 @@ def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset
     light = np.maximum(means * np.array(weights), 0.0)
     total = float(light.sum())
     if not total > 0.0:
-        raise DataError("the picture's bands contain no light to weight the transmission")
+        raise DataError(
+            "the mean radiance of the picture's bands is not above zero, so it cannot weight the "
+            "transmission"
+        )
     return PathBand(min(float(light @ np.array(gain)) / total, 1.0), added)
 
 

@@ -380,5 +380,8 @@ def radiance_per_photon(image: Image, efficiency: QuantumEfficiency, node: str) 
 def _ratio(work: Work, means: NDArray[Any], *, radiance: Row, photons: Row) -> float:
     counted = float(np.dot(means, photons))
     if not counted > 0.0:
-        raise DataError("the picture has no light in the bands that the detector counts")
+        raise DataError(
+            "the picture has no light in the bands that the detector counts; check "
+            "cut_on_um, cut_off_um and the response"
+        )
     return float(np.dot(means, radiance)) / counted

@@ -159,6 +159,6 @@ def _band_d_star(detector: Detector, background_K: float) -> float:
             "material",
             detector.material,
             f"the material does not respond between {detector.cut_on_um:g} and "
-            f"{detector.cut_off_um:g} µm",
+            f"{detector.cut_off_um:g} µm; choose another material, or set another band",
         )
     return float(d_star)
