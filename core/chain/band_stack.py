@@ -360,5 +360,5 @@ def _shares(_: Work, means: Array, *, weights: Row) -> Array:
     light = np.maximum(means * np.array(weights), 0.0)
     total = float(light.sum())
     if not total > 0.0:
-        raise DataError("the picture's bands contain no light by which they could be weighted")
+        raise DataError("the picture's bands contain no light, so they cannot be weighted by it")
     return np.asarray(light / total)

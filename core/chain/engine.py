@@ -372,14 +372,14 @@ def _brought(
     if port is None:
         raise NetworkError(f"{described.title} has no input {link.input!r}")
     if link.input in inputs:
-        raise NetworkError(f"two links come into the input {link.input}")
+        raise NetworkError(f"the input {link.input} has two links; only one is allowed")
     if source is None or link.output not in source.outputs:
         raise NetworkError(f"the link {link} starts at an output that does not exist")
     value = source.outputs[link.output]
     if value.port_type not in port.types:
         kinds = " or ".join(port.types)
         raise NetworkError(
-            f"{link.source}.{link.output} is not what the input {link.input} takes: {kinds}"
+            f"{link.source}.{link.output} does not fit the input {link.input}, which takes {kinds}"
         )
     return value
 
@@ -422,8 +422,8 @@ def sum_caution(
     return Caution(
         f"the picture's {bands.count} bands, {low:.4g} to {high:.4g} µm, are summed here, and "
         "the nodes after this one have no bands",
-        "put Focal Plane or Spectral Response before it, which sum the bands as a detector "
-        "does, or leave this node out",
+        "put Focal Plane or Spectral Response before it to sum the bands as a detector does, or "
+        "leave this node out",
         node,
     )
 

@@ -198,8 +198,8 @@ class _Account:
         if factors > 1:
             small = f"{grid.columns // recipe.factor_x} × {grid.rows // recipe.factor_y}"
             text = (
-                f"pixels averaged on the spectrum: one inverse transform of {small} samples, "
-                f"not of {size}"
+                f"pixels averaged in the spectrum: one inverse transform of {small} samples "
+                f"instead of {size}"
             )
             yield Skip(name, "folded", text, share=1 / factors)
         rank = recipe.rank(self.work)

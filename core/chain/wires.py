@@ -129,7 +129,8 @@ class Image:
         """
         if self.interval_x_mrad is None or self.interval_y_mrad is None:
             raise DataError(
-                "the image has no sampling interval: give fov_x_deg and fov_y_deg where it is read"
+                "the image has no sampling interval: set fov_x_deg and fov_y_deg on the node that "
+                "reads it"
             )
         return Grid(self.rows, self.columns, self.interval_x_mrad, self.interval_y_mrad)
 

@@ -112,7 +112,7 @@ def coloured_share(
     along_x = _share_of_cells(length_x_mrad, noise_bandwidth_x_cyc_per_mrad, power.shape[1])
     if along_x.shape[0] != along_y.shape[0]:
         shapes = f"{along_x.shape[:1]}, {along_y.shape[:1]}"
-        raise ParameterError("length_x_mrad, length_y_mrad", shapes, "of one shape")
+        raise ParameterError("length_x_mrad, length_y_mrad", shapes, "equal shapes")
     left = np.einsum("ni,ij,nj->n", along_y, power / power.mean(), along_x, optimize=True)
     return np.asarray(left, np.float64)
 

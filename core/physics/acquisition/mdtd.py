@@ -124,7 +124,7 @@ def mdtd_K(  # noqa: N802
 def _equal_steps(frequency: ArrayLike) -> Vector:
     at = rising("frequency", frequency, unit="cyc/mrad")
     if at[0] != 0.0 or not np.allclose(np.diff(at), at[1], rtol=1e-6, atol=0.0):
-        raise ParameterError("frequency", "an array", "from 0 in equal steps", unit="cyc/mrad")
+        raise ParameterError("frequency", "an array", "equal steps from 0", unit="cyc/mrad")
     return at
 
 

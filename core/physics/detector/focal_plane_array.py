@@ -60,7 +60,7 @@ def inverse_sin_squared(*, f_number: float, irradiance: Irradiance = "disc") -> 
     if irradiance == "disc":
         return 1.0 + 4.0 * number**2
     if number < FASTEST_SINE:
-        allowed = f"at least {FASTEST_SINE:g} where the lens obeys the sine condition"
+        allowed = f"at least {FASTEST_SINE:g} for a lens that obeys the sine condition"
         raise ParameterError("f_number", number, allowed)
     return 4.0 * number**2
 

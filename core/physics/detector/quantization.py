@@ -66,7 +66,7 @@ def quantize(
     result = np.empty_like(samples, order="C") if out is None else out
     if result.shape != samples.shape or result.dtype != samples.dtype:
         raise DataError(
-            f"out is {result.dtype} {result.shape}, needed is {samples.dtype} {samples.shape}"
+            f"out is {result.dtype} {result.shape}; it must be {samples.dtype} {samples.shape}"
         )
     steps = 2.0 ** _bits(bits) - 1.0
     first, last = _range(low, high, samples.dtype)

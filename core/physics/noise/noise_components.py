@@ -229,7 +229,7 @@ class NoiseCube:
         if frame.shape != (self.rows, self.columns):
             raise DataError(
                 f"a frame of {frame.shape[1]} × {frame.shape[0]} samples does not match the "
-                f"frames before, {self.columns} × {self.rows}"
+                f"earlier frames, {self.columns} × {self.rows}"
             )
         if self._offset is None:
             # What all frames have in common would cost the sums of squares their digits.

@@ -280,7 +280,7 @@ def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
     if not np.sum(weights) > 0.0:
         raise DataError(
             f"the response is 0 at all {count} wavelengths over the band: use more "
-            "wavelengths, or as many as the tolerance needs"
+            "wavelengths, or let the tolerance set their number"
         )
     return places, weights / np.sum(weights)
 
@@ -494,8 +494,8 @@ def wavefront_factor(*, frequency_ratio: ArrayLike, rms_waves: ArrayLike) -> NDA
         raise ParameterError(
             "rms_wavefront_waves",
             worst,
-            f"0 to {MOST_RMS_WAVES:g} waves of the shortest wavelength, within which Shannon's "
-            "form holds: give a larger error to Exit Pupils",
+            f"0 to {MOST_RMS_WAVES:g} waves of the shortest wavelength, where Shannon's formula "
+            "holds; for a larger error, use Exit Pupils",
             unit="waves",
         )
     ratio = np.minimum(np.abs(np.asarray(frequency_ratio, np.float64)), 1.0)

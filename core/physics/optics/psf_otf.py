@@ -70,8 +70,8 @@ class PointSpread:
         # Of noise about 0 the sum is rounding and chance, by which nothing can be divided.
         if not total > 1e-6 * float(np.abs(values).sum()):
             raise DataError(
-                f"the samples of a point spread function, less a background of {background:g}, "
-                f"have the sum {total:g}; allowed: above 0"
+                f"the samples of a point spread function, minus a background of {background:g}, "
+                f"sum to {total:g}; allowed: above 0"
             )
         weights = values / total
         rows, columns = weights.shape

@@ -85,8 +85,8 @@ def from_zero(
     if frequencies[0] > 0.0:
         if normalised:
             raise DataError(
-                f"the table begins at frequency {frequencies[0]:g}: it has no value at 0 by which "
-                "it could be normalised"
+                f"the table begins at frequency {frequencies[0]:g}: it has no value at 0 to "
+                "normalise by"
             )
         return (0.0, *frequencies), (at_zero, *values)
     if normalised:
@@ -125,7 +125,7 @@ def _table(frequencies: Column, values: Column) -> tuple[Array, Array, Array]:
     steps = np.diff(knots)
     if len(knots) != len(heights) or len(knots) < 2 or knots[0] != 0.0 or not np.all(steps > 0.0):
         raise DataError(
-            "a table of MTF needs as many values as frequencies, two or more that rise from 0"
+            "a table of MTF needs two or more frequencies that rise from 0, and a value for each"
         )
     return knots, heights, monotone_slopes(steps, np.diff(heights) / steps)
 

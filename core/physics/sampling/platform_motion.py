@@ -36,7 +36,7 @@ def blur_mrad(*, velocity_m_per_s: float, time_s: float, range_m: float) -> floa
     path_m = velocity * non_negative("time_s", time_s, unit="s")
     blur = 1000.0 * path_m / positive("range_m", range_m, unit="m")
     if not math.isfinite(blur):
-        raise ParameterError("blur of motion", blur, "a finite angle", unit="mrad")
+        raise ParameterError("motion blur", blur, "a finite angle", unit="mrad")
     return blur
 
 
@@ -59,7 +59,7 @@ def scan_blur_mrad(*, scan_velocity_mrad_per_s: float, dwell_time_s: float) -> f
     """
     velocity = finite("scan_velocity_mrad_per_s", scan_velocity_mrad_per_s, unit="mrad/s")
     blur = velocity * non_negative("dwell_time_s", dwell_time_s, unit="s")
-    return finite("blur of scanning", blur, unit="mrad")
+    return finite("scan blur", blur, unit="mrad")
 
 
 def motion_mtf(*, frequency: ArrayLike, blur_mrad: float) -> NDArray[np.float64]:

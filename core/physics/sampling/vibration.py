@@ -378,7 +378,7 @@ def motion_waves(*, spectrum: MotionSpectrum, exposure_s: float, uniform: Any) -
     low, high = spectrum.ends_Hz
     span = math.log(high / low)
     if span <= 0.0:
-        raise ParameterError("spectrum", high, "of two different frequencies", unit="Hz")
+        raise ParameterError("spectrum", high, "two different frequencies", unit="Hz")
     frequency = low * np.exp(span * (np.arange(len(place)) + place) / len(place))
     # A draw that is uniform in the logarithm stands for S·f·span/n of the variance.
     variance = spectrum.density(frequency) * frequency * span / len(place)

@@ -78,7 +78,7 @@ def test_the_handbook_names_every_kind():
 
 def test_reasons_are_counted_by_kind_the_first_kind_first():
     clipped = "clipped: 48% of its samples are at a limit"
-    soft = "soft in the scene: its spread is 2 samples wide, the spread of others 1"
+    soft = "soft in the scene: its spread is 2 samples wide, compared with 1 for sharper edges"
     other = (
         "the edge spread, 3 samples wide, is wider than the clear area of 5 samples around the edge"
     )

@@ -24,7 +24,7 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 End = Literal["corner", "soft", "other"]
 
-_REMEDY = "Expose less, or widen the range of numbers"
+_REMEDY = "Expose less, or store a wider range of values"
 _SHARE = 0.02  # of an edge's samples, at a limit that is known
 _PILED = 0.1  # of a side's, at one that is not
 _TIMES = 3  # as often as any other value
@@ -229,7 +229,7 @@ def without_those_at(
             if made[place].used:
                 reason = (
                     f"clipped: {share:.0%} of its samples are at the limit of the picture's "
-                    f"values, {limit:.6g}, where {cut} other edges are cut off"
+                    f"values, {limit:.6g}, where {cut} other edges are clipped"
                 )
                 made[place] = replace(made[place], used=False, why_not=reason)
     return made

@@ -179,8 +179,8 @@ def _refuse_direction(slope: float) -> None:
     angle = math.degrees(math.atan(abs(slope)))
     if angle > _LARGEST_ANGLE_DEG:
         raise DataError(
-            f"the edge is at about {angle:.0f}° to the rows' normal, where horizontal and vertical "
-            f"edges cannot be distinguished: turn it to 2° to 10°, at most {_LARGEST_ANGLE_DEG:g}°"
+            f"the edge is tilted by about {angle:.0f}°, where horizontal and vertical edges cannot "
+            f"be distinguished: turn it to 2° to 10°, at most {_LARGEST_ANGLE_DEG:g}°"
         )
 
 

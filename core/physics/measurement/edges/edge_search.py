@@ -208,7 +208,7 @@ def _in_turn(pieces: Sequence[Piece], shape: tuple[int, ...]) -> list[Piece]:
 def _enough(used: int, examined: int) -> str:
     """Why the rest of the candidates was not looked at."""
     if used >= _ENOUGH_USED:
-        return f"not examined: {used} edges that are stronger or farther apart can be used"
+        return f"not examined: {used} stronger or better separated edges can be used"
     if used == 0:
         return f"weaker than {examined} others, none of which can be used"
     return (
@@ -279,7 +279,7 @@ def _settled(
     if fit.gap > _LARGEST_GAP:
         return replace(
             edge,
-            why_not=f"not slanted enough: at {edge.angle_deg:.1f}° the distances of its samples "
+            why_not=f"not slanted enough: at {edge.angle_deg:.1f}°, its samples' distances from it "
             f"have gaps of {fit.gap:.2g} samples; allowed: at most {_LARGEST_GAP:g}",
         )
     return replace(edge, used=True)
@@ -442,8 +442,8 @@ def _least_contrast(length: float) -> float:
 def _contrast_reason(contrast: float, noise_sigma: float, length: float) -> str:
     if not contrast > 0.0:
         return (
-            "too little contrast: farther from the edge, its bright side is no brighter than "
-            "the dark side"
+            "too little contrast: away from the edge, its bright side is no brighter than the "
+            "dark side"
         )
     times = contrast / max(noise_sigma, 1e-300)
     return (
@@ -503,7 +503,7 @@ def _sides(
     for change, error in steps:
         if change > _LEVEL * contrast + 3.0 * error:
             return (
-                f"a side is not level: {reach} samples from the edge it changes by "
+                f"a side is not level: {reach} samples from the edge, it still changes by "
                 f"{change / contrast:.0%} of the contrast"
             )
     seen = min(reach + _BEYOND, wide)
@@ -565,7 +565,7 @@ def _judged(edge: FoundEdge, others: Sequence[FoundEdge]) -> FoundEdge:
                 edge,
                 used=False,
                 why_not=f"soft in the scene: its spread is {edge.softness:.2g} samples wide, "
-                f"the spread of others {sharpest:.2g}",
+                f"compared with {sharpest:.2g} for sharper edges",
             )
     return edge
 

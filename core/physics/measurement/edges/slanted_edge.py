@@ -204,7 +204,7 @@ def check_spread(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread, target:
         doubt = 4.0 * error * np.sqrt(2.0 / len(near))
         if change > _UNSETTLED * height + doubt:
             raise DataError(
-                f"the region is too small: {spread.away[-1]:.3g} samples from the {target} its "
+                f"the region is too small: {spread.away[-1]:.3g} samples from the {target}, the "
                 f"level still changes by {change / height:.0%} of the contrast. Widen the region"
             )
     refuse_piled_up(picture=picture, line=line, spread=spread, height=height)
@@ -224,7 +224,7 @@ def _refuse_narrow(spread: EdgeSpread, height: float, error: float) -> None:
     outside = abs(left - spread.levels[0]) + abs(right - spread.levels[1])
     if outside > _CUT_BY_WINDOW * height + 6.0 * error / np.sqrt(near):
         raise DataError(
-            f"the region is too small: {outside / height:.0%} of the edge's step lie more than "
+            f"the region is too small: {outside / height:.0%} of the edge's step lies more than "
             f"{spread.away[-1] / 2:.3g} samples from it. Widen the region"
         )
 

@@ -100,7 +100,7 @@ class FlatFrames:
         if frame.shape != self._sum.shape:
             raise DataError(
                 f"a frame of {frame.shape[0]} × {frame.shape[1]} samples does not match the "
-                f"frames before, {self._sum.shape[0]} × {self._sum.shape[1]}"
+                f"earlier frames, {self._sum.shape[0]} × {self._sum.shape[1]}"
             )
         samples = frame.astype(np.float64)
         self._whole = self._whole and _is_whole(samples)

@@ -201,14 +201,14 @@ def _measured(
         amplitude = f"{lines[0].amplitude:.3g}"
         refusal = f"a pattern of amplitude {amplitude} all over the picture hides the noise"
     if not refusal and (at_mean <= 0.0 or _CONFIDENCE * error > 2.0 * _WITHIN * at_mean):
-        known = "not at all"
+        known = "no value"
         if at_mean > 0.0:
             spread = 0.5 * _CONFIDENCE * error / at_mean
-            known = f"{math.sqrt(at_mean):.4g} within {spread:.1%}"
+            known = f"{math.sqrt(at_mean):.4g}, uncertain by {spread:.1%} at a confidence of 95 %"
         refusal = (
             f"the flat areas, {len(level)} blocks of level {level.min():.4g} to {level.max():.4g}, "
-            f"give the noise at the picture's mean level, {mean:.4g}: {known}, at a confidence of "
-            f"95 %; allowed: at most {_WITHIN:.0%}"
+            f"do not determine the noise at the picture's mean level, {mean:.4g}: {known}; "
+            f"allowed: at most {_WITHIN:.0%}"
         )
     if not refusal and step is not None:
         shown = rounding + (_COARSE_STEPS * step) ** 2
@@ -224,8 +224,8 @@ def _measured(
         reason = "the noise varies over the picture by more than the signal level explains"
         remarks.append(
             reason
-            + ": sigma is the root of its mean variance (noise filter of the camera, or fine "
-            "texture)"
+            + ": sigma is the root of its mean variance (the camera filters noise, or there is "
+            "fine texture)"
         )
         figures = {"gain_reason": reason, "read_noise_reason": reason}
     sigma = math.sqrt(at_mean)

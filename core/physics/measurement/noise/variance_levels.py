@@ -113,7 +113,7 @@ def _read_noise(
     variance -= rounding
     if variance <= 0.0 or _CONFIDENCE * error > 2.0 * _READ_WITHIN * variance:
         reason = (
-            f"the variance at level {offset:.4g}, taken as the level without light, is "
+            f"the variance at level {offset:.4g}, used as the level without light, is "
             f"{variance:.3g} ± {error:.2g} after rounding is subtracted: dark areas are "
             "missing, or the level is wrong"
         )

@@ -201,5 +201,5 @@ class TestShare:
         assert found[0] == pytest.approx(blocks.var() / noise.var(), rel=0.06)
 
     def test_sides_of_other_shapes_are_refused(self):
-        with pytest.raises(ParameterError, match="of one shape"):
+        with pytest.raises(ParameterError, match="equal shapes"):
             coloured_share(length_x_mrad=[1, 2], length_y_mrad=[1], **BANDS, spectrum=[[1.0]])

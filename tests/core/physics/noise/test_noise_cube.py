@@ -133,7 +133,7 @@ def test_too_few_frames_or_samples_are_refused():
     cube.add(np.zeros((3, 4)))
     with pytest.raises(DataError, match="2 frames or more, not 1"):
         cube.measured()
-    with pytest.raises(DataError, match="4 × 5 samples does not match the frames before, 4 × 3"):
+    with pytest.raises(DataError, match="4 × 5 samples does not match the earlier frames, 4 × 3"):
         cube.add(np.zeros((5, 4)))
 
 

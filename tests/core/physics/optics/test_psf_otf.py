@@ -105,9 +105,9 @@ def test_coarse_samples_show_at_their_nyquist_frequency():
 @pytest.mark.parametrize(
     ("samples", "background", "words"),
     [
-        (np.zeros((3, 3)), 0.0, "have the sum 0; allowed: above 0"),
-        (np.ones((3, 3)), 2.0, "less a background of 2, have the sum -9"),
-        (np.array([[1.0, -1.0, 1e-9]]), 0.0, "have the sum 1e-09"),
+        (np.zeros((3, 3)), 0.0, "sum to 0; allowed: above 0"),
+        (np.ones((3, 3)), 2.0, "minus a background of 2, sum to -9"),
+        (np.array([[1.0, -1.0, 1e-9]]), 0.0, "sum to 1e-09"),
         (np.ones(3), 0.0, r"shape \(3,\)"),
     ],
 )

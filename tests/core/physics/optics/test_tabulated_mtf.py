@@ -96,5 +96,5 @@ def test_what_is_not_1_there_is_refused(frequencies, values, options, words):
     [((0.0,), (1.0,)), ((0.5, 1.0), (1.0, 0.5)), ((0.0, 1.0), (1.0,)), ((0.0, 0.0), (1.0, 1.0))],
 )
 def test_no_table(frequencies, values):
-    with pytest.raises(DataError, match="two or more that rise from 0"):
+    with pytest.raises(DataError, match="two or more frequencies that rise from 0"):
         tabulated_mtf(frequency=0.0, frequencies=frequencies, values=values)

@@ -210,7 +210,7 @@ def test_a_picture_without_sampling_interval_is_refused(tmp_path):
     plan = Engine(LIBRARY).plan(linked_network(nodes, [("read.image", "budget.image")]))
     (error,) = plan.errors()
     assert error.node == "budget"
-    assert "the image has no sampling interval: give fov_x_deg and fov_y_deg" in str(error)
+    assert "the image has no sampling interval: set fov_x_deg and fov_y_deg" in str(error)
 
 
 def crossed():

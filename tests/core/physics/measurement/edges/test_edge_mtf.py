@@ -130,7 +130,9 @@ def test_angles_whose_rows_repeat(angle):
 
 
 def test_rows_that_never_differ():
-    with pytest.raises(DataError, match=r"cannot be supersampled: at 0\.0° the distances"):
+    with pytest.raises(
+        DataError, match=r"cannot be supersampled: at 0\.0°, its samples' distances"
+    ):
         measure_edge(
             picture=edge_frame((1.0, 0.4), 0.0, 50.0, 90.0, 0.1, 1),
             edge=FoundEdge(39.8, 39.5, 0.0, 40.0, 10.0, 50.0, 90.0, 0.1, True),

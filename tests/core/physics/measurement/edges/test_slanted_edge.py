@@ -126,7 +126,7 @@ REFUSED = {
     "a bar": (bar(), "no |not slanted"),
     "upright": (edge_picture(0, 0.7), "not slanted"),
     "nearly upright": (edge_picture(0.5, 0.7), "not slanted"),
-    "45 degrees": (edge_picture(45, 0.7), "at about 45°"),
+    "45 degrees": (edge_picture(45, 0.7), "tilted by about 45°"),
     "repeating": (edge_picture(26.565051, 0.7, (40, 64)), "at the same distances"),
     "few columns": (edge_picture(5, 0.7, (64, 12)), "too small"),
     "few rows": (edge_picture(5, 0.7, (8, 64)), "too small"),
