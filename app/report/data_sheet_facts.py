@@ -287,7 +287,7 @@ def conflicts(network: Network) -> list[str]:
     """Where the source contradicts itself."""
     texts = network.extra.get("conflicts", ())
     if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
-        raise NetworkError("conflicts must be a list of texts")
+        raise NetworkError("conflicts must be a list of strings")
     return list(texts)
 
 
@@ -301,7 +301,7 @@ def _row(
         if name not in _FIELDS:
             raise NetworkError(f"{where} has an unknown field {name!r:.80}{close(name, _FIELDS)}")
         if name in _TEXTS and not isinstance(value, str):
-            raise NetworkError(f"{where}: {name} must be a text")
+            raise NetworkError(f"{where}: {name} must be a string")
     row: dict[str, Any] = {name: entry.get(name, "") for name in _TEXTS}
     row |= {"value": entry["value"], "within": entry.get("within"), "ours": None}
     if not row["from"]:

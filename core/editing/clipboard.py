@@ -346,7 +346,9 @@ def _fitting(parameter: Parameter, copied: CopiedValues) -> Any:
     raw, unit = copied.values[parameter.name], copied.units.get(parameter.name)
     there = parameter.param.unit
     if unit is not None and unit != there:
-        raise NetworkError(f"{parameter.name} is in {there or 'no unit'} there, not in {unit}")
+        raise NetworkError(
+            f"{parameter.name} is in {there or 'no unit'} in this node, not in {unit}"
+        )
     if isinstance(raw, dict) and EXPRESSION in raw:
         return raw
     value = parameter.coerce(raw)

@@ -225,7 +225,7 @@ def rebased(
                 moved = _from(old / value, new)
                 if moved != value:
                     steps.append(set_parameter(node.id, parameter.name, moved))
-    return Together(steps, "Keep file names") if steps else None
+    return Together(steps, "Adjust file names") if steps else None
 
 
 def _relative(value: str) -> bool:

@@ -64,7 +64,7 @@ def check_new_wires(before: Network, after: Network, library: Library) -> None:
             try:
                 check_new_wires(inside, node.macro, library)
             except NetworkError as error:
-                raise NetworkError(f"inside of {shown(name)}: {error.message}") from None
+                raise NetworkError(f"inside {shown(name)}: {error.message}") from None
     old = set(before.links)
     new = [link for link in after.links if link not in old]
     if not new:

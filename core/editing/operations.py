@@ -136,7 +136,7 @@ def check_plain(value: Any, what: str) -> None:
             rest += item
         elif not _storable(item):
             raise NetworkError(
-                f"{shown(what)} cannot be {item!r:.80}: only finite numbers, texts, true, "
+                f"{shown(what)} cannot be {item!r:.80}: only finite numbers, strings, true, "
                 "false, null, and lists and objects of them can be saved"
             )
 
@@ -198,7 +198,7 @@ class SetField(Operation):
             case (name,) if name not in _NOT_OF_NETWORK:
                 _check_value(value, name)
                 if name in ("name", "description") and not isinstance(value, str):
-                    raise NetworkError(f"the network's {name} must be a text, not {value!r:.80}")
+                    raise NetworkError(f"the network's {name} must be a string, not {value!r:.80}")
                 return _with(network, name, value, _OF_NETWORK)
         raise NetworkError(f"{'.'.join(self.path)} cannot be set by itself")
 

@@ -309,7 +309,7 @@ class _Survey:
         if place in self.values:
             return _number(self.values[place], text)
         if place in self.faults or place in self.parsed:
-            raise ExpressionError(f"{text} has no value of its own")
+            raise ExpressionError(f"{text} has no value; correct it first")
         module = self.library.get(node.module)
         if module is None:
             raise ExpressionError(f"{text} belongs to an unknown module")
@@ -344,9 +344,7 @@ def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> Expression:
         raise ExpressionError("an expression must be text")
     if len(raw) > 1:
         others = ", ".join(shown(name) for name in raw if name != EXPRESSION)
-        raise ExpressionError(
-            f"it has {others:.80} in addition to its expression, which is not allowed"
-        )
+        raise ExpressionError(f"remove {others:.80}: only the expression itself is allowed")
     if parameter.kind not in ("number", "integer"):
         kind = {"switch": "a switch", "choice": "a choice", "path": "a file name"}
         what = kind.get(parameter.kind, "a text" if parameter.kind == "text" else "a list")

@@ -296,7 +296,7 @@ def interface_of(extra: Mapping[str, Any], where: str = "macro") -> Interface:
 def _entries(extra: Mapping[str, Any], kind: str, where: str) -> list[tuple[str, Any]]:
     entries = thaw(extra.get(kind, {}))
     if not isinstance(entries, dict):
-        raise NetworkError(f"{where}.{kind} must be an object of names and NODE.NAME")
+        raise NetworkError(f"{where}.{kind} must be an object with a NODE.NAME for each name")
     for name in entries:
         if not name.strip() or any(mark in name for mark in ".=/") or not name.isprintable():
             raise NetworkError(
@@ -308,7 +308,7 @@ def _entries(extra: Mapping[str, Any], kind: str, where: str) -> list[tuple[str,
 
 def _end(entry: Any, where: str) -> End:
     if not isinstance(entry, str):
-        raise NetworkError(f"{where} must be a text, NODE.NAME, not {entry!r:.60}")
+        raise NetworkError(f"{where} must be a string, NODE.NAME, not {entry!r:.60}")
     try:
         return end_of(entry)
     except NetworkError as error:

@@ -21,7 +21,7 @@ FORMAT = "imagechain-network"
 _WORDS: dict[type, str] = {
     dict: "an object",
     list: "a list",
-    str: "a text",
+    str: "a string",
     bool: "true or false",
     int: "a whole number",
     float: "a number",
@@ -133,7 +133,7 @@ def _node(name: str, value: Any, where: str, level: int) -> Node:
 def _link(where: str, value: Any) -> Link:
     _expect(value, list, where)
     if len(value) != 2 or not all(isinstance(end, str) for end in value):
-        raise NetworkError(f'{where} must be two texts, ["NODE.PORT", "NODE.PORT"]')
+        raise NetworkError(f'{where} must be two strings, ["NODE.PORT", "NODE.PORT"]')
     try:
         return Link.between(*value)
     except NetworkError as error:

@@ -232,8 +232,8 @@ class _Survey:
             made = link.output in through or link.output in ("mtf", "ptf")  # then 1, or 0
             if declared.output(link.output) and not made:
                 self._add(
-                    f"the link {link} carries nothing: {declared.title} is disabled; it passes "
-                    f"{_and(through.values())} on and makes no {link.output}",
+                    f"the link {link} carries nothing: {declared.title} is disabled; it passes on "
+                    f"{_and(through.values())} and gives no {link.output}",
                     link.source,
                 )
         sources = {source for output, source in through.items() if output in used}

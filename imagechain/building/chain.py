@@ -163,7 +163,7 @@ class Chain:
             parameter = {parameter: value}
         if not isinstance(parameter, Mapping) or not all(isinstance(k, str) for k in parameter):
             raise UsageError(
-                f"set({shown(repr(parameter))}): give NODE.PARAMETER as a text, "
+                f"set({shown(repr(parameter))}): give NODE.PARAMETER as a string, "
                 "or a mapping of these to values"
             )
         self._state = self._state.with_values(parameter, self._engine.library)
@@ -648,7 +648,7 @@ class ChainNode:
         return sorted({*super().__dir__(), *(parameter.name for parameter in parameters)})
 
     def rows(self) -> list[tuple[str, str, str, str]]:
-        """Name, value, unit and meaning of every parameter, as texts."""
+        """Name, value, unit and meaning of every parameter, as strings."""
         given: Mapping[str, Any] = self._chain.raw_node(self._name).params
         rows: list[tuple[str, str, str, str]] = []
         known = self._known

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 File = str | PathLike[str]
 Values = str | Sequence[Any] | NDArray[Any]
-_VALUES = "a list or a one-dimensional array of values, or a text such as '0:1:5'"
+_VALUES = "a list or a one-dimensional array of values, or a string such as '0:1:5'"
 
 
 @plain_errors
@@ -139,7 +139,7 @@ def _check_kinds(
     for name, given in (("over", over), ("save", save)):
         texts = list(given.values()) if isinstance(given, Mapping) else [given]
         if given is not None and not all(isinstance(text, str) for text in texts):
-            raise _refused(name, given, "a mapping of texts, {'NODE.NAME': pattern}")
+            raise _refused(name, given, "a mapping of strings, {'NODE.NAME': pattern}")
     if not (output is None or _is_path(output)):
         raise _refused("output", output, "the name of a .csv, .parquet or .nc file")
     if not _is_path(sample):

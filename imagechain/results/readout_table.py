@@ -67,7 +67,7 @@ class ReadoutTable(Mapping[str, Mapping[str, Any]]):
         return self.rows[names.index(name)]
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
-        """Read-outs by node and name, as plain values; infinite values are texts."""
+        """Read-outs by node and name, as plain values; infinite values are strings."""
         plain: dict[str, dict[str, Any]] = jsonable(self._nodes)
         return plain
 

@@ -113,7 +113,7 @@ def _bytes(memory: int | str | None) -> int | None:
     if memory is None or (_is_whole(memory) and memory >= 1000):
         return memory
     raise ParameterError(
-        "memory", memory, 'a number of bytes, 1000 or more, or a text such as "2GB"'
+        "memory", memory, 'a number of bytes, 1000 or more, or a string such as "2GB"'
     )
 
 

@@ -444,9 +444,9 @@ def test_a_chain_with_an_unknown_module_is_shown_and_saved_as_it_is(tmp_path):
     assert json.loads(chain.to_json()) == document
     with pytest.raises(ic.UsageError, match=r"give a module, as from ic\.modules\.NAME"):
         chain.add(ic.modules.gaussian_mtf)
-    with pytest.raises(ic.NetworkError, match="name must be a text"):
+    with pytest.raises(ic.NetworkError, match="name must be a string"):
         chain.name = 3
-    with pytest.raises(ic.UsageError, match=r"^set\(5\): give NODE\.PARAMETER as a text"):
+    with pytest.raises(ic.UsageError, match=r"^set\(5\): give NODE\.PARAMETER as a string"):
         chain.set(5, 1)
     document["nodes"]["blur"]["module"] = "acme_optics.far_away"
     (tmp_path / "n.json").write_text(json.dumps(document), encoding="utf-8")

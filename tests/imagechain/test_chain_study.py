@@ -68,7 +68,7 @@ KINDS = {
     "matrix": ({"vary": {"blur.sigma_x_mrad": np.eye(2)}}, "ndarray is not allowed; give a list"),
     "sample": ({"sample": np.eye(2)}, "sample: ndarray is not allowed; give 'grid', 'latin', or a"),
     "over": ({"over": {"scene.path": ["a.img"]}}, "over: dict is not allowed; give a mapping of"),
-    "save": ({"save": ["back.image"]}, "save: list is not allowed; give a mapping of texts"),
+    "save": ({"save": ["back.image"]}, "save: list is not allowed; give a mapping of strings"),
     "cluster": ({"scheduler": Cluster()}, "scheduler: Cluster is not allowed; give the address of"),
     "figures": ({"figures": np.sin}, "figures: ufunc is not allowed; give NODE.READOUT, or a list"),
     "figure": ({"figures": [len]}, "figures: builtin_function_or_method is not allowed; give NODE"),

@@ -327,7 +327,7 @@ def drawn_as(network: Network) -> dict[str, str]:
             hint = close(name, FIGURES) or f"; there are {', '.join(FIGURES)}"
             raise NetworkError(f"drawn_as has an unknown figure {name!r:.80}{hint}")
         if not isinstance(text, str):
-            raise NetworkError(f"drawn_as: {name} must be a text")
+            raise NetworkError(f"drawn_as: {name} must be a string")
     return dict(given)
 
 

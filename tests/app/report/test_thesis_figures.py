@@ -145,7 +145,7 @@ def test_without_a_report_nothing_is_measured(tmp_path):
     ("given", "told"),
     [
         (["fig. 1"], "an object of figures"),
-        ({"total": 5}, "total must be a text"),
+        ({"total": 5}, "total must be a string"),
         ({"totals": "fig. 1"}, "'totals'; did you mean total?"),
         ({"x": "fig. 1"}, "there are stages, total, judged"),
     ],

@@ -348,7 +348,7 @@ def test_a_value_in_another_unit_is_left_out(paste):
         "values": {"sigma_x_mrad": 0.2, "sigma_y_mrad": 0.25}, "units": {"sigma_x_mrad": "deg"},
     })  # fmt: skip
     done = paste(network_of(BLUR), "", "blur", text=text)
-    assert done.left_out == ("sigma_x_mrad is in mrad there, not in deg",)
+    assert done.left_out == ("sigma_x_mrad is in mrad in this node, not in deg",)
 
 
 def test_expressions_are_pasted_as_expressions(library, paste):

@@ -459,6 +459,6 @@ def test_every_file_name_of_every_module(library, tmp_path):
     assert operation is not None
     document.do(operation)
     assert {node.params["path"] for node in document.network.nodes.values()} == {"a/x.npy"}
-    assert document.history.undo_text == "Keep file names"
+    assert document.history.undo_text == "Adjust file names"
     document.undo()
     assert document.text() == before

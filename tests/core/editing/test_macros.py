@@ -272,7 +272,7 @@ def test_removing_inside_takes_ports_wires_and_values_along(camera, library):
 
 def test_links_inside_are_checked_like_those_outside(camera):
     wrong = Link("init", "magnitude", "optics", "phase")
-    with pytest.raises(NetworkError, match=r"inside of camera: init\.magnitude gives magnitude"):
+    with pytest.raises(NetworkError, match=r"inside camera: init\.magnitude gives magnitude"):
         camera.do(at_level(("camera",), Rewire(add=(wrong,))))
 
 

@@ -153,7 +153,7 @@ def test_what_no_file_can_hold_is_refused_when_it_is_set(network, value):
         set_network_field("note", value),
         set_network_field("description", value),
     ):
-        with pytest.raises(NetworkError, match="only finite numbers, texts"):
+        with pytest.raises(NetworkError, match="only finite numbers, strings"):
             operation.apply(network)
 
 

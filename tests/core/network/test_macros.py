@@ -257,9 +257,9 @@ def test_a_cycle_through_a_macro(document):
         (("nodes", "scene", "macro"), {}, "nodes.scene is not a macro but has a field macro"),
         (MACRO, [], "nodes.camera.macro must be an object, not a list"),
         ((*MACRO, "nodes"), 1, "nodes.camera.macro.nodes must be an object, not a whole"),
-        ((*MACRO, "outputs", "image"), 3, "macro.outputs.image must be a text, NODE.NAME, not 3"),
+        ((*MACRO, "outputs", "image"), 3, "macro.outputs.image must be a string, NODE.NAME, not 3"),
         ((*MACRO, "parameters", "a.b"), "jitter.sigma_mrad", "parameters has the name 'a.b': it"),
-        ((*MACRO, "links", 0), ["init.context"], "nodes.camera.macro, link 1 must be two texts"),
+        ((*MACRO, "links", 0), ["init.context"], "nodes.camera.macro, link 1 must be two strings"),
         ((*MACRO, "nodes", "init"), {"params": {}}, "macro.nodes.init.module is missing: it must"),
     ],
 )

@@ -126,7 +126,7 @@ FAULTS = [
     (
         DISABLED_SOURCE,
         "scene: the link scene.image → init.image carries nothing: Scene is disabled; it passes "
-        "nothing on and makes no image",
+        "on nothing and gives no image",
     ),
     (SECOND_OUTPUT, "add noise: the link add noise.noise → look.picture carries nothing: Noise is"),
     (
