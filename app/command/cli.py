@@ -123,7 +123,7 @@ def _has_folder() -> bool:
 
 def _with_more(error: ImagechainError) -> str:
     more = getattr(error, "more", 0)
-    return f"{error} (and {more} more: imagechain check)" if more else str(error)
+    return f"{error} (and {more} more: imagechain check lists them)" if more else str(error)
 
 
 def _cancelled() -> int:

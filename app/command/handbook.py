@@ -26,7 +26,7 @@ from nodes.library import standard_library
 def carry_out(options: Options, stop: Stop) -> None:
     """Open the handbook at its first page, or at that of a word; or write it to a folder."""
     if options.html is not None and options.path:
-        raise UsageError("--html DIR and --path exclude each other: --html prints its path")
+        raise UsageError("--html DIR and --path cannot be used together: --html prints its path")
     library = standard_library()
     address: str | None = "index.html"
     if options.word:

@@ -161,7 +161,7 @@ class _Running:
             too_late(self.cancel)
             forgotten = self._commit(rules, staging)
         if forgotten:
-            made.warnings.append(f"not remembered for the next run: {forgotten}")
+            made.warnings.append(f"could not record the files for the next run: {forgotten}")
         if page is None and job.report and not variants[0].name:
             page = job.output / REPORT
         failures, warnings = tuple(made.failures), tuple(made.warnings)
@@ -186,7 +186,9 @@ class _Running:
         if self.job.frames:
             port = find_output(plan)
             if port.port is None:
-                raise UsageError(f"{port.missing}: mark the picture that you want as frames (O)")
+                raise UsageError(
+                    f"{port.missing}: press O on the node whose picture you want as frames"
+                )
             node, _, name = port.port.rpartition(".")
             save = Save(node, name, str(stage.folder / FRAMES))
             options = Options(**vars(options), frames=self.job.frames, saves=(save,))

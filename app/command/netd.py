@@ -126,12 +126,13 @@ def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField
         )
     if not float(np.median(np.abs(good - np.median(good)))) > 0.0:
         return  # of few whole numbers the last is often a frequent one
-    for end, what in ((good.min(), "cut off below"), (good.max(), "saturated")):
+    for end, what in ((good.min(), "clipped at the lower end"), (good.max(), "saturated")):
         many = int(np.count_nonzero(good == end))
         if many > max(_PILED_UP * good.size, _CHANCE):
             raise DataError(
                 f"{file.path}: {100.0 * many / good.size:.2g} % of the samples are {end:.6g}: "
-                f"the field is {what}, so mean and noise are not those of the camera"
+                f"the field is {what}, so its mean and noise cannot be used; change the "
+                "temperature, the exposure or the offset"
             )
 
 
@@ -141,11 +142,21 @@ def _rows(measured: Measured) -> list[Row]:
     effective: list[Row] = []
     if wavelength is not None and error is not None:
         effective = [
-            ("wavelength_um", wavelength, "µm", "of Planck's law that fits the means"),
+            (
+                "wavelength_um",
+                wavelength,
+                "µm",
+                "effective wavelength: Planck's law fits the means",
+            ),
             ("wavelength_error_um", error, "µm", "its standard error"),
         ]
     return [
-        ("temperature_K", middle.temperature_K, "K", "midway, where the next figures apply"),
+        (
+            "temperature_K",
+            middle.temperature_K,
+            "K",
+            "middle of the range, where SiTF and NETD apply",
+        ),
         ("sitf", middle.sitf_per_K, f"{unit}/K", "change of the mean with the temperature"),
         (
             "sitf_error",
@@ -196,21 +207,22 @@ def _remarks(measured: Measured) -> list[str]:
     response, files = measured.response, measured.files
     if len(response.levels) == 2:
         lines.append(
-            "with two temperatures, SiTF is known midway between them and is used at each "
-            "level: give three or more to get its change with temperature"
+            "with two temperatures, SiTF is known only midway between them and is used for both: "
+            "give three or more to get its change with temperature"
         )
     departure = response.departure_percent
     if departure is not None and departure > _DEPARTS:
         lines.append(
             "warning: a mean deviates from Planck's law (for any effective wavelength) by "
             f"{departure:.2g} % of the range of all means: the temperatures are wrong, the "
-            "camera drifted, or its response is nonlinear"
+            "camera drifted, or its response is nonlinear; check the temperatures, let the camera "
+            "settle, or use a smaller range of temperatures"
         )
     few = min(field.noise.frames for _, field in files)
     if few < _FEW:
         lines.append(
             f"with only {few} frames, the temporal noise of whole frames, rows and columns is "
-            f"uncertain, and fixed noise is known only down to NETD/√{few}"
+            f"uncertain, and fixed noise is known only down to NETD/√{few}; take 64 frames or more"
         )
     bad = max(field.field.bad for _, field in files)
     if bad:
@@ -221,14 +233,15 @@ def _remarks(measured: Measured) -> list[str]:
         if random < (_COARSE * step) ** 2:
             lines.append(
                 f"warning: {path.name}: the noise is {math.sqrt(max(random, 0.0)) / step:.2g} "
-                "of the converter's step: rounding adds to it or hides it, so NETD is not "
-                "that of the camera"
+                "of the converter's step: rounding adds to it or hides it, so NETD is wrong; raise "
+                "the gain before the converter"
             )
         if field.field.structure_share > _MOSTLY:
             lines.append(
                 f"warning: {path.name}: {100.0 * field.field.structure_share:.0f} % of the "
-                "differences between pixels is structure of 8 pixels or more, as in a field "
-                "that is not uniform: the fixed components vh, v and h include it"
+                "differences between pixels is structure of 8 pixels or more, as in a field that "
+                "is not uniform: the fixed components vh, v and h include it; give frames of a "
+                "uniform field"
             )
     return lines
 
@@ -277,5 +290,5 @@ def _csv(measured: Measured) -> str:
     for (path, _), at in zip(measured.files, measured.response.levels, strict=True):
         for name, value in _level_figures(at).items():
             unit = f"{measured.unit}/K" if name.startswith("sitf") else "K"
-            rows.append((f"{path.name}: {name}", repr(value), unit, "of a level"))
+            rows.append((f"{path.name}: {name}", repr(value), unit, "at this temperature"))
     return csv_lines(rows)

@@ -95,7 +95,10 @@ def _remarks(curve: PhotonTransfer, options: Options) -> list[str]:
     elif curve.offset_dn is None:
         lines.append("read noise and full well need --dark FILE, or --offset-dn DN")
     if curve.offset_dn is not None and curve.full_well_e is None:
-        lines.append("no level is saturated: the full well is above the brightest level")
+        lines.append(
+            "no level is saturated: the full well is above the brightest level; "
+            "add a brighter level"
+        )
     return lines
 
 

@@ -151,7 +151,7 @@ def _run(
     others = [*(save.text for save in options.saves), *map(str, (*options.reports, *written))]
     lines = summary(evaluation, skipped, figures, folder, options, others)
     if forgotten:
-        needs = f"not remembered for the next run, which needs {OPTION}: {forgotten}"
+        needs = f"could not record the files, so the next run needs {OPTION}: {forgotten}"
         lines.append(in_line(needs))
 
     def facts() -> dict[str, Any]:

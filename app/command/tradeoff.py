@@ -63,7 +63,7 @@ def carry_out(options: Options, stop: threading.Event) -> None:
             )  # fmt: skip
         if (why := results.why_nothing()) is not None:
             why = why and f": {why}"
-            raise UsageError(f"{OPTION} {varied.text}: no value of it gives a figure{why}")
+            raise UsageError(f"{OPTION} {varied.text}: no value gives a figure{why}")
         return results
 
     inputs = [place.path, *input_files(plan, place.folder)]

@@ -85,7 +85,7 @@ def _network_words(parser: Parser) -> None:
          "change a parameter for this run; null clears it; may be repeated",
          partial(assignment, form="NODE.PARAM=VALUE"), many=True, dest="settings")  # fmt: skip
     _add(parser, "--disable", "NODE",
-         "switch a node off for this run: it passes on what comes in; may be repeated",
+         "switch a node off for this run: it passes on its input; may be repeated",
          many=True, dest="disabled")  # fmt: skip
     _add(parser, "--final", "NODE.PORT",
          "take this picture as the network's output, instead of the one marked in the file",
@@ -213,7 +213,7 @@ def _study_words(parser: Parser) -> None:
         "Evaluate a network at every point of a grid, a Latin hypercube or a list, for every "
         "picture that matches a pattern. Each point becomes a row: its values, its figures, a key "
         "of the computation, its computing time, and the reason if it failed. To resume a study "
-        "that was stopped or killed, give the same command again; finished rows are kept in "
+        "that was stopped or killed, give the same command again; finished rows are saved in "
         "OUTPUT.journal."
     )
     _network_words(parser)
@@ -360,16 +360,16 @@ def _photon_transfer_words(parser: Parser) -> None:
         "1288): the temporal variance of the pixels against their mean. The inverse slope is the "
         "gain in electrons per digital number. The variance at the dark level, less rounding, "
         "gives the read noise. The level at which the variance collapses is the full well. The "
-        "variance between pixels gives DSNU and PRNU. Also printed is what EMVA 1288 defines "
-        "differently: K (DN per electron), saturation capacity, sensitivity threshold, dynamic "
-        "range, maximum SNR, and DSNU and PRNU of rows, columns and pixels."
+        "variance between pixels gives DSNU and PRNU. The command also prints the figures that "
+        "EMVA 1288 defines differently: K (DN per electron), saturation capacity, sensitivity "
+        "threshold, dynamic range, maximum SNR, and DSNU and PRNU of rows, columns and pixels."
     )
     parser.epilog = (
         "Take at least five levels of a uniform field, from near dark to beyond saturation, with "
-        "at least ten frames each. Lamps may flicker; pixels must not be clipped at 0. Levels up "
-        "to 0.7 of saturation define the line. If the field is not uniform, a warning says so: "
-        "its structure counts as PRNU and DSNU, while gain and read noise stay right. Simulate "
-        "each level with another --seed. Example: imagechain photon-transfer "
+        "at least ten frames each. Lamp flicker does no harm; pixels must not be clipped at 0. "
+        "Levels up to 0.7 of saturation define the line. If the field is not uniform, a warning "
+        "says so: PRNU and DSNU then include its structure, while gain and read noise stay right. "
+        "Simulate each level with another --seed. Example: imagechain photon-transfer "
         "flat1.tif flat2.tif flat3.tif --dark dark.tif --output camera.json"
     )
     add = partial(_add, parser)
@@ -405,8 +405,8 @@ def _netd_words(parser: Parser) -> None:
     )
     add = partial(_add, parser)
     add("fields", "FILE=TEMPERATURE",
-        "two or more frames of a black body, and its temperature in K or °C (corrected for "
-        "emissivity and air), such as 293.15K or 20C; formats as for photon-transfer",
+        "two or more frames of a black body, and its temperature in K or °C, already corrected for "
+        "emissivity and air, such as 293.15K or 20C; formats as for photon-transfer",
         file_at_temperature, nargs="+")  # fmt: skip
     add("--output", "FILE",
         "write the figures, including those of each temperature, as "
@@ -441,7 +441,7 @@ def _bench_words(parser: Parser) -> None:
 
 def _json(parser: Parser, about: str, read: Read | None = None) -> None:
     """``--json`` of a command that writes JSON to a file, too."""
-    _add(parser, "--json", "FILE", f"{about}; without FILE, print only that",
+    _add(parser, "--json", "FILE", f"{about}; without FILE, print the JSON alone",
          read or ending_in(JSON), nargs="?")  # fmt: skip
 
 

@@ -52,7 +52,7 @@ def test_tells_how_many_more(fails, imagechain, write, small):
     small["nodes"]["jitter"]["params"]["sigma_mrad"] = -1
     write(small)
     line = fails("run", "net.json")
-    assert line.endswith(" (and 2 more: imagechain check)\n")
+    assert line.endswith(" (and 2 more: imagechain check lists them)\n")
     done = imagechain("check", "net.json")
     assert done.returncode == 2
     assert len(done.stdout.splitlines()) == 3

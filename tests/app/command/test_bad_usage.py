@@ -132,7 +132,7 @@ def _network(write, small):
 
 def test_a_picture_in_place_of_a_network(fails, imagechain, write, small, tmp_path):
     (tmp_path / "photo.png").write_bytes(b"\x89PNG")
-    line = "photo.png: is a picture, not a network; to send a picture through a camera: "
+    line = "photo.png: a picture, not a network; to send a picture through a camera: "
     assert line + "imagechain run mwir_camera --scene photo.png" in fails("run", "photo.png")
     assert imagechain("check", write(small, "net.txt")).returncode == 0
 

@@ -44,7 +44,7 @@ def test_final_on_the_command_line(two, imagechain, tmp_path):
     assert "total.mtf_x" in (tmp_path / "one" / "mtf.csv").read_text()
     done = imagechain("run", "net.json", "--final", "noisy.image", "--output-dir", "other")
     assert done.returncode == 0, done.stderr
-    told = "no total in mtf.csv: no Back Transform leads to the output, noisy.image"
+    told = "no total in mtf.csv: no Back Transform comes before the output, noisy.image"
     assert told in done.stdout.splitlines()
     assert "total.mtf_x" not in (tmp_path / "other" / "mtf.csv").read_text()
     shapes = [(tmp_path / name / "final.png").read_bytes()[16:24] for name in ("one", "other")]
@@ -94,7 +94,7 @@ def test_the_report_says_why_there_is_no_total(two, imagechain, tmp_path):
     done = imagechain("run", "net.json", "--final", "noisy.image", "--report", "r.html")
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "r.html").read_text()
-    assert "no product (total): no Back Transform leads to the output, noisy.image" in page
+    assert "no product (total): no Back Transform comes before the output, noisy.image" in page
 
 
 def test_the_trade_off_says_why_there_is_no_total(two, imagechain):

@@ -68,7 +68,7 @@ def test_what_is_missing_is_said(imagechain, flats):
     )
     done = imagechain("photon-transfer", *flats[:3], "--offset-dn", "150")
     assert done.stdout.splitlines()[-1] == (
-        "no level is saturated: the full well is above the brightest level"
+        "no level is saturated: the full well is above the brightest level; add a brighter level"
     )
 
 

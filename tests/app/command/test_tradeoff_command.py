@@ -129,7 +129,7 @@ def test_where_every_value_fails_nothing_is_written(fails):
     words = ["--vary", "blur.sigma_x_mrad=-2,-1", "--output", "a.csv"]
     for figures in ((MTF,), ()):
         line = fails("tradeoff", "net.json", *words, *figures)
-        assert "no value of it gives a figure: blur: sigma_x_mrad = -2" in line
+        assert "no value gives a figure: blur: sigma_x_mrad = -2" in line
 
 
 USAGE = {

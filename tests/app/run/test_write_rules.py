@@ -171,7 +171,7 @@ def test_without_a_place_for_the_record_it_is_said(network, run, refused, tmp_pa
     code, out, line = run("run", net)
     assert (code, line) == (0, "")
     assert out.splitlines()[-1].startswith(
-        "not remembered for the next run, which needs --allow-writes-to: cannot write "
+        "could not record the files, so the next run needs --allow-writes-to: cannot write "
     )
     assert CHANGED in refused(net)
 
@@ -268,7 +268,7 @@ def test_several_refusals_are_counted_and_listed(small, write, run, refused):
         small["nodes"][f"out{number}"] = {"module": "write_image", "params": params}
         small["links"].append(["back.image", f"out{number}.image"])
     net = write(small, "nets/net.json")
-    assert refused(net).endswith("(and 1 more: imagechain check)\n")
+    assert refused(net).endswith("(and 1 more: imagechain check lists them)\n")
     code, out, _ = run("check", net)
     assert code == 2
     lines = out.splitlines()
