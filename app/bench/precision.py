@@ -338,7 +338,7 @@ def poisson(settings: Settings) -> list[Table]:
             row |= {"error": truth.kolmogorov_distance(counts, mean)}
             rows.append(row | {"variance": float(counts.var(dtype=np.float64)) / mean - 1.0})
     heads = {"choice": "deviates", "mean": "mean", "threads": "threads", **T0_HEADS}
-    heads |= {"error": "Kolmogorov distance", "chance": "chance allows"}
+    heads |= {"error": "Kolmogorov distance", "chance": "by chance"}
     heads["variance"] = "variance / mean − 1"
     text = (
         "Exact is the default, at every mean up to 1e12. Normal deviates, rounded to counts, "
@@ -350,7 +350,7 @@ def poisson(settings: Settings) -> list[Table]:
     )
     title = f"Poisson deviates, and normal deviates instead: {settings.size}² samples"
     chart = Chart("Kolmogorov distance from Poisson", "mark", "choice",
-                  title=f"{title}, by their mean", floor=(chance, "below: chance"))  # fmt: skip
+                  title=f"{title}, against the mean", floor=(chance, "below: chance"))  # fmt: skip
     return [Table("poisson", title, heads, rows, text, chart)]
 
 

@@ -153,8 +153,8 @@ def cameras(settings: Settings) -> list[Table]:
     title = f"A camera in electrons, {settings.size}², single precision"
     text = (
         "Shot and read noise, PRNU, DSNU, a nonlinear response, bad pixels, 14 bits. `alone`: "
-        "only the picture behind the optics is already computed. Half of the time goes into "
-        "four normal deviates per pixel; they are kept, so an edit does not draw them again."
+        "only the picture after the optics has been computed. Half of the time goes into "
+        "four normal deviates per pixel; they are stored, so an edit does not draw them again."
     )
     return [Table("cameras", title, heads, rows, text)]
 

@@ -67,8 +67,8 @@ def _noise_facts(evaluation: Evaluation) -> Fact:
     port, image, work = _final(evaluation)
     if evaluation.work.blocks is not None:
         raise DataError(
-            "the pictures are computed in blocks, but noise can be followed only through "
-            "whole pictures"
+            "the pictures are computed in blocks, but noise can be traced only through whole "
+            "pictures"
         )
     predicted = noise_shares(work, work.value(NoiseOf(image)), kind="all")
     if not predicted.shares:
@@ -121,7 +121,7 @@ def _blur_facts(evaluation: Evaluation) -> Fact:
     if not blur.shares and blur.before is not None:
         raise DataError(f"the effect of {blur.before} is not a known transfer function")
     if not blur.shares:
-        raise DataError(f"no transfer function other than 1 leads to {port}")
+        raise DataError(f"every transfer function before {port} is 1")
     return {
         "xi_cyc_per_mrad": blur.frequency[0],
         "eta_cyc_per_mrad": blur.frequency[1],
@@ -305,8 +305,7 @@ def _blur(blur: Fact) -> list[Block]:
     if blur["behind"] is not None:
         text += (
             f" The effect of {blur['behind']} is not a known transfer function: only the "
-            "stages after it are listed"
+            "stages after it are listed."
         )
-        text += "alone."
     heading = Heading(3, "Blur of the stages")
     return [heading, Text(text), Grid(heads, rows, numbers=(2, 3, 4, 5))]

@@ -56,8 +56,8 @@ _FOCAL_PLANE: Rows = (
     ("Bits", "bits", ""),
     ("Gain", "gain_e_per_dn", "e-/DN"),
     ("Signal electrons from the scene", "signal_e", "e-"),
-    ("Electrons of the optics", "optics_e", "e-"),
-    ("Electrons of the housing", "housing_e", "e-"),
+    ("Electrons from the optics", "optics_e", "e-"),
+    ("Electrons from the housing", "housing_e", "e-"),
     ("Dark electrons", "dark_e", "e-"),
     ("Well fill", "well_fill_percent", "%"),
     ("Dynamic range", "dynamic_range_dB", "dB"),
@@ -67,7 +67,7 @@ _FOCAL_PLANE: Rows = (
 )
 _MICROBOLOMETER: Rows = (
     ("Spectral band", BAND, "µm"),
-    ("NETD of the data sheet", "netd_mK", "mK"),
+    ("NETD in the data sheet", "netd_mK", "mK"),
     ("at F-number", "reference_f_number", ""),
     ("Transmission of the optics", "optics_transmission", ""),
     ("Thermal time constant", "time_constant_s", "s"),
@@ -76,7 +76,7 @@ _MICROBOLOMETER: Rows = (
     ("White noise", "white_netd_K", "K"),
     ("1/f noise", "flicker_K", "K"),
     ("Fixed pattern", "fixed_pattern_K", "K"),
-    ("Remainder of a change after one frame", "lag_percent", "%"),
+    ("Lag after one frame", "lag_percent", "%"),
     ("SNR", "snr", ""),
 )
 _AIR: Rows = (("Transmission", "transmission", ""), ("Optical depth", "optical_depth", ""))

@@ -94,7 +94,7 @@ def _reason(evaluation: Evaluation) -> str | None:
     if chain.final is None:
         return "the network has no final picture"
     if not chain.cascade:
-        return f"no chain of transfer functions leads to the final picture, {chain.final}"
+        return f"no chain of transfer functions ends in the final picture, {chain.final}"
     if len(chain.sources) != 1:
         sources = ", ".join(chain.sources)
         return (

@@ -55,7 +55,7 @@ def _caption(published: str | None) -> str:
         "samples themselves: their area in the scene, combined pixels, and interpolation "
         "along the edge. Aliasing from samples that are too far apart scatters about it. The "
         "row average sees a vertical edge at a single position relative to the pixels, so "
-        "frequencies beyond their Nyquist frequency are aliased; it also takes differences "
+        "frequencies beyond the pixels' Nyquist frequency are aliased; it also takes differences "
         "between neighbours, which reduce the MTF to 0.64 at Nyquist. Its expected MTF is "
         "computed along one row and includes this aliasing."
     )
@@ -97,7 +97,7 @@ def _panel(axis: Any, edges: Fact, direction: str, mirrored: bool) -> None:
         name = _METHODS[measurement["method"]]
         frequency = measurement["frequency_cyc_per_sample"]
         x, y = _sides(mirrored, frequency, measurement["expected"])
-        axis.plot(x, y, color=line, ls=dash, lw=1.4, label=f"expected of the {name}")
+        axis.plot(x, y, color=line, ls=dash, lw=1.4, label=f"expected for the {name}")
         few = slice(None, None, max(1, len(frequency) // _MARKS))
         x, y, error = _sides(
             mirrored, frequency[few], measurement["mtf"][few], measurement["mtf_error"][few]

@@ -326,7 +326,7 @@ def _nodes(facts: dict[str, Any]) -> list[Block]:
     seconds = facts["run"]["seconds"]
     words = (
         "Parameters that are not listed have their defaults. A node that only multiplies the "
-        "spectrum takes no time of its own: the product is applied where the picture is "
+        "spectrum takes no time itself: the product is applied where the picture is "
         f"computed. Input pictures {seconds['sources']:.3f} s, evaluation "
         f"{seconds['evaluation']:.3f} s, {seconds['total']:.3f} s in all before this report."
     )

@@ -436,7 +436,7 @@ class _Replacing:
             interval = max(across, y * self._before.rows / self._info.rows)
         self._lines.append(
             f"samples of {interval:.4g} m on the ground"
-            f"{'' if self._own.sample_m else ', over as much ground as in the old scene'} "
+            f"{'' if self._own.sample_m else ', covering as much ground as the old scene'} "
             f"({name}.ground_interval_m)"
         )
         return _with(network, name, ground_interval_m=interval, ground_interval_y_m=None)

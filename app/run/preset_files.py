@@ -87,7 +87,7 @@ def save_preset(network: Network, name: str, folder: Path, library: Library) -> 
     for parameter in node.linked:
         raise NetworkError(
             f"{shown(name)}.{parameter} follows "
-            f"{shown(expression_text(node.params[parameter]))}, so there is no value to keep"
+            f"{shown(expression_text(node.params[parameter]))}, so there is no value to save"
         )
     if any(letter in _BARRED for letter in node.id) or node.id.strip(" ") != node.id:
         raise NetworkError(f"{shown(name)} cannot be a file name: rename the node first")
@@ -183,7 +183,7 @@ def sets_of(module: str, folder: Path) -> Sets:
     sets = document.get("sets")
     of_kind = (document.get("format"), document.get("module")) == (FORMAT, module)
     if not of_kind or not isinstance(sets, dict) or not all(map(_is_set, sets.values())):
-        raise NetworkError(f"{path}: no sets of parameters of the module {shown(module)}")
+        raise NetworkError(f"{path}: contains no parameter sets of the module {shown(module)}")
     return dict(sets)
 
 
@@ -192,7 +192,7 @@ def save_set(name: str, node: Node, folder: Path) -> None:
     for parameter in node.linked:
         text = expression_text(node.params[parameter])
         raise NetworkError(
-            f"{shown(parameter)} follows {shown(text)}, so there is no value to keep", node=node.id
+            f"{shown(parameter)} follows {shown(text)}, so there is no value to save", node=node.id
         )
     if not name.strip() or not name.isprintable():
         raise NetworkError(f"{name!r:.80} is not a name for a set: it must not be blank")

@@ -59,7 +59,7 @@ def check_suffix(port: str, value: Any, path: Path) -> None:
     if not any(file_format.matches(path) for file_format in allowed):
         what = f"{'an' if value.port_type[0] in 'aeiou' else 'a'} {value.port_type}"
         words = " ".join(suffixes(*allowed))
-        raise UsageError(f"--save {port}={path}: {what} is written as {words}")
+        raise UsageError(f"--save {port}={path}: {what} must be written as {words}")
     if ZARR.matches(path):
         check_zarr(path)
 
@@ -124,7 +124,7 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
         write_matrix(path, array)
     elif kind is None:
         words = " ".join(suffixes(*SAVED, ENVI_FRAMES, ZARR))
-        raise UsageError(f"{path}: a picture is written as {words}")
+        raise UsageError(f"{path}: a picture must be written as {words}")
     elif kind.stores_floats:
         whole = integer_type(array, metadata.get("unit", ""), kind.dtypes)
         if whole is not None:
@@ -178,7 +178,7 @@ def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
         columns = [curve.series[0].x, *(series.y for series in curve.series)]
         save_array(path, real_array(np.stack(columns, axis=1), work), {})
     else:
-        raise UsageError(f"{path}: curves with different axes are written as .csv")
+        raise UsageError(f"{path}: curves with different axes must be written as .csv")
 
 
 def _columns(curve: CurveData) -> dict[str, Array]:
@@ -295,7 +295,7 @@ def format_for_frames(port: str, path: Path) -> FrameFormat:
     kind = frame_format(path)
     if kind is None:
         words = " ".join(frame_suffixes())
-        raise UsageError(f"--save {port}={path}: --frames of an image are written as {words}")
+        raise UsageError(f"--save {port}={path}: --frames of an image must be written as {words}")
     return kind
 
 

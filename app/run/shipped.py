@@ -40,7 +40,7 @@ def find_network(text: str) -> Place:
     path = Path(text)
     is_there = _is_there(path)
     if _is_picture(path) and not (path.is_file() and _holds_json(path)):
-        what = "is a picture, not a network" if is_there else "there is no such file"
+        what = "a picture, not a network" if is_there else "there is no such file"
         scene = shlex.quote(text)
         raise FileError(
             f"{shown_path(text)}: {what}; to send a picture through a camera: "
@@ -52,8 +52,8 @@ def find_network(text: str) -> Place:
     if text in shipped:
         return Place(shipped[text], text)
     if is_there:
-        raise FileError(f"{shown_path(text)}: is a folder, not a network file")
-    hint = alike(text, shipped) or f"; shipped are {', '.join(shipped) or 'none'}"
+        raise FileError(f"{shown_path(text)}: a folder, not a network file")
+    hint = alike(text, shipped) or f"; there are {', '.join(shipped) or 'none'}"
     raise FileError(f"{shown_path(text)} is neither a file nor the name of a shipped network{hint}")
 
 

@@ -162,7 +162,7 @@ def _unconnected(plan: Plan, output: Output, sources: tuple[str, ...]) -> Chain:
         if isinstance(value, Transfer)
     ]
     grid = grids[0] if grids else None
-    missing = output.missing or f"no Back Transform leads to the output, {output.port}"
+    missing = output.missing or f"no Back Transform comes before the output, {output.port}"
     if grid is None:
         missing = "the network has no transfer function"
     return Chain(output.port, sources, grid, None, tuple(stages), (), (), missing, output.choices)

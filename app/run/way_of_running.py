@@ -167,7 +167,7 @@ def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> N
         words = " ".join(suffix for kind in STREAMED for suffix in kind.suffixes)
         raise UsageError(
             f"--save {port}={path}: a picture of {image.rows} × {image.columns} samples that is "
-            f"made in blocks is written as {words}"
+            f"computed in blocks must be written as {words}"
         )
 
 
@@ -187,7 +187,7 @@ def _refuse_planes(plan: Plan, ports: Iterable[str], disk: ScratchDisk, policy: 
         if plane and disk.wants(value.grid.shape, policy.dtype):
             raise UsageError(
                 f"--save {port}: a {value.port_type} of {value.grid.rows} × "
-                f"{value.grid.columns} samples must be made as a whole, and does not fit into "
+                f"{value.grid.columns} samples must be computed all at once, and does not fit into "
                 f"--memory {amount_text(disk.memory_bytes)}"
             )
 

@@ -191,8 +191,8 @@ def check_address(scheduler: str, tls: Sequence[str]) -> None:
     made: Any = Security
     if protocol in ("tls", "wss") and not tls and made().tls_client_cert is None:
         raise UsageError(
-            f"--scheduler {scheduler:.120}: give the files with which the scheduler was "
-            "started, by --tls-ca-file, --tls-cert and --tls-key"
+            f"--scheduler {scheduler:.120}: give the files that the scheduler was started with, "
+            "as --tls-ca-file, --tls-cert and --tls-key"
         )
 
 

@@ -115,13 +115,11 @@ class Journal:
         if not lines:
             # Something is there, and not even its first line is whole: nothing of it counts.
             if content and not _line(self._head).startswith(content):
-                raise UsageError(
-                    f"{self.path}: it is not the journal of a study; --fresh discards it"
-                )
+                raise UsageError(f"{self.path}: not the journal of a study; --fresh discards it")
             return
         head = lines[0][1]
         if not isinstance(head, dict) or head.get("format") != FORMAT:
-            raise UsageError(f"{self.path}: it is not the journal of a study; --fresh discards it")
+            raise UsageError(f"{self.path}: not the journal of a study; --fresh discards it")
         if head != self._head:
             raise UsageError(
                 f"{self._output}: another study, or this one with other inputs, was started "
@@ -227,7 +225,7 @@ def check_installed(path: Path) -> None:
         if file_format.matches(path) and missing:
             raise UsageError(
                 f"--output {path}: {path.suffix} needs {' and '.join(missing)}: "
-                f"{how_to_install('study')}; .csv needs nothing"
+                f"{how_to_install('study')}; .csv needs no other package"
             )
 
 

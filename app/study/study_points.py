@@ -116,12 +116,12 @@ def listed_points(
         raise FileError(f"cannot read {name}: it is not a regular file")
     try:
         if (length := path.stat().st_size) > _MOST_BYTES:
-            raise FileError(f"{name}: a list of {length} bytes; allowed: {_MOST_BYTES}")
+            raise FileError(f"{name}: {length} bytes are too many; allowed: at most {_MOST_BYTES}")
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise FileError(f"cannot read {name}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
-        raise FileError(f"{name}: it is not UTF-8 text") from error
+        raise FileError(f"{name}: not UTF-8 text") from error
     lines = [line for line in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in line)]
     if len(lines) < 2:
         raise FileError(
@@ -136,7 +136,9 @@ def listed_points(
     axes = []
     for number, line in enumerate(lines[1:], 2):
         if len(line) != len(heads):
-            raise FileError(f"{name}: line {number} has {len(line)} cells, the first {len(heads)}")
+            raise FileError(
+                f"{name}: line {number} has {len(line)} cells, but the first line has {len(heads)}"
+            )
         for column, cell in zip(columns, line, strict=True):
             column.append(plain_cell(cell.strip()))
     for place, (label, head) in enumerate(zip(labels, heads, strict=True)):
@@ -144,7 +146,7 @@ def listed_points(
         axis = Axis(label, node, parameter)
         if head not in (label, f"{label} ({axis.unit})"):
             unit = axis.unit or "none"
-            raise FileError(f"{name}: column {head}: the parameter's own unit is {unit}")
+            raise FileError(f"{name}: column {head}: the unit must be the parameter's, {unit}")
         columns[place] = [
             from_here(_read(axis, cell, f"{name}: line {number}"), parameter, path.parent)
             for number, cell in enumerate(columns[place], 2)
@@ -307,7 +309,7 @@ def files_axis(text: str, network: Network, *, library: Library) -> Axis:
     inner = behind(setting, network)
     parameter = _named(OVER, inner, network, library)
     if parameter.kind != "path":
-        raise UsageError(f"{OVER} {setting.port}: {parameter.allowed()}, not a file name")
+        raise UsageError(f"{OVER} {setting.port}: it takes {parameter.allowed()}, not a file name")
     matching = glob.glob(setting.text, recursive=True)  # noqa: PTH207, as Path's needs a folder
     names = [name for name in matching if Path(name).is_file()]
     if not names:

@@ -235,7 +235,7 @@ class Study:
             for row in self.files:
                 for pattern, name in zip(self.saves, row, strict=True):
                     if name in taken:
-                        raise UsageError(f"{pattern.save.shown}: {shown(name)} is another file "
+                        raise UsageError(f"{pattern.save.shown}: {shown(name)} is already a file "
                                          "of this study")  # fmt: skip
 
 

@@ -64,7 +64,7 @@ class _Processes:
     """Each has a lane of its own, and a batch at a time."""
 
     most_ends = 3
-    why = f"the process that computed it stopped, {most_ends} times"
+    why = f"the process that computed it stopped {most_ends} times"
 
     def __init__(self, processes: Sequence[_Process]) -> None:
         self.lanes = len(processes)

@@ -91,8 +91,8 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
         wanted: Setting = pickle.loads(setting)
         if wanted.version != version():
             raise UsageError(
-                f"a worker has imagechain {version()}, and this is {wanted.version}: all must "
-                "have the same version"
+                f"a worker has imagechain {version()}, and this machine has {wanted.version}: all "
+                "must have the same version"
             )
         makers[thread] = RowMaker(wanted, _all_modules(), share)
     return [tuple(row) for row in _first_rows(makers[thread], tasks)]

@@ -130,7 +130,7 @@ def page(results: Results) -> str:
     caption += f", a curve for each {results.second.text}." if results.second else "."
     if results.present is not None:
         present = shown_value(results.present, results.varied.unit)
-        caption += f" The network itself has {present}"
+        caption += f" The value in the network is {present}"
         caption += " (dashed line)." if results.varied.is_numeric else "."
     if results.failures():
         caption += (

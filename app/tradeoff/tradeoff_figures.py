@@ -38,7 +38,7 @@ _OF_PIXELS: Mapping[str, tuple[Axis, float, str]] = MappingProxyType(
     }
 )
 _ALL_PLACES: Mapping[str, tuple[Axis, float, str]] = MappingProxyType({**_PLACES, **_OF_PIXELS})
-_NO_PIXELS = "the detector's pitch is not known there, and no pixels are combined"
+_NO_PIXELS = "the detector's pitch is not known, and no pixels are combined"
 _WITH_PIXELS = ("camera", "sample_pixels", "combine_pixels")
 _TOTALS: Mapping[str, str] = MappingProxyType(
     {TOTAL: "MTF of the chain", SYSTEM: "MTF of the chain with its electronics"}

@@ -244,14 +244,17 @@ def test_nothing_to_tell_says_why():
         "noise": None,
         "noise_reason": "no noise is added on the way to scene.image",
         "blur": None,
-        "blur_reason": "no transfer function other than 1 leads to scene.image",
+        "blur_reason": "every transfer function before scene.image is 1",
     }
     page = " ".join(block.text for block in budget(facts) if isinstance(block, Text))
     assert (
         "Noise cannot be split among its sources: no noise is added on the way to scene.image."
         in page
     )
-    assert "Blur cannot be split among its sources: no transfer function other than 1" in page
+    assert (
+        "Blur cannot be split among its sources: every transfer function before scene.image is 1"
+        in page
+    )
 
 
 def test_no_final_picture_is_a_reason():

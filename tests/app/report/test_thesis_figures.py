@@ -124,7 +124,7 @@ def test_other_networks_name_no_thesis(imagechain, write, small, tmp_path):
 def test_a_network_that_cannot_be_measured_says_why(shipped_report):
     made = shipped_report("poisson_two_panel")
     reason = made.facts["judged"]["reason"]
-    assert reason.startswith("no chain of transfer functions leads to the final picture")
+    assert reason.startswith("no chain of transfer functions ends in the final picture")
     page = re.sub(r"<[^>]*>", " ", made.page)
     assert f"Not measured: {reason}." in page
 

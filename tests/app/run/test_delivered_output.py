@@ -166,7 +166,7 @@ def test_a_source_is_the_output_where_there_is_no_other(small):
 
 @pytest.mark.parametrize(
     ("output", "told"),
-    [("scene.image", "no Back Transform leads to the output, scene.image"), (None, "")],
+    [("scene.image", "no Back Transform comes before the output, scene.image"), (None, "")],
 )
 def test_why_there_is_no_total(small, output, told):
     if output is not None:

@@ -184,7 +184,9 @@ def test_samples_of_a_size_on_the_ground(imagechain, picture, tmp_path):
     words = ("check", "camera_and_sensor", "--scene", picture(large), "--scene-unit", "W/m²/sr")
     done = imagechain(*words)
     assert done.returncode == 0
-    assert "samples of 10.67 m on the ground, over as much ground" in done.stdout  # 2048 m / 192
+    assert (
+        "samples of 10.67 m on the ground, covering as much ground" in done.stdout
+    )  # 2048 m / 192
     done = imagechain(*words, "--scene-sample-m", 12)
     assert "samples of 12 m on the ground (camera.ground_interval_m)" in done.stdout
 

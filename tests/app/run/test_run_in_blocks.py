@@ -192,8 +192,8 @@ def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, 
     [
         (
             ["--save", "back.image=b.png"],
-            "--save back.image=b.png: a picture of 99 × 84 samples that is made in blocks is "
-            "written as .npy .tif .tiff .bsq .img .zarr",
+            "--save back.image=b.png: a picture of 99 × 84 samples that is computed in blocks "
+            "must be written as .npy .tif .tiff .bsq .img .zarr",
         ),
         (
             ["--save", "back.image=b.npy", "--frames", "2"],
@@ -201,8 +201,8 @@ def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, 
         ),
         (
             ["--save", "blur.magnitude=b.npy"],
-            "--save blur.magnitude: a magnitude of 99 × 84 samples must be made as a whole, and "
-            "does not fit into --memory 50 kB",
+            "--save blur.magnitude: a magnitude of 99 × 84 samples must be computed all at once, "
+            "and does not fit into --memory 50 kB",
         ),
         (["--memory", "much"], "--memory 'much': give a size such as 2GB or 500MB, 1kB or more"),
         (["--scratch", "away"], "cannot write to the scratch folder away: No such file or dir"),

@@ -102,12 +102,12 @@ def test_a_disk_that_is_full(frames, noisy, tmp_path):
     [
         (
             ("--frames", "2", "--save", "electronics.image=f.exr"),
-            "--save electronics.image=f.exr: --frames of an image are written as "
+            "--save electronics.image=f.exr: --frames of an image must be written as "
             ".npy .tif .tiff .bsq .img",
         ),
         (
             ("--save", "electronics.table=f.bsq"),
-            "--save electronics.table=f.bsq: a table is written as .csv",
+            "--save electronics.table=f.bsq: a table must be written as .csv",
         ),
         (
             ("--frames", "2", "--save", "electronics.image=f.bsq", "--save", "scene.image=f.bsq"),

@@ -119,7 +119,7 @@ def test_a_scheduler_that_is_gone_ends_it_with_one_line(study, rows_of, cluster,
     assert " no longer answers; " in ended.stderr
     assert ended.stderr.count("\n") == 1
     kept = journal.read_bytes().count(b"\n") - 1
-    assert f"; {kept} of 40 points are done and kept in b.csv.journal" in ended.stderr
+    assert f"; {kept} of 40 points are done and saved in b.csv.journal" in ended.stderr
     monkeypatch.undo()
     assert study("--output=b.csv", alone=True).returncode == 0
     study("--output=a.csv", alone=True)

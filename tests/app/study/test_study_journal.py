@@ -76,7 +76,7 @@ def test_another_study_is_refused(kept, head, why):
 
 def test_a_file_of_another_kind_is_refused(tmp_path):
     (tmp_path / "rows.csv.journal").write_bytes(b"dear diary\n")
-    with pytest.raises(UsageError, match="it is not the journal of a study"):
+    with pytest.raises(UsageError, match="not the journal of a study"):
         rows(tmp_path / "rows.csv")
     assert (tmp_path / "rows.csv.journal").read_bytes() == b"dear diary\n"
 

@@ -90,7 +90,7 @@ def test_a_list_has_columns_by_name_in_the_parameters_units(network, tmp_path):
 
 LISTS = {
     "unknown column": ("blurr.sigma_x_mrad\n1\n", "did you mean blur?"),
-    "other unit": (f"{SIGMA} (µrad)\n1\n", "the parameter's own unit is mrad"),
+    "other unit": (f"{SIGMA} (µrad)\n1\n", "the unit must be the parameter's, mrad"),
     "out of range": (f"{SIGMA}\n1\n-1\n", "line 3: sigma_x_mrad = -1 mrad is not allowed"),
     "no rows": (f"{SIGMA}\n", "a first line of names"),
     "short row": (f"{SIGMA},{D_STAR}\n1,1e10\n1\n", "line 3 has 1 cells"),
@@ -200,5 +200,7 @@ def test_a_list_that_is_too_long_is_refused_before_it_is_read(tmp_path, network)
     path = tmp_path / "points.csv"
     path.write_text(f"{SIGMA}\n1\n")
     os.truncate(path, 1 << 40)
-    with pytest.raises(FileError, match=r"points\.csv: a list of 1099511627776 bytes; allowed: "):
+    with pytest.raises(
+        FileError, match=r"points\.csv: 1099511627776 bytes are too many; allowed: at most "
+    ):
         listed_points(path, network, library=LIBRARY)

@@ -65,7 +65,7 @@ def test_a_full_disk_ends_it_with_one_line_and_what_is_done_stays(sensor, imagec
     out, line = child.communicate(timeout=PATIENCE_S)
     assert (child.returncode, out) == (2, "")
     assert line.startswith("imagechain: cannot write a.csv.journal: File too large; ")
-    assert "of 400 points are done and kept in a.csv.journal" in line
+    assert "of 400 points are done and saved in a.csv.journal" in line
     assert line.count("\n") == 1
     content = (tmp_path / "a.csv.journal").read_bytes()
     assert content.endswith(b"\n")
@@ -92,6 +92,6 @@ def test_stopped_it_says_what_is_kept(sensor, tmp_path, imagechain):
     assert (child.returncode, out) == (1, "")
     kept = journal.read_bytes().count(b"\n") - 1
     assert line == (
-        f"imagechain: stopped; {kept} of 400 points are done and kept in a.csv.journal: give "
+        f"imagechain: stopped; {kept} of 400 points are done and saved in a.csv.journal: give "
         "the same command again to resume\n"
     )

@@ -116,7 +116,7 @@ def test_a_point_that_ends_its_process_is_a_row_and_costs_no_other(sensor, image
     assert done.returncode == 2
     assert done.stderr == (
         "imagechain: 1 of 40 points failed, see the column error of b.csv; the first, point 12: "
-        "the process that computed it stopped, 3 times\n"
+        "the process that computed it stopped 3 times\n"
     )
     expected, rows = rows_of("a.csv"), rows_of("b.csv")
     assert rows[11]["error"]
@@ -142,7 +142,7 @@ def test_stopped_it_says_what_is_kept_and_goes_on(number, sensor, begun, imagech
     assert (child.returncode, out) == (1, "")
     kept = len(_lines(tmp_path / "b.csv.journal")) - 1
     assert line == (
-        f"imagechain: stopped; {kept} of 40 points are done and kept in b.csv.journal: give "
+        f"imagechain: stopped; {kept} of 40 points are done and saved in b.csv.journal: give "
         "the same command again to resume\n"
     )
     assert len(workers) == 2

@@ -150,4 +150,4 @@ def test_the_legend_says_why_there_is_no_total(bench):
     assert "Total" in texts()
     assert not texts()[0].startswith("no Total")
     bench.do(SetOutput(("noisy",)))
-    assert texts()[0] == "no Total: no Back Transform leads to the output, noisy.image"
+    assert texts()[0] == "no Total: no Back Transform comes before the output, noisy.image"
