@@ -1,4 +1,4 @@
-"""Load our packages `core`, `nodes`, `app` and `networks`, whatever else has these names.
+"""Load our packages `core`, `nodes`, `app` and `networks`, even if others have these names.
 
 They are imported by these plain names, and Python searches the folder of the user's script first.
 So they are loaded from the folder of this package, before anything else of ours. Import only the
@@ -42,8 +42,8 @@ def load_own_packages(root: Path) -> None:
     if taken:
         where = "; ".join(f"{name} from {_place(sys.modules[name])}" for name in taken)
         raise ImportError(
-            f"imagechain cannot be imported: another package with the name of one of its own is "
-            f"already imported ({where}); rename it, or import imagechain first",
+            f"imagechain cannot be imported: another package with the same name as one of its "
+            f"packages is already imported ({where}); rename it, or import imagechain first",
             name="imagechain",
         )
     hidden = [place for name in others for place in _in_front(name, root)]
@@ -52,8 +52,8 @@ def load_own_packages(root: Path) -> None:
     if hidden and not _is_command_or_child():
         what = "them" if len(hidden) > 1 else "it"
         warnings.warn(
-            f"{', '.join(hidden)} cannot be imported together with imagechain, which has its own "
-            f"package of that name: rename {what}",
+            f"{', '.join(hidden)} cannot be imported together with imagechain, which has a package "
+            f"of the same name: rename {what}",
             UserWarning,
             stacklevel=3,
         )

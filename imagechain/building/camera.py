@@ -35,7 +35,7 @@ Array = NDArray[Any]
 
 
 class Camera:
-    """A chain as a function: ``camera(frame)`` equals a run on that scene to the bit.
+    """A chain as a function: ``camera(frame)`` gives exactly what a run on that scene gives.
 
     `Chain.camera` makes it. Only its outputs are computed. What all frames share is computed once;
     everything else is discarded after each frame. It can be sent to other processes.
@@ -90,7 +90,7 @@ class Camera:
 
     @plain_errors
     def __call__(self, frame: Any, *, seed: int | None = None, number: int = 0) -> Any:
-        """Return the picture of a frame, read-only; several outputs come by ``NODE.PORT``.
+        """Return the picture of a frame, read-only; several outputs come as a dictionary.
 
         Parameters
         ----------
@@ -193,7 +193,7 @@ def _ports(plan: Plan, outputs: str | Sequence[str] | None) -> tuple[str, ...]:
     if outputs is None:
         final = find_output(plan)
         if final.port is None:
-            raise NetworkError(f"{final.missing}: give outputs")
+            raise NetworkError(f"{final.missing}: give outputs, such as 'NODE.PORT'")
         return (final.port,)
     ports = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     if not ports:

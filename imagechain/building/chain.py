@@ -53,7 +53,7 @@ class Chain:
     seed : int
         Seed of the noise; the same seed gives noise that is identical to the bit.
     description : str
-        What the chain shows.
+        Description of the chain, for reports and files.
     """
 
     @plain_errors
@@ -83,7 +83,7 @@ class Chain:
 
     @property
     def description(self) -> str:
-        """What the chain shows."""
+        """Description of the chain."""
         return self.network.description
 
     @description.setter
@@ -149,7 +149,7 @@ class Chain:
         parameter : str or mapping
             ``"NODE.PARAMETER"``, or a mapping of these to values.
         value
-            The value in the parameter's own unit; an `Expression`, or a text that begins with
+            The value in the parameter's own unit; an `Expression`, or a string that begins with
             ``=``, makes the parameter follow others. File names are relative to the current folder.
 
         Raises
@@ -227,7 +227,7 @@ class Chain:
             Name of the node; by default the module's key, or ``scene`` for an array.
         after : str or ChainNode, optional
             The node to continue from; the new node goes between it and the one that follows. By
-            default the last added node whose output does not yet lead on.
+            default the last added node whose output is still free.
         wired : bool
             Whether to make wires at all.
 
@@ -305,7 +305,7 @@ class Chain:
         """Replace the scene with your own picture; returns the chain itself.
 
         ``chain.scene = picture`` does the same without options. What you leave out is taken from
-        the file and the scene before; `chain.scene` says how.
+        the file or from the old scene; `chain.scene` says how.
 
         Parameters
         ----------
@@ -324,7 +324,7 @@ class Chain:
             Shortest and longest wavelength, µm.
         unit : str
             A unit of radiance, ``K``, ``C``, ``reflectance``, or ``relative``, which scales to the
-            range of the scene before. By default the file's unit, else ``relative``.
+            range of the old scene. By default the file's unit, else ``relative``.
         """
         is_file = isinstance(picture, str | PathLike)
         own = OwnScene(

@@ -53,7 +53,7 @@ def study(
     chain : Chain or path
         A chain, a file, or the name of a shipped network.
     vary : mapping
-        Values by ``NODE.PARAM``: a sequence or an array, or a text as in the command
+        Values by ``NODE.PARAM``: a sequence or an array, or a string as in the command
         (``"0:1:5"``, ``"1e10:1e12:7:log"``, ``"a,b"``; ``"0:1"`` for a Latin hypercube).
     over : mapping
         Files by ``NODE.PARAM``, as patterns: ``{"scene.path": "scenes/*.img"}``.

@@ -119,7 +119,7 @@ def _of_xarray(array: Any) -> tuple[Any, dict[str, Any]]:
     across = [dim for dim in dims if dim not in spectral]
     if len(across) != 2 or len(spectral) > 1:
         words = f"the DataArray has the dimensions {', '.join(dims) or 'none'}"
-        raise DataError(f"{words}: allowed are wavelength, y and x")
+        raise DataError(f"{words}; allowed: wavelength, y and x")
     if across == ["x", "y"]:
         across = ["y", "x"]
     array = array.transpose(*spectral, *across)

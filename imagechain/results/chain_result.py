@@ -185,7 +185,7 @@ class Result:
 
     @plain_errors
     def write_files(self, *, allow: Iterable[str | PathLike[str]] = ()) -> list[Path]:
-        """Write the files that the chain's own nodes name, all or none; returns their paths.
+        """Write the files of the chain's write nodes, all or none; returns their paths.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Write the files that a chain's own nodes name, all or none."""
+"""Write the files of a chain's write nodes, all or none."""
 
 from __future__ import annotations
 
