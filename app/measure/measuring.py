@@ -54,7 +54,7 @@ from nodes.files.frame_reading import open_frames
 
 Matrix = NDArray[np.float64]
 Report = Callable[[str], None]
-_INTERPOLATED = "the MTF is that of the interpolated picture; its noise is not measured"
+_INTERPOLATED = "this is the MTF of the interpolated picture; its noise is not measured"
 _LEAST = 16  # rows and columns, below which nothing is measured
 _MOST_COLOURS = 4
 MOST_PREVIEWS = 4

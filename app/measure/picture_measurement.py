@@ -29,7 +29,7 @@ Gamma = Literal["", "possible", "usual"]
 FREQUENCIES = tuple(step / 64.0 for step in range(65))
 """Cycles per sample at which every MTF is given: of 64 samples, and up to the samples' own."""
 BY_HAND = "removed by you"
-WITH_LOSS = "compressed with loss: its fine detail and noise are no longer those of the camera"
+WITH_LOSS = "compressed with loss, which changed its fine detail and noise"
 
 
 @dataclass(frozen=True, eq=False)
