@@ -309,7 +309,7 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
     lines += [
         f"{fit.free[i].port} is determined by only one of the edges, and the residuals are "
         f"{left} the noise: its error cannot be found from the scatter between edges, so it is "
-        "taken as not determined"
+        "treated as not determined"
         for i in lone
     ]
     if fit.rests_on:
@@ -319,7 +319,7 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
             f"the residuals of the edges are up to {share:.2g} % of a step, {left} the noise: "
             f"the standard errors come from the scatter between {fit.misfit.edges} edges, or "
             "from all residuals if they are larger; blur that all edges share, "
-            "such as softness of the scene, is taken as blur of the chain",
+            "such as softness of the scene, is treated as blur of the chain",
         ]
     what = "these edges" if fit.patches else "this picture"
     return [

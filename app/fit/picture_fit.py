@@ -289,8 +289,8 @@ def _notes(choice: EdgeChoice, final: Image, *, passed_area: bool) -> list[str]:
     x, y = final.interval_x_mrad, final.interval_y_mrad
     if x is not None and y is not None:
         lines.append(
-            f"a sample of the picture is taken as {x:.4g} × {y:.4g} mrad, like a sample of the "
-            "network's final picture: fitted angles and lengths depend on this"
+            f"a sample of the picture is assumed to be {x:.4g} × {y:.4g} mrad, like a sample of "
+            "the network's final picture: fitted angles and lengths depend on this"
         )
     if passed_area:
         lines.append(

@@ -75,7 +75,7 @@ class SceneProblem:
             shape = self.match.picture.shape
             if image.shape != shape:
                 raise DataError(
-                    f"the picture has {shape[1]} × {shape[0]} samples, and the "
+                    f"the picture has {shape[1]} × {shape[0]} samples, but the "
                     f"network's final picture {image.columns} × {image.rows}"
                 )
             clean = image.with_recipe(noise_free(image.recipe))

@@ -187,7 +187,7 @@ def _decibels(ratio: float | None) -> float | None:
 def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
     """What of the files' formats makes their numbers other than the camera's."""
     lines = [
-        f"{file.name}: {_GAMMA[file.gamma]}: they are taken as linear; if the camera applied a "
+        f"{file.name}: {_GAMMA[file.gamma]}: they are treated as linear; if the camera applied a "
         "gamma, the figures are not those of the camera"
         for file in files
         if file.gamma and not file.is_lossy
@@ -211,7 +211,7 @@ def remarks(measured: PictureMeasurement) -> list[str]:
 
     What may be wrong with the result begins with "warning: ".
     """
-    lines = [f"measured of {file.name}: {file.taken}" for file in measured.files if file.taken]
+    lines = [f"measured in {file.name}: {file.taken}" for file in measured.files if file.taken]
     lines += [f"warning: {line}" for line in file_warnings(measured.files)]
     lines += [f"warning: {line}" for line in measured.warnings]
     lines += _tail_lines(measured)
@@ -378,7 +378,7 @@ REFUSALS = (
     ),
     Refusal("a side is not level", "one side is not level", _EVEN),
     Refusal("samples beside it", "too little clear area beside it", _ROOM),
-    Refusal("samples lie about", "too short", "a longer edge"),
+    Refusal("samples lie near", "too short", "a longer edge"),
     Refusal("weaker than", "weaker than other edges, none of which can be used", ""),
     Refusal("not examined", "not examined, because stronger edges came first", ""),
 )  # fmt: skip

@@ -106,10 +106,10 @@ def test_colours_are_measured_by_luminance_or_by_one_of_them(imagechain, tmp_pat
     Pillow.fromarray(picture).save(tmp_path / "colour.png")
     done = imagechain("measure", "colour.png", "--json", "all.json")
     assert done.returncode == 0, done.stderr
-    assert "measured of colour.png: luminance, 0.2126 R + 0.7152 G + 0.0722 B" in done.stdout
+    assert "measured in colour.png: luminance, 0.2126 R + 0.7152 G + 0.0722 B" in done.stdout
     assert "usually have a gamma" in done.stdout
     done = imagechain("measure", "colour.png", "--band", "0", "--json", "red.json")
-    assert "measured of colour.png: band 0 (R) of 3" in done.stdout
+    assert "measured in colour.png: band 0 (R) of 3" in done.stdout
     both = [json.loads((tmp_path / f"{name}.json").read_text()) for name in ("all", "red")]
     heights = [one["edges"][0]["high"] - one["edges"][0]["low"] for one in both]
     assert heights[0] / heights[1] == pytest.approx(0.2126, rel=1e-3)

@@ -93,7 +93,7 @@ def measure_edge(
     samples = edge_samples(picture=picture, edge=edge)
     if len(samples.value) < _LEAST_SAMPLES:
         raise DataError(
-            f"{len(samples.value)} samples lie about the edge at x = {edge.x:.1f}, "
+            f"{len(samples.value)} samples lie near the edge at x = {edge.x:.1f}, "
             f"y = {edge.y:.1f}; needed: at least {_LEAST_SAMPLES}"
         )
     fit = fit_spread(samples=samples, reach=edge.reach, half_length=edge.length / 2.0)
