@@ -29,8 +29,8 @@ HEADS = {
 }  # fmt: skip
 HOW = (
     "The Python loop computes the same points as the study, one after another in one process; "
-    "both give the same rows. The start-up of the processes has its own column and does not "
-    "count in the seconds; processor seconds count all processes, including their start-up."
+    "both give the same rows. The start-up of the processes has its own column and is not "
+    "included in the seconds; processor seconds include all processes and their start-up."
 )
 SIDE, LEAST_SIDE = 512, 128
 FIGURES = ("electronics.snr", "electronics.netd_system_K")
@@ -90,7 +90,7 @@ def scenes_table(side: int, count: int, jobs: Sequence[int]) -> Table:
         rows = _measured(
             variants, lambda n: run_study(network, over=over, figures=FIGURES, jobs=n), jobs, 1.2
         )
-    text = f"Each picture is a file of its own and is read once. {HOW}"
+    text = f"Each picture is a separate file and is read once. {HOW}"
     title = f"Study of {count} pictures, {side}², single precision"
     return Table("study_scenes", title, HEADS, rows, text)
 

@@ -151,7 +151,7 @@ NO_EXAMPLE: Mapping[str, str] = MappingProxyType(
     {
         "write_image": "This module writes a file and draws nothing.",
         "write_matrix": "This module writes a file and draws nothing.",
-        "noise_file": "This module adds a file of your own, which must have the size of the "
+        "noise_file": "This module adds your own file, which must have the same size as the "
         "picture.",
     }
 )

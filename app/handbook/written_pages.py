@@ -251,7 +251,7 @@ def write_handbook(
     target = folder.resolve()
     if folder.exists() and not _may_be_replaced(folder):
         raise FileError(
-            f"cannot write the handbook to {folder}: it holds other files; name a new folder"
+            f"cannot write the handbook to {folder}: it contains other files; name a new folder"
         )
     if not target.parent.is_dir():
         raise FileError(

@@ -88,7 +88,7 @@ def _network_words(parser: Parser) -> None:
          "switch a node off for this run: it passes on its input; may be repeated",
          many=True, dest="disabled")  # fmt: skip
     _add(parser, "--final", "NODE.PORT",
-         "take this picture as the network's output, instead of the one marked in the file",
+         "use this picture as the network's output, instead of the one marked in the file",
     )  # fmt: skip
     add = partial(_add, parser.add_argument_group("a picture of your own"))
     add("--scene", "[NODE=]FILE",
@@ -101,7 +101,7 @@ def _network_words(parser: Parser) -> None:
     add("--scene-sample-m", "M", "size of a sample in the scene, instead of the field of view",
         finite_number)  # fmt: skip
     add("--scene-band-um", ("A", "B"),
-        "its wavelength band (default: from its header, else that of the old scene)",
+        "its wavelength band (default: from its header, else as for the old scene)",
         finite_number, nargs=2)  # fmt: skip
     add("--scene-unit", "UNIT",
         "its unit: a radiance unit, K, C, reflectance, or relative (scaled to the range of "
@@ -280,17 +280,17 @@ def _measure_words(parser: Parser) -> None:
         "Measure MTF and noise in pictures of a camera, real or simulated. The command finds "
         "usable edges, measures the MTF of each with its standard error (ISO 12233), and pools "
         "them into a horizontal and a vertical MTF. It says why other edges are not used. Noise "
-        "comes from flat areas. Several pictures of one size, or files of frames, count as "
+        "comes from flat areas. Several pictures of one size, or files of frames, are treated as "
         "pictures of one camera: their edges are pooled, and if they show the same scene, the "
         "noise is split into time, rows and columns."
     )
     parser.epilog = (
         "A colour picture is measured by its luminance (0.2126 R + 0.7152 G + 0.0722 B of the "
-        "stored numbers), a picture with other bands by --band. A picture with lossy compression, "
-        "such as JPEG, gives no figures. A figure that could not be measured is left out, with "
-        "the reason. Photograph a straight edge between a dark and a bright area, turned by about "
-        "5° and not clipped, and store raw numbers: imagechain handbook real_camera explains how, "
-        "and what the figures mean. "
+        "stored numbers). If a picture has other bands, choose one with --band. A picture with "
+        "lossy compression, such as JPEG, gives no figures. If a figure cannot be measured, the "
+        "reason is printed instead. Photograph a straight edge between a dark and a bright area, "
+        "turned by about 5° and not clipped, and store raw numbers: imagechain handbook "
+        "real_camera explains how, and what the figures mean. "
         "Example: imagechain measure picture.tif --report measured.html --csv mtf.csv"
     )
     add = partial(_add, parser)

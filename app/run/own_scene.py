@@ -371,7 +371,7 @@ class _Replacing:
             if max(angle) >= 180.0:
                 raise UsageError(
                     f"{self._option('sample_m')} {own.sample_m:g}: {_deg(angle)} at "
-                    f"{distance:g} m is not a possible field of view; allowed is below 180°"
+                    f"{distance:g} m is not a possible field of view; allowed: below 180°"
                 )
             self._where.append(f"field of view {_deg(angle)}, samples of {own.sample_m:g} m at "
                                f"{distance:g} m")  # fmt: skip

@@ -201,6 +201,6 @@ def _refuse_without_room(needed: int, scratch: Path) -> None:
     if needed > free:
         raise FileError(
             f"the scratch folder {scratch} has {amount_text(free)} free, and a run in blocks "
-            f"takes at least {amount_text(needed)}: choose another one",
+            f"needs at least {amount_text(needed)}: choose another one",
             hint="give it with --scratch",
         )

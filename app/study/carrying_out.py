@@ -73,7 +73,7 @@ class Workers:
         return (
             f"the scheduler {shown(address)} has no TLS: anyone who reaches its port can run "
             f"code as the workers' user. Start it and its workers with {', '.join(TLS)}, and "
-            "give these to the study too"
+            "give the same options to the study"
         )
 
 
