@@ -188,7 +188,7 @@ def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
     """What of the files' formats makes their numbers other than the camera's."""
     lines = [
         f"{file.name}: {_GAMMA[file.gamma]}: they are treated as linear; if the camera applied a "
-        "gamma, the figures are not those of the camera"
+        "gamma, the figures are wrong"
         for file in files
         if file.gamma and not file.is_lossy
     ]
