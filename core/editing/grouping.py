@@ -101,7 +101,8 @@ def group(
         if "cycle" not in error.message:
             raise
         raise NetworkError(
-            f"these nodes cannot be grouped: a path leaves them and comes back in ({error.message})"
+            "these nodes cannot be grouped: a path of wires leaves them and returns "
+            f"({error.message})"
         ) from None
     return fresh, operation
 

@@ -72,7 +72,9 @@ class Node(_Frozen):
         check_id(self.id)
         _check_extra(self.extra, NODE_FIELDS)
         if (self.macro is not None) != (self.module == MACRO):
-            raise NetworkError(f"a node has a macro if its module is {MACRO}, else none: {self.id}")
+            raise NetworkError(
+                f"{self.id}: a node of the module {MACRO} needs a macro, and no other may have one"
+            )
         _set(self, params=freeze(self.params), extra=freeze(self.extra))
 
     @cached_property

@@ -48,7 +48,7 @@ def parse_network(text: str, *, library: Library, name_of_source: str = "network
 
 def _version(document: dict[str, Any]) -> int:
     if document.get("format") != FORMAT:
-        instead = f"not {document['format']!r:.80}" if "format" in document else "but has none"
+        instead = f"not {document['format']!r:.80}" if "format" in document else "but it has none"
         raise NetworkError(f"not an Imagechain network: its format must be {FORMAT!r}, {instead}")
     version = _field(document, "version", int, "")
     if version < 1:
@@ -114,7 +114,7 @@ def _node(name: str, value: Any, where: str, level: int) -> Node:
     if not module:
         raise NetworkError(f"{where}.module must not be empty")
     if (module == MACRO) != ("macro" in value):
-        missing = f"has the module {MACRO} and" if module == MACRO else f"is not a {MACRO} but"
+        missing = f"has the module {MACRO} but" if module == MACRO else f"is not a {MACRO} but"
         has = "no field macro" if module == MACRO else "has a field macro"
         raise NetworkError(f"{where} {missing} {has}")
     return Node(

@@ -175,7 +175,7 @@ def test_one_wire_outside_may_feed_several_nodes_inside(shipped, library):
 
 
 def test_a_way_out_and_back_in_is_refused(shipped, library):
-    with pytest.raises(NetworkError, match="a path leaves them and comes back in"):
+    with pytest.raises(NetworkError, match="a path of wires leaves them and returns"):
         group(shipped["kodak_kir310"], library, ["init", "back"])
 
 

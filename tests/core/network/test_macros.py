@@ -252,7 +252,7 @@ def test_a_cycle_through_a_macro(document):
         (
             ("nodes", "camera"),
             {"module": "macro"},
-            "has the module macro and no field macro",
+            "has the module macro but no field macro",
         ),
         (("nodes", "scene", "macro"), {}, "nodes.scene is not a macro but has a field macro"),
         (MACRO, [], "nodes.camera.macro must be an object, not a list"),

@@ -36,7 +36,7 @@ HEAD = '{"format": "imagechain-network", "version": 1, "nodes": {}, '
         ("null", "a network must be an object, not null"),
         (
             "{}",
-            "not an Imagechain network: its format must be 'imagechain-network', but has none",
+            "not an Imagechain network: its format must be 'imagechain-network', but it has none",
         ),
         (
             '{"format": ["x"]}',
