@@ -71,6 +71,8 @@ _selected = partial(_edit, scope="canvas", selected=True)
 # fmt: off
 ACTIONS: tuple[ActionSpec, ...] = (
     _file("new", "&New", "Start an empty network", "Ctrl+N"),
+    _file("welcome", "New &from…", "Example networks, recent files and recovered work; again: back",
+          "Ctrl+Shift+N"),
     _file("open", "&Open…", "Open a network file", "Ctrl+O"),
     _file("save", "&Save", "Save the network", "Ctrl+S"),
     _file("save_as", "Save &As…", "Save the network to another file", "Ctrl+Shift+S"),
@@ -78,7 +80,6 @@ ACTIONS: tuple[ActionSpec, ...] = (
     _file("report", "Re&port…",
           "Write a report of the network in its current state, as a page for the browser",
           "Ctrl+Shift+R"),
-    _file("welcome", "&Welcome Page", "Example networks, recent files, recovered work"),
     _file("quit", "&Quit", "Close the window", "Ctrl+Q", scope="application"),
     _edit("undo", "&Undo", "Undo the last step", "Ctrl+Z"),
     _edit("redo", "&Redo", "Redo the last undone step", "Ctrl+Shift+Z", "Ctrl+Y"),
@@ -191,7 +192,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
 
 BELOW_A_LINE = frozenset(
     {
-        *("save", "export", "welcome", "quit", "cut", "rename", "add_module", "find_node"),
+        *("save", "export", "quit", "cut", "rename", "add_module", "find_node"),
         *("align_left", "group", "zoom_in", "trade_off", "picture_below", "next_part", "light"),
         "view_1",
     }

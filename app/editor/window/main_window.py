@@ -142,11 +142,20 @@ class MainWindow(QMainWindow):
             names = dict.fromkeys(each.original.name if each.original else "" for each in left)
             of = ", ".join(name or "a network never saved" for name in names)
             self.status.report(
-                "warning", f"unsaved work in {of} can be recovered: see File > Welcome Page"
+                "warning", f"unsaved work in {of} can be recovered: see File > New from…"
             )
+
+    def toggle_welcome(self) -> None:
+        """Show the first page, or from there the network that is open."""
+        if self.pages.at_first and self.session.network.nodes:
+            self.show_canvas()
+        else:
+            self.show_welcome()
 
     def show_welcome(self) -> None:
         self.status.forget(closed=True)
+        network = self.session.network
+        self.welcome.offer_back((network.name or "the network") if network.nodes else "")
         self._show_lists()
         self.pages.show_first()
 
@@ -288,7 +297,7 @@ class MainWindow(QMainWindow):
             "save_as": files.save_as,
             "export": self.help.export,
             "report": self.runs.report,
-            "welcome": self.show_welcome,
+            "welcome": self.toggle_welcome,
             "quit": self.close,
             "undo": session.undo,
             "redo": session.redo,
@@ -409,6 +418,7 @@ class MainWindow(QMainWindow):
         welcome.chosen.connect(self.files.open)
         welcome.new_wanted.connect(self.files.new)
         welcome.open_wanted.connect(self.files.open_dialog)
+        welcome.back_wanted.connect(self.show_canvas)
         welcome.recovered.connect(self._recover)
 
     def _opened(self) -> None:

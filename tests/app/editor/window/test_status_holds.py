@@ -44,7 +44,7 @@ def test_that_a_node_shows_nothing_is_gone_with_its_wire(window, hand, idle):
 
 
 def test_that_work_was_left_behind_is_gone_where_it_is_offered(window):
-    window.session.message.emit("error", "unsaved work was left behind: see File > Welcome Page")
+    window.session.message.emit("error", "unsaved work was left behind: see File > New from…")
     window.actions_by_name["welcome"].trigger()
     assert window.status.error == ""
 

@@ -1,15 +1,19 @@
-"""The first page: the network to begin with stands first, each with what it shows."""
+"""The first page: networks by what one wants to do, each with what is special of it."""
 
 import json
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLabel, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QWidget
 
+from app.editor.window.gallery import NetworkCard, SpecialDrawing, groups_of_networks
 from app.editor.window.main_window import MainWindow
-from app.editor.window.welcome import NetworkCard
 from app.run.shipped import shipped_networks
+from gallery_curves import CUBE, FILE, SOURCES, curves_of
+
+SENSORS = ("inframetrics", "kodak_kir310")
 
 
 def cards(window):
@@ -23,22 +27,57 @@ def cards(window):
     return sorted(found, key=place)
 
 
-@pytest.mark.parametrize("size", [(1000, 700), (1366, 768), (2560, 1440)])
-def test_first_steps_stand_first_with_every_description(window, qtbot, size):
+@pytest.mark.parametrize("size", [(704, 463), (1366, 768), (2560, 1440)])
+def test_cards_stand_in_groups_with_their_lines_and_the_sensors_of_1996_last(window, qtbot, size):
     window.resize(*size)
     qtbot.wait(50)
-    shown = cards(window)
-    assert shown[0].objectName() == "welcome.first_steps"
-    for card in shown:
-        file = shipped_networks()[card.objectName().partition(".")[2]]
-        document = json.loads(file.read_text())
-        labels = {label.text(): label for label in card.findChildren(QLabel)}
-        assert document["name"] in labels
-        about = labels[document["description"]]
-        assert about.isVisible()
-        assert about.height() >= about.heightForWidth(about.width())  # nothing is cut
-        assert card.rect().contains(about.geometry())
+    names = [name for group in groups_of_networks().values() for name in group]
+    assert [card.name for card in cards(window)] == names
+    assert set(names) == set(shipped_networks())
+    assert sorted(names[-4:]) == sorted(f"{one}{year}" for one in SENSORS for year in ("", "_1996"))
+    for card in cards(window):
+        document = json.loads(shipped_networks()[card.name].read_text())
+        assert card.title.text() == document["name"]
         assert card.accessibleDescription() == document["description"]
+        for label in (card.title, card.line):
+            assert label.isVisible()
+            assert label.height() >= label.heightForWidth(label.width())  # nothing is cut
+            assert card.rect().contains(label.geometry())
+
+
+def test_no_two_cards_show_the_same(window):
+    seen = {}
+    for drawing in window.findChildren(SpecialDrawing):
+        seen.setdefault(bytes(drawing.grab().toImage().constBits()), []).append(drawing)
+    assert len(seen) == len(shipped_networks())
+
+
+def test_curves_of_the_cards_are_those_that_the_networks_give():
+    stored = json.loads(FILE.read_text())
+    assert set(stored) == {*SOURCES, CUBE}
+    for name in ("measured_mtf", CUBE):
+        for (colour, line), (wanted, points) in zip(stored[name], curves_of(name), strict=True):
+            assert colour == wanted
+            assert np.allclose(line, points, atol=5)  # thousandths of the drawing
+
+
+def test_one_key_shows_them_and_leads_back(make_window, qtbot):
+    window = make_window()
+    action = window.actions_by_name["welcome"]
+    assert action.shortcut() == "Ctrl+Shift+N"
+    assert action in window.menus["&File"].actions()
+    assert not window.welcome.back.isVisible()
+    window.files.open_now("first_steps")
+    window.activateWindow()
+    qtbot.waitUntil(window.canvas.view.hasFocus)
+    for shown in (True, False):
+        with_both = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
+        QTest.keyClick(QApplication.focusWidget() or window, Qt.Key.Key_N, with_both)
+        qtbot.waitUntil(lambda shown=shown: window.pages.at_first == shown)
+    action.trigger()
+    assert window.welcome.back.text() == "Back to First steps"
+    window.welcome.back.click()
+    assert not window.pages.at_first
 
 
 def test_it_is_opened_by_mouse_and_by_keys(make_window, qtbot, tmp_path):
@@ -50,7 +89,7 @@ def test_it_is_opened_by_mouse_and_by_keys(make_window, qtbot, tmp_path):
     QTest.mouseClick(
         under, Qt.MouseButton.LeftButton, pos=under.mapFrom(window, card.mapTo(window, spot))
     )
-    assert window.session.network.name == "First steps"
+    assert window.session.network.name == "Cooled MWIR camera"
     window.show_welcome()
     other = cards(window)[1]
     other.setFocus()
