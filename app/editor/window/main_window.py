@@ -163,7 +163,10 @@ class MainWindow(QMainWindow):
         self.welcome.show_lists(self.settings.recent, recoverable(self._recovery))
 
     def show_canvas(self) -> None:
-        self.pages.show_work()
+        if self.session.network.nodes:
+            self.pages.show_work()
+        else:
+            self.pages.show_canvas_alone()
         self.canvas.setFocus()
 
     def choose_layout(self, name: LayoutName) -> None:
@@ -402,6 +405,7 @@ class MainWindow(QMainWindow):
         evaluator.badges_changed.connect(self._badges_changed)
         evaluator.busy_changed.connect(self.status.show_busy)
         evaluator.behind_changed.connect(self.status.show_behind)
+        evaluator.planned.connect(self._planned)
         FirstViews(session, evaluator, self.viewers)
         self.status.cancel_wanted.connect(evaluator.cancel)
         self.library_view.chosen.connect(self._chosen_in_library)
@@ -431,6 +435,11 @@ class MainWindow(QMainWindow):
         self.status.forget()
         if self.pages.at_first:
             self.show_canvas()
+
+    def _planned(self, _plan: object) -> None:
+        """Show the pictures' docks once there is something to show in them."""
+        if self.session.network.nodes and self.pages.has_canvas_alone:
+            self.pages.show_docks()
 
     def _follow_state(self) -> None:
         document = self.session.document

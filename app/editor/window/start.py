@@ -78,7 +78,7 @@ def start(options: Options, stop_requested: threading.Event) -> None:
     wake.timeout.connect(end_on_request)
     wake.start(_WAKE_MS)
     with nothing_collected():
-        window.show()
+        show_painted(window)
     for line in missing_modules(window.session.library):
         window.session.message.emit("error", line)
     app.exec()
@@ -94,10 +94,24 @@ def built(options: Options, settings: Settings) -> MainWindow:
     if options.look is not None:
         window.set_theme(THEMES[options.look])
     if options.window_size is not None:
+        window.setWindowState(Qt.WindowState.WindowNoState)
         window.resize(*options.window_size)
+    elif not settings.knows_window:
+        window.setWindowState(Qt.WindowState.WindowMaximized)
     if network := options.network or (FIRST if settings.first else ""):
         window.open_first(network)
     return window
+
+
+def show_painted(window: MainWindow) -> None:
+    """Show the window once it is painted: until then a compositor draws it black."""
+    window.setWindowOpacity(0.0)
+    window.show()
+    handle, end = window.windowHandle(), time.monotonic() + _SETTLE_S
+    while not handle.isExposed() and time.monotonic() < end:
+        QCoreApplication.processEvents(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents, 20)
+    window.repaint()
+    window.setWindowOpacity(1.0)
 
 
 def _only_note(stop_requested: threading.Event) -> None:

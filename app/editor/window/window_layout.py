@@ -314,7 +314,12 @@ class Pages(QStackedWidget):
     def at_first(self) -> bool:
         return self.currentWidget() is self._first
 
+    @property
+    def has_canvas_alone(self) -> bool:
+        return not self.at_first and self._docks is not None
+
     def show_first(self) -> None:
+        self.show_docks()
         self.setCurrentWidget(self._first)
         self._hide_docks()
 
@@ -326,6 +331,16 @@ class Pages(QStackedWidget):
         if not self._sized:
             self._sized = True
             (self._layout.keep if self.sizes_remembered else self._layout.begin)()
+
+    def show_canvas_alone(self) -> None:
+        """Show an empty network on a large canvas; what would show its pictures comes with them."""
+        self.show_work()
+        docks = Docks(self._window)
+        self._docks = self._window.saveState()
+        for dock in (*docks.viewers, *docks.tools, *docks.beside):
+            if not dock.isFloating():
+                dock.hide()
+        self._tidying.start()
 
     def show_docks(self) -> None:
         docks, self._docks = self._docks, None

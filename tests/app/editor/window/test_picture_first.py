@@ -4,7 +4,7 @@ import pytest
 from PySide6.QtCore import QPoint, QPointF, QSize, Qt
 from PySide6.QtGui import QContextMenuEvent, QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMenu, QMessageBox
+from PySide6.QtWidgets import QApplication, QMenu, QMessageBox, QPushButton
 
 from app.editor.window import window_layout
 from core.editing.operations import set_parameter
@@ -140,6 +140,28 @@ def test_a_layout_chosen_beside_the_first_page_is_that_of_the_network(make_windo
     idle(window)
     assert share(window) >= SHARE
     assert canvas(window).mapTo(window, QPoint()).x() < window.canvas.mapTo(window, QPoint()).x()
+
+
+def test_an_empty_network_has_a_large_canvas_until_there_is_a_picture(make_window, idle):
+    window = make_window()
+    window.files.new()
+    idle(window)
+    shown = window.canvas.width() * window.canvas.height()
+    assert shown >= 0.5 * window.width() * window.height()
+    assert window.library_view.isVisible()
+    assert not canvas(window).isVisible()
+    window.canvas.add_module("test_scene")
+    idle(window)
+    assert share(window) >= SHARE
+    window.files.new(None)  # the scene was not saved: it asks
+    window.findChild(QMessageBox).findChild(QPushButton, "discard").click()
+    idle(window)
+    assert not canvas(window).isVisible()
+    window.close()
+    again = make_window()
+    again.files.open_now("first_steps")
+    idle(again)
+    assert share(again) >= SHARE  # and no word of the empty canvas
 
 
 def test_a_click_on_the_first_page_does_not_undo_what_was_dragged(opened, idle):

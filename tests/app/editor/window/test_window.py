@@ -17,7 +17,7 @@ from app.editor.window.actions import ACTIONS
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
 from app.editor.window.shortcut_list import OR, shortcuts_of
-from app.editor.window.start import built
+from app.editor.window.start import built, show_painted
 from app.options.command_options import Options
 from core.editing.operations import set_parameter
 from window_hands import add
@@ -273,4 +273,27 @@ def test_the_very_first_start_opens_a_network(qtbot, tmp_path, monkeypatch):
         window = built(Options(), Settings(tmp_path / "editor.ini"))
         qtbot.addWidget(window)
         assert bool(window.session.network.nodes) is first
+        assert window.isMaximized()  # the second time because it was left so
+        window.setWindowState(Qt.WindowState.WindowMaximized)
         window.close_for_good()
+    sized = built(Options(window_size=(900, 600)), Settings(tmp_path / "editor.ini"))
+    qtbot.addWidget(sized)
+    assert not sized.isMaximized()
+    assert sized.size().toTuple() == (900, 600)
+    sized.close_for_good()
+
+
+def test_a_window_is_seen_once_it_is_painted(qtbot, tmp_path, monkeypatch):
+    """A compositor draws it black until then."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    window = built(Options(window_size=(900, 600)), Settings(tmp_path / "editor.ini"))
+    qtbot.addWidget(window)
+    painted = []
+    monkeypatch.setattr(window, "setWindowOpacity", lambda share: painted.append((share, shown())))
+
+    def shown():
+        return window.windowHandle() is not None and window.windowHandle().isExposed()
+
+    show_painted(window)
+    assert painted == [(0.0, False), (1.0, True)]
+    window.close_for_good()
