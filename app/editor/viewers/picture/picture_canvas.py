@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Literal
 
+import numpy as np
 import pyqtgraph as pg
+from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QPainter
+from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QPainter, QTransform
 from PySide6.QtWidgets import QGraphicsView, QLabel, QWidget
 
 from app.editor.theme import RAISED, Theme, theme_of
@@ -346,6 +349,10 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
 # A picture as an item of a plot: 8-bit levels with a table of colours, or colours of its own.
 
+WITH_NUMBERS_PX = 40.0  # wide on the screen, from which a pixel has its value written on it
+_MOST_LETTERS = 8
+_LETTERS_A_PIXEL, _LARGEST_NUMBER_PX = 4.6, 15.0
+
 
 class PictureItem(pg.ImageItem):  # type: ignore[misc]
     """Shows a picture between two shares of its width: 0 and 1, all of it."""
@@ -353,8 +360,10 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
     def __init__(self) -> None:
         super().__init__(axisOrder="row-major")
         self._part = (0.0, 1.0)
+        self._samples: NDArray[Any] | None = None  # None of a composite: it has three at a place
 
     def show_picture(self, picture: Picture, table: Table, place: QRectF) -> None:
+        self._samples = None if picture.channels else picture.samples
         self.setImage(picture.grey, autoLevels=False, levels=None, lut=_lookup(table, picture.grey))
         self.setRect(place)
 
@@ -368,7 +377,7 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
 
     def paint(self, painter: QPainter, *args: Any) -> None:
         if self._part == (0.0, 1.0):
-            super().paint(painter, *args)
+            self._paint_all(painter, *args)
             return
         bounds, (start, end) = self.boundingRect(), self._part
         left, width = bounds.left(), bounds.width()
@@ -376,8 +385,41 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
         bounds.setRight(left + end * width)
         painter.save()
         painter.setClipRect(bounds)
-        super().paint(painter, *args)
+        self._paint_all(painter, *args)
         painter.restore()
+
+    def _paint_all(self, painter: QPainter, *args: Any) -> None:
+        super().paint(painter, *args)
+        to_screen = painter.worldTransform()
+        wide = min(abs(to_screen.m11()), abs(to_screen.m22()))
+        if self._samples is None or wide < WITH_NUMBERS_PX:
+            return
+        seen = self.mapFromScene(self.getViewBox().sceneBoundingRect()).boundingRect()
+        painter.save()
+        painter.setWorldTransform(QTransform())
+        font = painter.font()
+        font.setPixelSize(round(min(wide / _LETTERS_A_PIXEL, _LARGEST_NUMBER_PX)))
+        painter.setFont(font)
+        rows, columns = self._samples.shape
+        for row in range(max(0, int(seen.top())), min(rows, math.ceil(seen.bottom()))):
+            for column in range(max(0, int(seen.left())), min(columns, math.ceil(seen.right()))):
+                dark = self._is_dark(row, column)
+                painter.setPen(Qt.GlobalColor.white if dark else Qt.GlobalColor.black)
+                box = to_screen.mapRect(QRectF(column, row, 1, 1))
+                painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self.number_at(row, column))
+        painter.restore()
+
+    def number_at(self, row: int, column: int) -> str:
+        """A sample in the few digits that fit on its pixel."""
+        assert self._samples is not None
+        value = self._samples[row, column]
+        texts = (f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}") for digits in (4, 2))
+        return next((text for text in texts if len(text) <= _MOST_LETTERS), f"{value:.1g}")
+
+    def _is_dark(self, row: int, column: int) -> bool:
+        level = self.image[row, column]
+        colour = level if self.lut is None else self.lut[level][:3]
+        return float(np.mean(colour)) < 128
 
 
 def _lookup(table: Table, levels: Any) -> Table | None:

@@ -1,9 +1,11 @@
 """How an image viewer draws, compares and writes a picture."""
 
+from dataclasses import replace
+
 import numpy as np
 import pyqtgraph as pg
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPointF
+from PySide6.QtCore import QEvent, QObject, QPointF, QRectF
 from PySide6.QtGui import QImage
 
 from app.editor.viewers.pixels.grey_levels import NAMES, Spread, colour_table, grey_levels
@@ -36,6 +38,37 @@ def test_levels_are_dragged_on_the_histogram(bench, viewer, qtbot):
     assert viewer.picture.levels == (samples.min(), samples.max())
     qtbot.waitUntil(lambda: not viewer.canvas.levels.is_behind)
     assert viewer.canvas.levels.getLevels() == pytest.approx((samples.min(), samples.max()))
+
+
+@pytest.mark.parametrize("wide", [37.0, 44.0])
+def test_a_pixel_that_is_wide_enough_has_its_value_written_on_it(viewer, qtbot, wide):
+    canvas, picture = viewer.canvas, viewer.picture
+    columns = picture.facts.columns
+    canvas.set_zoom((0.5, 0.5, canvas.view.width() / wide / columns))
+    qtbot.wait(30)
+    to_screen = canvas.first.sceneTransform()
+    pixel = to_screen.mapRect(QRectF(columns // 2, picture.facts.rows // 2, 1, 1))
+    assert pixel.width() == pytest.approx(wide, rel=0.02)
+    image = canvas.grab().toImage()
+    ratio = image.width() / canvas.width()
+    inner = pixel.adjusted(2, 2, -2, -2)
+    shades = {
+        image.pixel(round(x * ratio), round(y * ratio))
+        for x in np.arange(inner.left(), inner.right())
+        for y in np.arange(inner.top(), inner.bottom())
+    }
+    assert (len(shades) > 3) == (wide > 40)
+
+
+def test_numbers_on_pixels_are_the_samples_in_few_digits(viewer):
+    item, picture = viewer.canvas.first, viewer.picture
+    for row, column in ((0, 0), (20, 31)):
+        assert float(item.number_at(row, column)) == pytest.approx(
+            picture.samples[row, column], rel=1e-3
+        )
+    large = replace(picture, samples=np.full_like(picture.samples, -123456.0))
+    item.show_picture(large, colour_table("grey"), QRectF(0, 0, 1, 1))
+    assert item.number_at(0, 0) == "\N{MINUS SIGN}1.2e+05"
 
 
 def test_the_histogram_is_that_of_the_samples(viewer):
