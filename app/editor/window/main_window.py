@@ -405,7 +405,7 @@ class MainWindow(QMainWindow):
         evaluator.badges_changed.connect(self._badges_changed)
         evaluator.busy_changed.connect(self.status.show_busy)
         evaluator.behind_changed.connect(self.status.show_behind)
-        evaluator.planned.connect(self._planned)
+        evaluator.pass_done.connect(self._pass_done)
         FirstViews(session, evaluator, self.viewers)
         self.status.cancel_wanted.connect(evaluator.cancel)
         self.library_view.chosen.connect(self._chosen_in_library)
@@ -436,10 +436,11 @@ class MainWindow(QMainWindow):
         if self.pages.at_first:
             self.show_canvas()
 
-    def _planned(self, _plan: object) -> None:
+    def _pass_done(self, _done: object) -> None:
         """Show the pictures' docks once there is something to show in them."""
         if self.session.network.nodes and self.pages.has_canvas_alone:
-            self.pages.show_docks()
+            self.pages.show_work()
+            QTimer.singleShot(0, self.canvas.show_all_nodes)  # once the canvas is smaller
 
     def _follow_state(self) -> None:
         document = self.session.document

@@ -319,7 +319,6 @@ class Pages(QStackedWidget):
         return not self.at_first and self._docks is not None
 
     def show_first(self) -> None:
-        self.show_docks()
         self.setCurrentWidget(self._first)
         self._hide_docks()
 
@@ -334,13 +333,12 @@ class Pages(QStackedWidget):
 
     def show_canvas_alone(self) -> None:
         """Show an empty network on a large canvas; what would show its pictures comes with them."""
-        self.show_work()
+        self._second_click.drop()
+        self.setCurrentWidget(self._work)
+        self._hide_docks()
         docks = Docks(self._window)
-        self._docks = self._window.saveState()
-        for dock in (*docks.viewers, *docks.tools, *docks.beside):
-            if not dock.isFloating():
-                dock.hide()
-        self._tidying.start()
+        for dock in (docks.library, docks.panels):
+            dock.show()
 
     def show_docks(self) -> None:
         docks, self._docks = self._docks, None
@@ -363,9 +361,9 @@ class Pages(QStackedWidget):
     def _hide_docks(self) -> None:
         if self._docks is None:
             self._docks = self._window.saveState()
-            for dock in self._window.findChildren(QDockWidget):
-                if not dock.isFloating():
-                    dock.hide()
+        for dock in self._window.findChildren(QDockWidget):
+            if not dock.isFloating():
+                dock.hide()
 
     def choose_layout(self, name: LayoutName) -> None:
         """Place the docks by a named layout; beside the first page they stay hidden until later."""
