@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QGraphicsScene
 
 from app.editor.canvas.items.backdrop_item import BackdropItem, rect_of
 from app.editor.canvas.items.canvas_style import CanvasStyle, face_of
+from app.editor.canvas.items.macro_ends import MacroEnds
 from app.editor.canvas.items.node_item import NodeItem
 from app.editor.canvas.items.routing import Ground, overlap
 from app.editor.canvas.items.wire_item import DOT_RADIUS, WireItem
@@ -35,6 +36,7 @@ class Content:
         self._drawn: dict[str, Node] = {}
         self._links: tuple[Link, ...] = ()
         self._points: dict[str, Point] = {}
+        self._body = Network()
         self._ground = Ground()
         self._frames: list[QRectF] = []
         self._extra: Mapping[str, Any] | None = None
@@ -43,6 +45,8 @@ class Content:
         self._at: dict[str, list[WireItem]] = {}
         self._selected: frozenset[str] = frozenset()
         self._marked: frozenset[str] = frozenset()
+        self.ends = MacroEnds(style)
+        scene.addItem(self.ends)
         self.on_placed: Callable[[], None] | None = None
         """Called once nodes stand elsewhere, for what stands beside them."""
 
@@ -81,6 +85,9 @@ class Content:
             self._dots = dots
         if moved:
             self.route()
+        if moved or network.extra is not self._extra:
+            self._body = network
+            self.ends.follow(network, self.nodes, self._ground)
         if network.extra is not self._extra:
             self._extra = network.extra
             self._follow_backdrops(backdrops_of(network))
@@ -96,6 +103,7 @@ class Content:
         if moved:
             for wire in {wire for name in moved for wire in self.wires_at(name)}:
                 self._lead(wire)
+            self.ends.follow(self._body, self.nodes, self._ground)
             if self.on_placed is not None:
                 self.on_placed()
 
@@ -139,6 +147,8 @@ class Content:
             whole = QRectF(left, top, right - left, bottom - top)
         for backdrop in self.backdrops if names is None else ():
             whole = whole.united(backdrop.frame())
+        if names is None:
+            whole = whole.united(self.ends.boundingRect())
         for wire in self.wires.values() if names is None else ():
             for dot in wire.dots:
                 whole = whole.united(QRectF(dot - reach, dot + reach))
@@ -160,7 +170,7 @@ class Content:
             item.set_badge(badges.get(name))
 
     def set_style(self, style: CanvasStyle) -> None:
-        self.style = style
+        self.style = self.ends.style = style
         for node in self.nodes.values():
             node.set_style(style)
         for wire in self.wires.values():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, QSize, QSizeF, Qt
+from PySide6.QtCore import QEvent, QObject, QPointF, QRect, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
@@ -29,7 +29,7 @@ class Minimap(QWidget):
         self._view = view
         self._content = content
         self._wanted = True
-        self._shown: tuple[QRectF, QRectF] | None = None
+        self._held = False
         self.hide()
         view.viewport().installEventFilter(self)
         view.looked_elsewhere.connect(self.follow)
@@ -40,25 +40,19 @@ class Minimap(QWidget):
 
     def toggle(self) -> None:
         self._wanted = not self._wanted
-        self._shown = None
         self.follow()
 
     def follow(self) -> None:
         whole, seen = self._content.bounds(), self._view.visible_rect()
-        if (whole, seen) == self._shown and self.isVisible():
-            self.update()  # the nodes may have moved within
-            return
-        self._shown = whole, seen
         useful = self._wanted and not whole.isEmpty() and not seen.contains(whole)
-        if useful:
-            self._place(whole)
-            self.raise_()
-            self.update()
+        if useful and not self._held:  # else it would slip from under the mouse
+            useful = self._place(whole)
         self.setVisible(useful)
+        self.raise_()
+        self.update()
 
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
         if event.type() == QEvent.Type.Resize:
-            self._shown = None
             self.follow()
         return False
 
@@ -87,6 +81,7 @@ class Minimap(QWidget):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:
+            self._held = True
             self._go(event.position())
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -95,6 +90,8 @@ class Minimap(QWidget):
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         event.accept()
+        self._held = False
+        self.follow()
         self._view.setFocus()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
@@ -110,7 +107,8 @@ class Minimap(QWidget):
         inner = pos - QPointF(_PADDING, _PADDING)
         self._view.look_at(whole.topLeft() + inner / scale)
 
-    def _place(self, whole: QRectF) -> None:
+    def _place(self, whole: QRectF) -> bool:
+        """Stand in a corner without a node, of the lower ones first; whether there is one."""
         room = self._view.viewport().size()
         most = QSize(round(room.width() * _SHARE), round(room.height() * _SHARE))
         most = most.boundedTo(_LARGEST)
@@ -118,9 +116,15 @@ class Minimap(QWidget):
         scale = max(min(across / whole.width(), down / whole.height()), 1e-6)
         width = max(round(whole.width() * scale + 2 * _PADDING), 24)
         height = max(round(whole.height() * scale + 2 * _PADDING), 24)
-        self.setGeometry(
-            room.width() - width - _INSET, room.height() - height - _INSET, width, height
-        )
+        right, low = room.width() - width - _INSET, room.height() - height - _INSET
+        for x, y in ((right, low), (_INSET, low), (right, _INSET), (_INSET, _INSET)):
+            corner = QRect(x, y, width, height)
+            ground = self._view.mapToScene(corner).boundingRect()
+            nodes = self._content.nodes.values()
+            if not any(ground.intersects(node.frame()) for node in nodes):
+                self.setGeometry(corner)
+                return True
+        return False
 
     def _scale(self, whole: QRectF) -> float:
         across = (self.width() - 2 * _PADDING) / max(whole.width(), 1.0)

@@ -1,5 +1,7 @@
 """The map in the corner: there when it is of use, true to the scene, and a way to go elsewhere."""
 
+from dataclasses import replace
+
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
@@ -13,7 +15,10 @@ LEFT, PLAIN = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 
 @pytest.fixture
 def chain(session, library, canvas):
-    session.open(Document(long_chain(100), library=library))
+    """A hundred nodes far from each other, so that a corner of the view is mostly free."""
+    dense = long_chain(100)
+    layout = {name: (960.0 * (n % 11), 640.0 * (n // 11)) for n, name in enumerate(dense.nodes)}
+    session.open(Document(replace(dense, layout=layout), library=library))
     canvas.frame_all()
     return session
 
@@ -68,6 +73,7 @@ def test_a_drag_pans_and_a_double_click_adds_nothing(chain, canvas):
 
 def test_it_follows_the_network_and_can_be_turned_off(chain, canvas):
     chain.do(Move({"scene": (-5000.0, 0.0)}))
+    canvas.zoom_by(8.0)  # else every corner has a node
     assert canvas.minimap.isVisible()
     canvas.minimap.toggle()
     assert not canvas.minimap.isVisible()
@@ -84,3 +90,27 @@ def test_the_nodes_are_painted_where_they_are(chain, canvas):
     for name in ("scene", "jitter_9", "jitter_97"):
         at = spot(canvas, canvas.content.nodes[name].frame().center())
         assert picture.pixelColor(at) != ground, name
+
+
+def test_it_covers_no_node_but_moves_to_a_free_corner_or_hides(chain, canvas):
+    canvas.zoom_by(8.0)
+    shown = [canvas.minimap.pos()]
+
+    def covered():
+        ground = canvas.view.mapToScene(canvas.minimap.geometry()).boundingRect()
+        return any(ground.intersects(node.frame()) for node in canvas.content.nodes.values())
+
+    here = canvas.view.visible_rect()
+    corners = [(here.right(), here.bottom()), (here.left(), here.bottom()),
+               (here.right(), here.top()), (here.left(), here.top())]  # fmt: skip
+    for number, (x, y) in enumerate(corners):
+        place = (x - 120 if number % 2 == 0 else x + 20, y - 80 if number < 2 else y + 20)
+        chain.do(Move({f"jitter_{number + 1}": place}))
+        if number < 3:
+            assert canvas.minimap.isVisible()
+            assert not covered()
+            shown.append(canvas.minimap.pos())
+    assert not canvas.minimap.isVisible()
+    assert len({at.toTuple() for at in shown}) == 4  # each of the corners in its turn
+    chain.undo()
+    assert canvas.minimap.isVisible()

@@ -7,12 +7,14 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QToolButton, QWidgetAction
 
 from app.editor.library_view import module_data
-from core.editing.operations import set_parameter
+from core.editing.operations import Move, set_parameter
 from core.network.file import format_network
 from core.network.linked_values import resolved
+from core.network.macro import face_of_macro
 from panel_hands import type_in
 from window_hands import CTRL, KEY, SHIFT, WindowHands
 
+SIDES = ("input", "output")
 ALT = Qt.KeyboardModifier.AltModifier
 MEMBERS = ("init", "blur", "back")
 
@@ -307,3 +309,27 @@ def test_parameters_are_saved_as_a_set_and_taken_again(hands, window, settings):
     menu.close()
     assert dict(window.session.network.nodes["blur"].params) == params
     assert window.session.document.history.undo_text == "Set blur to as shipped"
+
+
+def test_inside_a_macro_its_inputs_and_outputs_are_drawn_with_their_names(grouped, window, idle):
+    assert window.canvas.content.ends.ends == ()
+    window.level.enter("lens")
+    idle(window)
+    ends = window.canvas.content.ends
+    face = face_of_macro(window.level.network)
+    drawn = {side: {end.name for end in ends.ends if end.side == side} for side in SIDES}
+    assert drawn == {"input": set(face.inputs), "output": set(face.outputs)}
+    assert all(drawn.values())
+    nodes = window.canvas.content.nodes
+    for end in ends.ends:
+        assert not any(node.frame().intersects(end.plate) for node in nodes.values())
+        assert window.canvas.view.visible_rect().contains(end.plate)
+        of = face.inputs[end.name][0] if end.side == "input" else face.outputs[end.name]
+        port = nodes[of[0]].ports[end.side, of[1]].centre()
+        wire = end.wires[0]
+        assert wire.pointAtPercent(1.0 if end.side == "input" else 0.0) == port
+    first = ends.ends[0].plate
+    window.level.do(Move({next(iter(nodes)): (-700.0, 0.0)}))
+    assert ends.ends[0].plate != first
+    window.level.leave()
+    assert ends.ends == ()
