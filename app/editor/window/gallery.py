@@ -9,20 +9,20 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from functools import cache, partial
+from functools import cache, partial, reduce
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
+    QIcon,
     QPainter,
     QPaintEvent,
     QPen,
-    QPixmap,
     QPolygonF,
     QResizeEvent,
+    QTransform,
 )
 from PySide6.QtWidgets import (
     QGridLayout,
@@ -35,19 +35,15 @@ from PySide6.QtWidgets import (
 )
 
 import networks
-from app.editor.canvas.items.canvas_style import HEAD, NARROWEST, PORT_ROW
+from app.editor.canvas.items.canvas_style import NARROWEST
 from app.editor.canvas.items.content import points_of
 from app.editor.theme import theme_of
 from app.library_index import declarations
 from app.run.shipped import shipped_networks
-from core.errors import ImagechainError
 from core.modules.declaration import Library
 from core.network.file import read_network
 from core.network.network import Network
 
-_POINT = MappingProxyType({"measured_lens": "lenses/measured_lens_psf.png"})
-"""Pictures of a point in their middle, of which a card shows that."""
-_SHARE_OF_POINT = 0.12
 _GROUPS, _CURVES = "pictures/gallery.json", "pictures/gallery_curves.json"
 _PICTURE = QSize(7, 5)  # in lines of text
 _NARROWEST = 54  # letters that a card is wide at least
@@ -55,6 +51,7 @@ _MOST_COLUMNS = 4
 _STRETCH = 3.0  # at most, of one side of a chain over the other
 _CHAIN = 2.6  # lines of text that the chain is high
 _MARGIN = 8
+_NODE = 70.0  # height of a node on the drawing, in units of the canvas
 _BAR = 4  # points of a bar's outline; every curve has more
 
 Line = tuple[int, list[tuple[int, int]]]  # of which colour; its points in thousandths, y upwards
@@ -106,21 +103,15 @@ class NetworkCard(QToolButton):
 
     def __init__(self, name: str, file: Path, line: str, groups: Mapping[str, str]) -> None:
         super().__init__()
-        title, about, network = name, line, Network()
-        try:
-            network = read_network(file, library={})  # which loads no module
-        except ImagechainError as error:
-            about = str(error)
-        else:
-            title, about = network.name or name, network.description
+        network = read_network(file, library={})  # which loads no module
         self.name = name
         self.setObjectName(f"welcome.{name}")
-        self.setAccessibleName(title)
-        self.setAccessibleDescription(about)
-        self.setToolTip(f"<p>{about}</p>")
+        self.setAccessibleName(network.name)
+        self.setAccessibleDescription(network.description)
+        self.setToolTip(f"<p>{network.description}</p>")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
-        self.title, self.line = QLabel(title), QLabel(line)
+        self.title, self.line = QLabel(network.name), QLabel(line)
         font = self.title.font()
         font.setBold(True)
         self.title.setFont(font)
@@ -135,7 +126,7 @@ class NetworkCard(QToolButton):
         whole = self._whole = QHBoxLayout(self)
         whole.setContentsMargins(_MARGIN, _MARGIN, _MARGIN, _MARGIN)
         whole.setSpacing(10)
-        whole.addWidget(SpecialDrawing(name, file.parent))
+        whole.addWidget(SpecialDrawing(name, file.parent / "pictures"))
         whole.addLayout(right, 1)
         for child in self.findChildren(QWidget):
             child.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
@@ -151,52 +142,30 @@ class NetworkCard(QToolButton):
 class SpecialDrawing(QWidget):
     """A network's curves where it is about curves, else its picture."""
 
-    def __init__(self, name: str, folder: Path) -> None:
+    def __init__(self, name: str, pictures: Path) -> None:
         super().__init__()
         self.curves: Sequence[Line] = _read(_CURVES).get(name, ())
-        self._of_point = name in _POINT
-        self._file = folder / _POINT.get(name, f"pictures/thumbnail_{name}.png")
-        self._scaled: tuple[float, QPixmap] | None = None
+        self._picture = QIcon(str(pictures / f"thumbnail_{name}.png"))
         self.setFixedSize(_PICTURE * self.fontMetrics().height())
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        theme = theme_of(self)
+        theme, box = theme_of(self), self.rect()
         with QPainter(self) as painter:
             if not self.curves:
-                picture = self._picture()
-                room = picture.deviceIndependentSize().toSize()
-                painter.drawPixmap((self.width() - room.width()) // 2, 0, picture)
+                self._picture.paint(painter, box)
                 return
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.fillRect(self.rect(), QColor(theme.base))
-            box = QRectF(self.rect()).adjusted(6, 6, -6, -6)
+            painter.fillRect(box, QColor(theme.base))
+            painter.translate(6, box.height() - 6)
+            across, up = (box.width() - 12) / 1000, (12 - box.height()) / 1000
             for number, line in self.curves:
                 painter.setPen(QPen(QColor(theme.curves[number % len(theme.curves)]), 1.5))
-                across, down = box.width() / 1000, box.height() / 1000
-                points = [
-                    QPointF(box.left() + x * across, box.bottom() - y * down) for x, y in line
-                ]
-                if len(points) == _BAR:
+                points = QPolygonF([QPointF(x * across, y * up) for x, y in line])
+                if len(line) == _BAR:
                     painter.setBrush(painter.pen().color())
-                    painter.drawPolygon(QPolygonF(points))
+                    painter.drawPolygon(points)
                 else:
-                    painter.drawPolyline(QPolygonF(points))
-
-    def _picture(self) -> QPixmap:
-        """Sharp on screens of any scale."""
-        ratio = self.devicePixelRatioF()
-        if self._scaled is None or self._scaled[0] != ratio:
-            keep, smooth = Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode
-            picture = QPixmap(str(self._file))
-            if self._of_point:
-                part = QRectF(QPointF(), picture.size() * _SHARE_OF_POINT)
-                part.moveCenter(QRectF(picture.rect()).center())
-                picture = picture.copy(part.toRect())
-            if not picture.isNull():
-                picture = picture.scaled(self.size() * ratio, keep, smooth.SmoothTransformation)
-            picture.setDevicePixelRatio(ratio)
-            self._scaled = ratio, picture
-        return self._scaled[1]
+                    painter.drawPolyline(points)
 
 
 class ChainDrawing(QWidget):
@@ -204,41 +173,21 @@ class ChainDrawing(QWidget):
 
     def __init__(self, network: Network, groups: Mapping[str, str]) -> None:
         super().__init__()
-        points = points_of(network)
-        ports: dict[str, set[str]] = {name: set() for name in network.nodes}
-        for link in network.links:
-            ports[link.target].add(link.input)
-        self._boxes = {
-            name: QRectF(*points[name], NARROWEST, HEAD + PORT_ROW * max(len(at), 1))
-            for name, at in ports.items()
-        }
+        points = points_of(network).items()
+        self._boxes = {name: QRectF(*at, NARROWEST, _NODE) for name, at in points}
         self._groups = {name: groups.get(node.module, "") for name, node in network.nodes.items()}
         self._links = {(link.source, link.target) for link in network.links}
         self.setFixedHeight(round(_CHAIN * self.fontMetrics().height()))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        theme, whole = theme_of(self), QRectF()
-        for box in self._boxes.values():
-            whole |= box
-        if whole.isEmpty():
-            return
-        across, down = (self.width() - 2) / whole.width(), (self.height() - 2) / whole.height()
+        theme, whole = theme_of(self), reduce(QRectF.united, self._boxes.values(), QRectF())
+        across, down = self.width() / max(whole.width(), 1), self.height() / max(whole.height(), 1)
         # A chain of one row does not become a row of towers, nor a column a pile of planks.
         across, down = min(across, _STRETCH * down), min(down, _STRETCH * across)
+        place = QTransform.fromScale(across, down).translate(-whole.left(), -whole.top())
+        boxes = {name: place.mapRect(box) for name, box in self._boxes.items()}
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.translate(1, 1)
-
-            def drawn(box: QRectF) -> QRectF:
-                corner = box.topLeft() - whole.topLeft()
-                return QRectF(
-                    corner.x() * across,
-                    corner.y() * down,
-                    box.width() * across,
-                    box.height() * down,
-                )
-
-            boxes = {name: drawn(box) for name, box in self._boxes.items()}
             painter.setPen(QPen(QColor(theme.faint_text), 1))
             for source, target in self._links:
                 painter.drawLine(boxes[source].center(), boxes[target].center())
