@@ -136,6 +136,13 @@ class Session(QObject):
         """Ids of the selected nodes, the one selected last at the end."""
         return self._selection
 
+    @property
+    def selected_alike(self) -> tuple[str, ...]:
+        """The selected nodes, if they are several of one module; a change of one is for all."""
+        nodes = [self.network.nodes[name] for name in self.selection]
+        alike = len({node.module for node in nodes}) == 1 and all(not node.macro for node in nodes)
+        return self.selection if alike and nodes[1:] else ()
+
     def declared(self, name: str) -> Declaration | None:
         """The declaration of a node's module; None of an unknown module."""
         node = self.network.nodes.get(name)

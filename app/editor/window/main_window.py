@@ -459,6 +459,9 @@ class MainWindow(QMainWindow):
     def _follow_selection(self, names: tuple[str, ...]) -> None:
         self.actions_by_name.follow_selection(bool(names))
         self.status.forget_advice()
+        if alike := self.session.selected_alike:
+            text = f"{len(alike)} nodes of one module are selected: a change of a value is for all"
+            self.session.message.emit("advice", text)
 
     def _follow_level(self) -> None:
         self.actions_by_name["leave_macro"].setEnabled(bool(self.level.path))

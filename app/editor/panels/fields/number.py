@@ -21,7 +21,7 @@ from app.editor.panels.fields.type_in import WHEEL_REST_MS
 from app.editor.theme import CHANGED
 from app.editor.typed_number import typed_number
 from app.editor.widgets import plain_label, takes_wheel
-from core.editing.operations import ABSENT, set_parameter
+from core.editing.operations import set_parameter
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
 from core.names import thaw
@@ -72,7 +72,6 @@ class NumberField(TypedField):
         self.label.released.connect(self._end)
         self._escape = EscapeInDrag(self, self._give_up_drag)
         self._gesture: object | None = None
-        self._before: Any = ABSENT
         self._part = 0.0
         self._shows_link: bool | None = None
 
@@ -202,7 +201,6 @@ class NumberField(TypedField):
             return
         if self._gesture is None:
             self._gesture = object()
-            self._before = self.node.given(self.parameter.name)
         self.offer(number, self._gesture)
 
     def _give_up_drag(self) -> None:
@@ -210,7 +208,7 @@ class NumberField(TypedField):
         self.slider.let_go()
         self.label.let_go()
         if self._gesture is not None:
-            self.node.put(self.parameter.name, self._before, self._gesture)
+            self.node.put_back(self.parameter.name, self._gesture)
         self._end()
 
     def _end(self) -> None:

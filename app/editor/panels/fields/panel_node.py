@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from PySide6.QtCore import QObject, Signal
 
 from app.editor.session import Session
-from core.editing.operations import ABSENT, Operation, set_parameter
+from core.editing.operations import ABSENT, Operation, Together, set_parameter
 from core.names import thaw
+from core.network.macro import unfolded
 
 
 class Requests(QObject):
@@ -46,5 +48,27 @@ class PanelNode:
             self.session.do(operation, gesture=gesture)
 
     def put(self, parameter: str, value: object, gesture: object = None) -> None:
-        """Give a parameter a value; values of one gesture are one step."""
-        self.do(set_parameter(self.name, parameter, value), gesture)
+        """Give a parameter a value; values of one gesture are one step.
+
+        Nodes of one module that are selected together all get it.
+        """
+        self.do(_for_each(set_parameter(name, parameter, value) for name in self._alike), gesture)
+
+    def put_back(self, parameter: str, gesture: object) -> None:
+        """Give it the values from before the gesture, each node its own."""
+        before = self.session.document.history.start
+        if before is not None:
+            nodes = unfolded(before).nodes
+            values = {name: nodes[name].params.get(parameter, ABSENT) for name in self._alike}
+            steps = (set_parameter(name, parameter, thaw(value)) for name, value in values.items())
+            self.do(_for_each(steps), gesture)
+
+    @property
+    def _alike(self) -> tuple[str, ...]:
+        alike = self.session.selected_alike
+        return alike if self.name in alike else (self.name,)
+
+
+def _for_each(steps: Iterable[Operation]) -> Operation:
+    one, *others = steps
+    return Together((one, *others)) if others else one

@@ -1,0 +1,68 @@
+"""Nodes of one module that are selected together: a change of a value is for all, one undo step."""
+
+import pytest
+from PySide6.QtCore import Qt
+
+from core.editing.operations import ABSENT, Add, Placed, set_parameter
+from core.network.network import Node
+from panel_hands import panel_area, type_in
+
+SIGMAS = {"one": 0.1, "two": 0.2, "three": 0.3}
+
+
+@pytest.fixture
+def area(qtbot, session):
+    nodes = [Node(name, "gaussian_mtf", {"sigma_x_mrad": sigma}) for name, sigma in SIGMAS.items()]
+    nodes.append(Node("other", "jitter_mtf"))
+    session.do(Add(tuple(Placed(node, (0.0, 0.0)) for node in nodes)))
+    return panel_area(qtbot, session)
+
+
+def sigmas(session):
+    return {name: session.network.nodes[name].params.get("sigma_x_mrad") for name in SIGMAS}
+
+
+def field(area, name):
+    return area.panels[name].body.sections.field("sigma_x_mrad")
+
+
+def test_what_is_typed_is_for_all_of_them_and_one_step(area, session):
+    session.select(["one", "three"])
+    steps = session.document.history.position
+    type_in(field(area, "three").edit, "0.7", key=Qt.Key.Key_Return)
+    assert sigmas(session) == {"one": 0.7, "two": 0.2, "three": 0.7}
+    assert session.document.history.position == steps + 1
+    session.undo()
+    assert sigmas(session) == SIGMAS
+
+
+def test_a_reset_is_for_all_of_them(area, session):
+    session.select(["one", "two"])
+    session.do(set_parameter("one", "sigma_x_mrad", ABSENT))
+    field(area, "two")._reset()
+    assert sigmas(session) == {"one": None, "two": None, "three": 0.3}
+
+
+def test_a_drag_is_one_step_and_esc_gives_each_its_own_value_back(area, session):
+    session.select(["one", "two", "three"])
+    steps = session.document.history.position
+    shown = field(area, "three")
+    for _ in range(3):
+        shown._drag(2)
+    moved = sigmas(session)
+    assert moved["one"] == moved["two"] == moved["three"] != 0.3
+    shown._give_up_drag()
+    assert sigmas(session) == SIGMAS
+    shown._drag(2)
+    shown._drag(2)
+    shown._end()
+    assert session.document.history.position == steps + 1
+    session.undo()
+    assert sigmas(session) == SIGMAS
+
+
+def test_other_modules_among_them_or_a_panel_of_another_node_change_one(area, session):
+    session.select(["one", "other"])
+    session.select(["one", "other", "two"])
+    type_in(field(area, "two").edit, "0.9", key=Qt.Key.Key_Return)
+    assert sigmas(session) == {**SIGMAS, "two": 0.9}
