@@ -405,7 +405,7 @@ class MainWindow(QMainWindow):
         evaluator.badges_changed.connect(self._badges_changed)
         evaluator.busy_changed.connect(self.status.show_busy)
         evaluator.behind_changed.connect(self.status.show_behind)
-        evaluator.pass_done.connect(self._pass_done)
+        evaluator.pass_done.connect(self._end_canvas_alone)
         FirstViews(session, evaluator, self.viewers)
         self.status.cancel_wanted.connect(evaluator.cancel)
         self.library_view.chosen.connect(self._chosen_in_library)
@@ -428,6 +428,7 @@ class MainWindow(QMainWindow):
     def _opened(self) -> None:
         self.viewers.forget_pictures()
         self.status.forget(closed=True)
+        self._end_canvas_alone()
         # Once the canvas has its place: it may not have been shown yet.
         QTimer.singleShot(0, self.canvas.frame_all)
 
@@ -436,11 +437,12 @@ class MainWindow(QMainWindow):
         if self.pages.at_first:
             self.show_canvas()
 
-    def _pass_done(self, _done: object) -> None:
+    def _end_canvas_alone(self, *_: object) -> None:
         """Show the pictures' docks once there is something to show in them."""
         if self.session.network.nodes and self.pages.has_canvas_alone:
             self.pages.show_work()
-            QTimer.singleShot(0, self.canvas.show_all_nodes)  # once the canvas is smaller
+            canvas = self.canvas
+            QTimer.singleShot(0, canvas, canvas.show_all_nodes)  # once the canvas is smaller
 
     def _follow_state(self) -> None:
         document = self.session.document
