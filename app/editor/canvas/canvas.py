@@ -137,10 +137,6 @@ class Canvas(QWidget):
             for name, (width, height) in self.sizes().items()
         }
 
-    def room(self) -> tuple[float, float]:
-        """Width and height that can be shown at the natural zoom, in units of the layout."""
-        return self.view.natural_room()
-
     def cursor_point(self) -> tuple[float, float]:
         """The point of the scene under the mouse, or in the middle, in whole units."""
         return self._surface.cursor_point()
@@ -159,9 +155,6 @@ class Canvas(QWidget):
         if self.thumbnails is not None:
             self.thumbnails.toggle()
 
-    def find_node(self) -> None:
-        self.adding.find_node()
-
     def edit_last_title(self) -> None:
         self._edit_title(len(self.content.backdrops) - 1)
 
@@ -171,9 +164,6 @@ class Canvas(QWidget):
     def add_dot(self) -> None:
         """Bend the wire under the pointer, or the selected one, through a dot."""
         self.dots.add(self._surface.pointer)
-
-    def finish_typing(self) -> None:
-        self.title_editor.finish()
 
     def selected_link(self) -> Link | None:
         return self.marks.link

@@ -185,7 +185,7 @@ class EditCommands(QObject):
     def arrange(self) -> None:
         """Lay out the selected nodes, or all; long chains in rows of the canvas's width."""
         session, canvas = self._session, self._canvas
-        drawn, room = canvas.sizes_with_thumbnails(), canvas.room()
+        drawn, room = canvas.sizes_with_thumbnails(), canvas.view.natural_room()
         if len(session.selection) > 1:
             places = arranged(session.network, drawn, only=session.selection, room=room)
             session.do(self._without_dots(Move(places, "Lay out"), session.selection))

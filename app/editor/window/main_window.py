@@ -54,7 +54,6 @@ from app.editor.window.window_layout import (
     LayoutName,
     Pages,
     WindowLayout,
-    first_size,
 )
 from core.editing.layout import EDGES, WAYS
 from core.errors import ImagechainError
@@ -109,7 +108,7 @@ class MainWindow(QMainWindow):
         self.autosaver = Autosaver(self.session, recovery, self)
         self._connect()
         self.set_theme(self.theme)
-        self.resize(first_size(self.screen().availableSize()))
+        self.resize(self.screen().availableSize() * 0.85)  # once it is not maximised
         if remembered:
             with self.layout_in_use.placing():
                 has_sizes = settings.restore_window(self)
@@ -197,7 +196,7 @@ class MainWindow(QMainWindow):
             self.close_for_good()
 
     def finish_typing(self) -> None:
-        self.canvas.finish_typing()
+        self.canvas.title_editor.finish()
         self.panels.finish_typing()
 
     def stop(self) -> ImagechainError | None:
@@ -320,7 +319,7 @@ class MainWindow(QMainWindow):
             "backdrop": edits.backdrop,
             "note": edits.note,
             "wire_dot": canvas.add_dot,
-            "find_node": canvas.find_node,
+            "find_node": canvas.adding.find_node,
             **{f"align_{edge}": partial(edits.align, edge) for edge in EDGES},
             **{f"distribute_{way}": partial(edits.distribute, way) for way in WAYS},
             "thumbnails": canvas.toggle_thumbnails,

@@ -166,10 +166,6 @@ class Settings:
         self._stored.setValue("docks", window.saveState(_DOCKS_VERSION))
         self._stored.sync()
 
-    @property
-    def knows_window(self) -> bool:
-        return self._bytes("geometry") is not None
-
     def restore_window(self, window: QMainWindow) -> bool:
         """Give a window the size and docks remembered; whether there were docks to restore."""
         geometry, docks = self._bytes("geometry"), self._bytes("docks")

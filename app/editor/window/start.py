@@ -96,7 +96,7 @@ def built(options: Options, settings: Settings) -> MainWindow:
     if options.window_size is not None:
         window.setWindowState(Qt.WindowState.WindowNoState)
         window.resize(*options.window_size)
-    elif not settings.knows_window:
+    elif settings.first:
         window.setWindowState(Qt.WindowState.WindowMaximized)
     if network := options.network or (FIRST if settings.first else ""):
         window.open_first(network)

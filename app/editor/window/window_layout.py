@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from itertools import pairwise
 from typing import Literal, get_args
 
-from PySide6.QtCore import QByteArray, QEvent, QObject, QSize, Qt, QTimer
+from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QDockWidget,
@@ -23,17 +23,8 @@ from app.editor.gestures import SecondClick
 from app.editor.library_view import LibraryView
 from app.editor.viewers.picture.image_viewer import ImageViewer
 
-_PREFERRED = QSize(1600, 900)  # of a first window, where the screen has room for it
-_SHARE_OF_SCREEN = 0.92  # at most; the rest is the window's frame and the desktop's bars
-_SHARE_OF_ROOM = 0.85  # of that, on a large screen
 Share = tuple[float, float]  # of the window's width and height
 Sizes = dict[str, tuple[int, int]]
-
-
-def first_size(available: QSize) -> QSize:
-    """The size of a window where none is remembered: within the screen, larger on a large one."""
-    room = available * _SHARE_OF_SCREEN
-    return _PREFERRED.expandedTo(room * _SHARE_OF_ROOM).boundedTo(room)
 
 
 class WindowLayout(QObject):
@@ -259,10 +250,10 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     needed = [
         dock.minimumSizeHint().width() for dock in (docks.panels, *docks.beside) if dock.isVisible()
     ]
-    side = max(round(min(max(64 * unit, 0.235 * width), 90 * unit)), *needed, 0)
+    side = max(round(min(max(64 * unit, 0.21 * width), 90 * unit)), *needed, 0)
     if layout == "canvas_first":
         window.resizeDocks([docks.library, docks.panels], [headings, 52 * unit], _Across)
-        window.resizeDocks([viewer, docks.curves], [24 * line] * 2, _Along)
+        window.resizeDocks([viewer, docks.curves], [min(24 * line, round(0.42 * room))] * 2, _Along)
         window.resizeDocks([viewer, docks.curves], [62 * unit, 75 * unit], _Across)
         return
     tall = round(picture / (width - side)) + bars
@@ -337,8 +328,8 @@ class Pages(QStackedWidget):
         self.setCurrentWidget(self._work)
         self._hide_docks()
         docks = Docks(self._window)
-        for dock in (docks.library, docks.panels):
-            dock.show()
+        docks.library.show()
+        docks.panels.show()
 
     def show_docks(self) -> None:
         docks, self._docks = self._docks, None

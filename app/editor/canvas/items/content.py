@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QGraphicsScene
 from app.editor.canvas.items.backdrop_item import BackdropItem, rect_of
 from app.editor.canvas.items.canvas_style import CanvasStyle, face_of
 from app.editor.canvas.items.macro_ends import MacroEnds
-from app.editor.canvas.items.node_item import NodeItem
+from app.editor.canvas.items.node_item import GAP_BESIDE, NodeItem
 from app.editor.canvas.items.routing import Ground, overlap
 from app.editor.canvas.items.wire_item import DOT_RADIUS, WireItem
 from app.editor.evaluation.queries import Badge
@@ -71,6 +71,8 @@ class Content:
         if moved:
             self._points = points
             self.place({name: QPointF(*at) for name, at in points.items()})
+            for name, item in self.nodes.items():
+                item.title_room = self._room_for_title(name)
             # The scene marks later, in a call that waits in its queue, where items were painted
             # last; a part of the view that is painted before makes it forget, and they would stay
             # drawn there.
@@ -106,6 +108,16 @@ class Content:
             self.ends.follow(self._body, self.nodes, self._ground)
             if self.on_placed is not None:
                 self.on_placed()
+
+    def _room_for_title(self, name: str) -> float:
+        """The width of a node, and what of the gaps to its neighbours is its own: half of each."""
+        left, top, right, bottom = self._ground.boxes[name]
+        gaps = {-1: GAP_BESIDE, 1: GAP_BESIDE}
+        for box in self._ground.within((left - GAP_BESIDE, top, right + GAP_BESIDE, bottom)):
+            side, gap = (1, box[0] - right) if box[0] >= right else (-1, left - box[2])
+            if gap >= 0:
+                gaps[side] = min(gaps[side], gap)
+        return right - left + min(gaps.values())
 
     def restore(self) -> None:
         """Put everything back where the network has it, after something was only shown."""

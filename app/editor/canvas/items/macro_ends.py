@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -44,52 +45,36 @@ class MacroEnds(QGraphicsItem):
 
     def follow(self, body: Network, nodes: Mapping[str, NodeItem], ground: Ground) -> None:
         """Stand left and right of the nodes, at the height of those they lead to."""
-        face, found = face_of_macro(body), []
+        face = face_of_macro(body)
         if not (face.inputs or face.outputs or self.ends):
             return
-        inputs = {name: tuple(ends) for name, ends in face.inputs.items()}
-        outputs = {name: (end,) for name, end in face.outputs.items()}
-        for side, named in ((INPUT, inputs), (OUTPUT, outputs)):
-            for name, ends in named.items():
-                there = (
-                    nodes[node].ports.get((side, port)) for node, port in ends if node in nodes
-                )
-                if ports := [port for port in there if port is not None]:
-                    found.append((name, side, ports))
         frames = [node.frame() for node in nodes.values()]
         left = min((frame.left() for frame in frames), default=0.0) - _AWAY
         right = max((frame.right() for frame in frames), default=0.0) + _AWAY
+        outputs = {name: (end,) for name, end in face.outputs.items()}
         self.prepareGeometryChange()
-        self.ends = (
-            *self._column([one for one in found if one[1] == INPUT], left, ground),
-            *self._column([one for one in found if one[1] == OUTPUT], right, ground),
-        )
-        self._bounds = QRectF()
-        for end in self.ends:
-            for part in (end.plate, *(wire.controlPointRect() for wire in end.wires)):
-                self._bounds |= part.adjusted(-4, -4, 4, 4)
+        self.ends, self._bounds = (), QRectF()
+        for side, named, x in ((INPUT, face.inputs, left), (OUTPUT, outputs, right)):
+            lowest = -math.inf
+            for name, ports in _in_order(side, named, nodes):
+                y = max(ports[0].centre().y(), lowest + _PITCH)
+                end = self._end(name, side, QPointF(x, y), ports, ground)
+                self.ends, lowest = (*self.ends, end), y
+                for part in (end.plate, *(wire.controlPointRect() for wire in end.wires)):
+                    self._bounds |= part.adjusted(-4, -4, 4, 4)
         self.update()
 
-    def _column(
-        self, found: Sequence[tuple[str, Side, list[NodePort]]], x: float, ground: Ground
-    ) -> list[End]:
-        """One below another, each as near to the height of its first port as it can be."""
-        made: list[End] = []
-        for name, side, ports in sorted(found, key=lambda one: one[2][0].centre().y()):
-            y = ports[0].centre().y()
-            if made:
-                y = max(y, made[-1].plate.center().y() + _PITCH)
-            wide = self.style.metrics(_LETTERS).horizontalAdvance(name) + 2 * _PADDING
-            corner = QPointF(x - wide if side == INPUT else x, y - _HIGH / 2)
-            at, wires = QPointF(x, y), []
-            for port in ports:
-                start, end = (at, port.centre()) if side == INPUT else (port.centre(), at)
-                beside = self.style.lane(port.types)
-                course = course_of((start.x(), start.y()), (end.x(), end.y()), ground, beside)
-                wires.append(wire_path(start, end, course.lane))
-            plate = QRectF(corner.x(), corner.y(), wide, _HIGH)
-            made.append(End(name, side, plate, tuple(wires), ports[0].types))
-        return made
+    def _end(
+        self, name: str, side: Side, at: QPointF, ports: Sequence[NodePort], ground: Ground
+    ) -> End:
+        wide = self.style.metrics(_LETTERS).horizontalAdvance(name) + 2 * _PADDING
+        plate = QRectF(at.x() - (wide if side == INPUT else 0), at.y() - _HIGH / 2, wide, _HIGH)
+        wires = []
+        for port in ports:
+            start, end = (at, port.centre()) if side == INPUT else (port.centre(), at)
+            course = course_of(start.toTuple(), end.toTuple(), ground, self.style.lane(port.types))
+            wires.append(wire_path(start, end, course.lane))
+        return End(name, side, plate, tuple(wires), ports[0].types)
 
     def boundingRect(self) -> QRectF:
         return self._bounds
@@ -116,3 +101,15 @@ class MacroEnds(QGraphicsItem):
             x = end.plate.right() if end.side == INPUT else end.plate.left()
             painter.setBrush(colour)
             painter.drawEllipse(QPointF(x, end.plate.center().y()), PORT_RADIUS, PORT_RADIUS)
+
+
+def _in_order(
+    side: Side, named: Mapping[str, Sequence[tuple[str, str]]], nodes: Mapping[str, NodeItem]
+) -> list[tuple[str, list[NodePort]]]:
+    """The macro's ends with the ports they lead to, from the highest port down."""
+    found = []
+    for name, ends in named.items():
+        ports = [nodes[node].ports.get((side, port)) for node, port in ends if node in nodes]
+        found.append((name, [port for port in ports if port is not None]))
+    there = [(name, ports) for name, ports in found if ports]
+    return sorted(there, key=lambda one: one[1][0].centre().y())

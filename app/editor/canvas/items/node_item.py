@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -26,15 +27,18 @@ from app.editor.evaluation.queries import Badge, BadgeKind
 from core.editing.layout import Box
 from core.modules.declaration import Port
 
+GAP_BESIDE = 72.0  # at most, that a title takes of the ground between its node and another
+_TITLE_FROM = 0.92  # of the natural zoom; below, titles are drawn as large as there
 OVERVIEW = 0.62  # of the natural zoom: below, port names cannot be read
 _ROUND = 5.0
 _LEFT = 9.0
-_READABLE_PX = 10.0  # of the window's font at its usual 12
+_READABLE_PX = 12.0  # of the window's font at its usual 12
 _LEAST_PX = 6.0
 _PORTS_FROM = 0.2
 _PLATE = 14.0  # height of the output's mark, half of it below the node
 OUTPUT_MARK = "output"
 _MARGIN = 8.0  # what is drawn around the frame: ports, the mark of the selection
+_TALLER = 34.0  # the title of a small node may be, above its frame
 
 
 class NodePort(QGraphicsItem):
@@ -80,14 +84,17 @@ class NodeItem(AbstractNodeItem):
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIsMovable, False)
         self.geometry: NodeGeometry = geometry_of(face, style)
         self._width, self._height = self.geometry.width, self.geometry.height
-        self._bounds = self.geometry.frame.adjusted(-_MARGIN, -_MARGIN, _MARGIN, _MARGIN)
+        beside, above = GAP_BESIDE / 2 + _MARGIN, _TALLER + _MARGIN
+        self._bounds = self.geometry.frame.adjusted(-beside, -above, beside, above)
+        self.title_room = self._width
+        """How wide the title may be where the node is small: into the gaps beside it."""
         self.ports: dict[tuple[Side, str], NodePort] = {}
         for side in (INPUT, OUTPUT):
             for port in face.ports(side):
                 item = self.ports[side, port.name] = NodePort(port, side, self)
                 item.setPos(self.geometry.ports[side, port.name])
         self._badge: BadgeItem | None = None
-        self._title: tuple[tuple[float, CanvasStyle], Fitted | None] | None = None
+        self._title: tuple[tuple[float, float, CanvasStyle], Fitted | None] | None = None
         self.setToolTip(face.tooltip)
 
     def boundingRect(self) -> QRectF:
@@ -110,11 +117,12 @@ class NodeItem(AbstractNodeItem):
         relative = zoom / self.style.natural_zoom
         if not self.face.known:
             painter.setOpacity(0.9)
+        frame = self.plate(zoom) if relative < OVERVIEW else self.geometry.frame
         if relative < OVERVIEW:
-            _paint_overview(painter, self, zoom)
+            _paint_overview(painter, self, zoom, frame)
         else:
-            _paint_full(painter, self)
-        _paint_border(painter, self, zoom)
+            _paint_full(painter, self, max(1.0, _TITLE_FROM / relative))
+        _paint_border(painter, self, zoom, frame)
         if self.face.output:
             _paint_output_mark(painter, self, with_text=relative >= OVERVIEW)
         if relative >= _PORTS_FROM:
@@ -141,11 +149,20 @@ class NodeItem(AbstractNodeItem):
 
     def title_at(self, zoom: float) -> Fitted | None:
         """The title as it is drawn in the overview; measured once for a zoom."""
-        made_for = zoom, self.style
+        made_for = zoom, self.title_room, self.style
         if self._title is None or self._title[0] != made_for:
-            room = QSizeF(self._width - 10, self._height - 4)
+            room = QSizeF(self.title_room - 10, self._height + _TALLER - 4)
             self._title = made_for, fitted(self.face, room, zoom, self.style)
         return self._title[1]
+
+    def plate(self, zoom: float) -> QRectF:
+        """The node as it is drawn in the overview: its frame, and more where its title needs it."""
+        frame, title = self.geometry.frame, self.title_at(zoom)
+        if title is None:
+            return frame
+        beside = max(0.0, title.width + 10 - frame.width()) / 2
+        above = max(0.0, title.pitch * len(title.lines) + 4 - frame.height())
+        return frame.adjusted(-beside, -above, beside, 0)
 
     def take_face(self, face: NodeFace) -> bool:
         """Show another face, if it has the same texts and ports; whether it has."""
@@ -176,7 +193,7 @@ def head_colour(item: NodeItem) -> QColor:
     return item.style.tint(item.face.colour) or item.style.head(item.face.group)
 
 
-def _paint_full(painter: QPainter, item: NodeItem) -> None:
+def _paint_full(painter: QPainter, item: NodeItem, larger: float) -> None:
     style, face, geometry = item.style, item.face, item.geometry
     frame = geometry.frame
     painter.setPen(Qt.PenStyle.NoPen)
@@ -187,8 +204,12 @@ def _paint_full(painter: QPainter, item: NodeItem) -> None:
     _veil_disabled(painter, item)
     room = frame.width() - 2 * _LEFT - (BADGE_ROOM if item.badge else 0.0)
     painter.setPen(style.text)
+    painter.save()
+    painter.scale(larger, larger)
     painter.setFont(style.font("title"))
-    painter.drawText(QPointF(_LEFT, 17), style.elided("title", face.id, room))
+    title = style.elided("title", face.id, room / larger)
+    painter.drawText(QPointF(_LEFT, 17) / larger, title)
+    painter.restore()
     if face.subtitle:
         painter.setOpacity(painter.opacity() * 0.8)
         painter.setFont(style.font("id"))
@@ -205,24 +226,24 @@ def _paint_full(painter: QPainter, item: NodeItem) -> None:
             painter.drawText(QPointF(x, at.y() + 4), text)
 
 
-def _paint_overview(painter: QPainter, item: NodeItem, zoom: float) -> None:
-    style, frame = item.style, item.geometry.frame
+def _paint_overview(painter: QPainter, item: NodeItem, zoom: float, plate: QRectF) -> None:
+    style = item.style
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(head_colour(item))
-    painter.drawRoundedRect(frame, _ROUND, _ROUND)
+    painter.drawRoundedRect(plate, _ROUND, _ROUND)
     _veil_disabled(painter, item)
     title = item.title_at(zoom)
     if title is None:
         return
     painter.setPen(style.text)
     painter.setFont(title.font)
-    top = (frame.height() - title.pitch * len(title.lines)) / 2
+    top = plate.center().y() - title.pitch * len(title.lines) / 2
     for number, line in enumerate(title.lines):
-        row = QRectF(0, top + number * title.pitch, frame.width(), title.pitch)
+        row = QRectF(plate.left(), top + number * title.pitch, plate.width(), title.pitch)
         painter.drawText(row, _CENTRED, line)
 
 
-def _paint_border(painter: QPainter, item: NodeItem, zoom: float) -> None:
+def _paint_border(painter: QPainter, item: NodeItem, zoom: float, frame: QRectF) -> None:
     style = item.style
     if item.selected:
         pen = QPen(style.accent, max(2.2, 2.0 / zoom))
@@ -234,11 +255,11 @@ def _paint_border(painter: QPainter, item: NodeItem, zoom: float) -> None:
         pen = style.border
     painter.setPen(pen)
     painter.setBrush(Qt.BrushStyle.NoBrush)
-    painter.drawRoundedRect(item.geometry.frame, _ROUND, _ROUND)
+    painter.drawRoundedRect(frame, _ROUND, _ROUND)
     if item.face.macro:  # a second frame around it, as of cards that lie on each other
         painter.setBrush(Qt.BrushStyle.NoBrush)
         gap = min(max(_GAP, 3.0 / zoom), _MARGIN - 1.0)
-        around = item.geometry.frame.adjusted(-gap, -gap, gap, gap)
+        around = frame.adjusted(-gap, -gap, gap, gap)
         painter.drawRoundedRect(around, _ROUND + gap, _ROUND + gap)
 
 
@@ -304,12 +325,13 @@ class Fitted:
     lines: tuple[str, ...]
     font: QFont
     pitch: float
+    width: float
 
 
 def fitted(face: NodeFace, room: QSizeF, zoom: float, style: CanvasStyle) -> Fitted | None:
     """Break a title into lines in the largest font that fits and can be read; None if none does."""
     words = face.id.replace("_", "_ ").replace("-", "- ").split() or [""]
-    size = round(_READABLE_PX * style.natural_zoom / zoom)
+    size = math.ceil(_READABLE_PX * style.natural_zoom / zoom)
     while size * zoom >= _LEAST_PX * style.natural_zoom:
         metrics = style.metrics(size)
         pitch = metrics.height() * 0.92
@@ -318,7 +340,8 @@ def fitted(face: NodeFace, room: QSizeF, zoom: float, style: CanvasStyle) -> Fit
         ):
             lines = _broken(words, room.width(), metrics)
             if pitch * len(lines) <= room.height():
-                return Fitted(tuple(lines), style.sized(size), pitch)
+                width = max(metrics.horizontalAdvance(line) for line in lines)
+                return Fitted(tuple(lines), style.sized(size), pitch, width)
         size -= max(1, size // 16)
     return None
 

@@ -34,10 +34,6 @@ class Minimap(QWidget):
         view.viewport().installEventFilter(self)
         view.looked_elsewhere.connect(self.follow)
 
-    @property
-    def wanted(self) -> bool:
-        return self._wanted
-
     def toggle(self) -> None:
         self._wanted = not self._wanted
         self.follow()

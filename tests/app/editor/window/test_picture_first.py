@@ -1,12 +1,15 @@
 """The picture has the most room: by default, in windows of any size, and by one key all of it."""
 
+import itertools
+
 import pytest
-from PySide6.QtCore import QPoint, QPointF, QSize, Qt
-from PySide6.QtGui import QContextMenuEvent, QImage
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QContextMenuEvent, QFontInfo, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QMessageBox, QPushButton
 
-from app.editor.window import window_layout
+from app.editor.canvas.items.node_item import OVERVIEW
+from app.editor.window.main_window import MainWindow
 from core.editing.operations import set_parameter
 from window_hands import show_small
 
@@ -50,6 +53,28 @@ def test_the_picture_has_two_fifths_of_the_window(opened, idle):
         for part in (opened.canvas, opened.panels, opened.library_view, opened.viewers.plot):
             assert part.isVisible(), size
             assert part.height() >= 0.12 * opened.height(), size
+
+
+@pytest.mark.parametrize("size", [(1600, 900), (2560, 1440)])
+def test_the_names_of_fifteen_nodes_are_read_as_large_as_the_windows_text(opened, idle, size):
+    opened.resize(*size)
+    idle(opened)
+    opened.canvas.frame_all()
+    view, nodes = opened.canvas.view, opened.canvas.content.nodes
+    assert len(nodes) == 15
+    assert view.relative_zoom < OVERVIEW
+    plates = []
+    for name, node in nodes.items():
+        title = node.title_at(view.zoom)
+        assert title is not None, name
+        assert "".join(title.lines).replace(" ", "") == name
+        assert title.font.pixelSize() * view.zoom >= QFontInfo(opened.font()).pixelSize(), name
+        plate = node.plate(view.zoom).translated(node.pos())
+        assert view.visible_rect().contains(plate), name
+        assert node.sceneBoundingRect().contains(plate), name
+        plates.append(plate)
+    for one, other in itertools.combinations(plates, 2):
+        assert not one.intersects(other)
 
 
 def test_there_and_back_it_has_the_size_it_had(opened, idle):
@@ -177,12 +202,13 @@ def test_a_click_on_the_first_page_does_not_undo_what_was_dragged(opened, idle):
     assert opened.panel_dock.width() == pytest.approx(1.5 * wide, abs=3)
 
 
-@pytest.mark.parametrize("size", [(1366, 728), (1600, 900), (2560, 1400), (3840, 2100), (800, 600)])
-def test_a_first_window_lies_within_its_screen_and_uses_a_large_one(size):
-    first = window_layout.first_size(QSize(*size))
-    assert first.width() < size[0]
-    assert first.height() < size[1]
-    assert first.width() * first.height() >= 0.55 * size[0] * size[1]
+def test_a_first_window_that_is_not_maximised_lies_within_its_screen(library, settings, tmp_path):
+    window = MainWindow(library=library, settings=settings, recovery=tmp_path)
+    room, first = window.screen().availableSize(), window.size()
+    window.close_for_good()
+    assert first.width() < room.width()
+    assert first.height() < room.height()
+    assert first.width() * first.height() >= 0.55 * room.width() * room.height()
 
 
 # --- over the whole screen ---------------------------------------------------------------------

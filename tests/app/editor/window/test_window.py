@@ -102,7 +102,7 @@ def test_files_dropped_together_do_not_cover_each_other(window, tmp_path):
         np.save(file, np.ones((8, 8)))
     window.drops.files(list(map(str, files)), QPointF(0, 0))
     items = [
-        item.sceneBoundingRect().united(item.childrenBoundingRect().translated(item.pos()))
+        item.frame().united(item.childrenBoundingRect().translated(item.pos()))
         for item in window.canvas.content.nodes.values()
     ]
     assert len(items) == 7
