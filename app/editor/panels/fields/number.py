@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from PySide6.QtCore import QEvent, QSignalBlocker, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QSignalBlocker, QStringListModel, Qt, QTimer, Signal
 from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QMenu, QSlider, QWidget
+from PySide6.QtWidgets import QCompleter, QMenu, QSlider, QWidget
 
 from app.editor.declared_text import about, placeholder_of, shown_value, tip
 from app.editor.gestures import EscapeInDrag
@@ -49,6 +50,7 @@ class NumberField(TypedField):
         edit = self.build_edit(steps=True)
         if self.parameter.empty:
             edit.setPlaceholderText(placeholder_of(self.parameter))
+        edit.textEdited.connect(self._offer_names)
         edit.stepped.connect(self._step_freely)
         edit.step_ended.connect(self._end)
         self.slider = Slider(self.scale.positions, self)
@@ -147,6 +149,26 @@ class NumberField(TypedField):
             value = thaw(node.session.valued(node.name).params[name])
             node.do(set_parameter(node.name, name, value, f"Unlink {node.name}.{name}"))
 
+    def _offer_names(self, text: str) -> None:
+        """List the names that have the last word of an expression in them, unless it is one."""
+        word = _last_word(text)
+        names = self.node.names_beside() if word else []
+        if word and self.edit.names is None:
+            completer = self.edit.names = QCompleter(self)
+            completer.setFilterMode(Qt.MatchFlag.MatchContains)
+            completer.setCaseSensitivity(Qt.CaseSensitivity.CaseInsensitive)
+            completer.setWidget(self.edit)
+            completer.activated.connect(self._take_name)
+        if (shown := self.edit.names) is not None:
+            shown.setModel(QStringListModel([] if word in names else names, shown))
+            shown.setCompletionPrefix(word)
+            shown.complete()  # which hides the list where there is nothing in it
+
+    def _take_name(self, name: str) -> None:
+        text = self.edit.text()
+        self.edit.setText(text.removesuffix(_last_word(text)) + name)
+        self.edit.setModified(True)
+
     def _offer_link(self, text: str) -> None:
         raw = expression(text)
         fault = self.node.session.link_fault(self.node.name, self.parameter.name, raw)
@@ -217,6 +239,12 @@ class NumberField(TypedField):
             self._gesture = None
             self.node.session.end_gesture()
             self.show_value(self.value)
+
+
+def _last_word(text: str) -> str:
+    """Of an expression, which begins with =; none of a number."""
+    found = re.search(r"[^\W\d][\w.]*$", text)
+    return found.group() if found and text.lstrip().startswith("=") else ""
 
 
 # A slider that signals what a person does with it, and shows values without signals.

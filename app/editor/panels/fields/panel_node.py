@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, Signal
 from app.editor.session import Session
 from core.editing.operations import ABSENT, Operation, Together, set_parameter
 from core.names import thaw
+from core.network.expression_grammar import quoted
 from core.network.macro import unfolded
 
 
@@ -62,6 +63,17 @@ class PanelNode:
             values = {name: nodes[name].params.get(parameter, ABSENT) for name in self._alike}
             steps = (set_parameter(name, parameter, thaw(value)) for name, value in values.items())
             self.do(_for_each(steps), gesture)
+
+    def names_beside(self) -> list[str]:
+        """The numbers of the nodes that lie in the same macro, as expressions name them."""
+        session, names = self.session, []
+        around = self.name.removesuffix(session.local_name(self.name))
+        for name in session.network.nodes:
+            local, declared = session.local_name(name), session.declared(name)
+            for one in declared.parameters if declared and around + local == name else ():
+                if one.kind in ("number", "integer"):
+                    names.append(f"{quoted(local)}.{one.name}")
+        return names
 
     @property
     def _alike(self) -> tuple[str, ...]:

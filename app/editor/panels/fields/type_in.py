@@ -13,7 +13,7 @@ from PySide6.QtGui import (
     QPen,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QLineEdit, QWidget
+from PySide6.QtWidgets import QCompleter, QLineEdit, QWidget
 
 from app.editor.theme import CHANGED, ERROR
 from app.editor.widgets import takes_wheel
@@ -21,6 +21,7 @@ from app.editor.widgets import takes_wheel
 WHEEL_REST_MS = 400
 
 _STEPS = {Qt.Key.Key_Up: 1, Qt.Key.Key_Down: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
+_OF_LIST = {*_STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Tab, Qt.Key.Key_Escape}
 _UNDO, _REDO = QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo
 
 
@@ -42,6 +43,7 @@ class TypeIn(QLineEdit):
         self.marked = False
         """Whether the text was refused."""
         self.is_linked = False
+        self.names: QCompleter | None = None  # lists names to be taken into the text
         self.is_left_by_mouse = False
         self._rest = QTimer(self, singleShot=True, interval=WHEEL_REST_MS)
         self._rest.timeout.connect(self.step_ended)
@@ -99,7 +101,10 @@ class TypeIn(QLineEdit):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_Escape and self.unsettled:
+        listed = self.names.popup() if self.names is not None else None
+        if event.key() in _OF_LIST and listed is not None and listed.isVisible():
+            event.ignore()  # Qt gives it to the list
+        elif event.key() == Qt.Key.Key_Escape and self.unsettled:
             self.give_up()
         elif self._steps and event.key() in _STEPS:
             self.commit()

@@ -108,6 +108,32 @@ def test_what_is_refused_says_why_and_what_counts(text, part, sigma, session):
     assert sigma.edit.text() == "0.3"
 
 
+def test_a_name_is_completed_behind_the_equals_sign(sigma, session, qtbot):
+    sigma.edit.setFocus()
+    sigma.edit.selectAll()
+    QTest.keyClicks(sigma.edit, "2")
+    assert sigma.edit.names is None  # a number, no name
+    sigma.edit.selectAll()
+    QTest.keyClicks(sigma.edit, "= 0.2 * F_nu")
+    popup = sigma.edit.names.popup()
+    assert popup.isVisible()
+    offered = [popup.model().index(row, 0).data() for row in range(popup.model().rowCount())]
+    assert offered == ["init.f_number"]
+    QTest.keyClick(popup, Qt.Key.Key_Down)
+    QTest.keyClick(popup, Qt.Key.Key_Return)
+    assert not popup.isVisible()
+    assert sigma.edit.text() == "= 0.2 * init.f_number"
+    QTest.keyClicks(sigma.edit, " * 2")
+    QTest.keyClick(sigma.edit, Qt.Key.Key_Return)
+    assert stored(session) == {"expression": "0.2 * init.f_number * 2"}
+
+
+def test_names_are_those_of_nodes_in_the_same_macro(sigma, session):
+    names = sigma.node.names_beside()
+    assert "init.f_number" in names
+    assert all(name.partition(".")[0] in session.network.nodes for name in names)
+
+
 def test_a_link_is_typed_shown_followed_and_undone(sigma, session):
     position = session.document.history.position
     type_in(sigma.edit, "= init.f_number * 0.2")
