@@ -44,7 +44,7 @@ from core.modules.declaration import Library
 from core.network.file import read_network
 from core.network.network import Network
 
-_GROUPS, _CURVES = "pictures/gallery.json", "pictures/gallery_curves.json"
+GROUPS, CURVES = "pictures/gallery.json", "pictures/gallery_curves.json"
 _PICTURE = QSize(7, 5)  # in lines of text
 _NARROWEST = 54  # letters that a card is wide at least
 _MOST_COLUMNS = 4
@@ -52,6 +52,7 @@ _STRETCH = 3.0  # at most, of one side of a chain over the other
 _CHAIN = 2.6  # lines of text that the chain is high
 _MARGIN = 8
 _NODE = 70.0  # height of a node on the drawing, in units of the canvas
+_LIGHTER = {"dark": 150, "light": 90}  # %, that nodes stand out from the card
 _BAR = 4  # points of a bar's outline; every curve has more
 
 Line = tuple[int, list[tuple[int, int]]]  # of which colour; its points in thousandths, y upwards
@@ -71,7 +72,7 @@ class Gallery(QWidget):
         self._groups: list[tuple[QLabel, list[NetworkCard]]] = []
         groups = {key: declared.group for key, declared in declarations(library).items()}
         files = shipped_networks()
-        for title, names in groups_of_networks().items():
+        for title, names in read_data(GROUPS).items():
             cards = [NetworkCard(name, files[name], line, groups) for name, line in names.items()]
             for card in cards:
                 card.clicked.connect(partial(self.chosen.emit, card.name))
@@ -132,7 +133,6 @@ class NetworkCard(QToolButton):
             child.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
 
     def sizeHint(self) -> QSize:
-        """As a widget with this layout has it; a button asks its text."""
         return self._whole.totalSizeHint()
 
     def minimumSizeHint(self) -> QSize:
@@ -144,7 +144,7 @@ class SpecialDrawing(QWidget):
 
     def __init__(self, name: str, pictures: Path) -> None:
         super().__init__()
-        self.curves: Sequence[Line] = _read(_CURVES).get(name, ())
+        self.curves: Sequence[Line] = read_data(CURVES).get(name, ())
         self._picture = QIcon(str(pictures / f"thumbnail_{name}.png"))
         self.setFixedSize(_PICTURE * self.fontMetrics().height())
 
@@ -163,9 +163,8 @@ class SpecialDrawing(QWidget):
                 points = QPolygonF([QPointF(x * across, y * up) for x, y in line])
                 if len(line) == _BAR:
                     painter.setBrush(painter.pen().color())
-                    painter.drawPolygon(points)
-                else:
-                    painter.drawPolyline(points)
+                    painter.drawRect(points.boundingRect())
+                painter.drawPolyline(points)
 
 
 class ChainDrawing(QWidget):
@@ -173,8 +172,7 @@ class ChainDrawing(QWidget):
 
     def __init__(self, network: Network, groups: Mapping[str, str]) -> None:
         super().__init__()
-        points = points_of(network).items()
-        self._boxes = {name: QRectF(*at, NARROWEST, _NODE) for name, at in points}
+        self._boxes = {n: QRectF(*at, NARROWEST, _NODE) for n, at in points_of(network).items()}
         self._groups = {name: groups.get(node.module, "") for name, node in network.nodes.items()}
         self._links = {(link.source, link.target) for link in network.links}
         self.setFixedHeight(round(_CHAIN * self.fontMetrics().height()))
@@ -194,20 +192,12 @@ class ChainDrawing(QWidget):
             painter.setPen(Qt.PenStyle.NoPen)
             for name, box in boxes.items():
                 colour = QColor(theme.groups.get(self._groups[name], theme.raised))
-                painter.setBrush(
-                    colour.lighter(150) if theme.look == "dark" else colour.darker(112)
-                )
+                painter.setBrush(colour.lighter(_LIGHTER[theme.look]))
                 painter.drawRoundedRect(box, 1.5, 1.5)
 
 
-def groups_of_networks() -> dict[str, dict[str, str]]:
-    """By what one wants to do: the names of the networks, each with its line."""
-    groups: dict[str, dict[str, str]] = _read(_GROUPS)
-    return groups
-
-
 @cache
-def _read(name: str) -> Any:
+def read_data(name: str) -> Any:
     file = Path(networks.__path__[0]) / name
     return json.loads(file.read_text(encoding="utf-8"))
 

@@ -63,35 +63,24 @@ CANVAS = (
 )  # fmt: skip
 # What the mouse does has no action to be read from.
 MOUSE = (
-    ("Mouse", "Pan", "middle button", "Drag the canvas"),
-    ("Mouse", "Zoom", "wheel", "Zoom at the pointer"),
-    ("Mouse", "Add", "double-click", "Search for a module and add it there"),
-    ("Mouse", "Wire", "drag from a port", "On empty canvas: list the modules that fit"),
-    ("Mouse", "View", "Ctrl+Shift and click", "Show the node in viewer 1"),
-    ("Mouse", "Insert", "drop a node on a wire", "Insert the node into the wire"),
-    ("Mouse", "Bend a wire", "double-click on it", "Add a dot; drag it, Del deletes it"),
-    ("Mouse", "Cut wires", "Alt+Shift and drag", "Disconnect the wires that the line crosses"),
-    ("Mouse", "Open", "drop a file", "A picture becomes a Read Image, a network is opened"),
-    ("Mouse", "Region", "⬚, or R on a picture", "Draw the region of the selected module"),
+    ("Pan", "middle button", "Drag the canvas"),
+    ("Zoom", "wheel", "Zoom at the pointer"),
+    ("Add", "double-click", "Search for a module and add it there"),
+    ("Wire", "drag from a port", "On empty canvas: list the modules that fit"),
+    ("View", "Ctrl+Shift and click", "Show the node in viewer 1"),
+    ("Insert", "drop a node on a wire", "Insert the node into the wire"),
+    ("Bend a wire", "double-click on it", "Add a dot; drag it, Del deletes it"),
+    ("Cut wires", "Alt+Shift and drag", "Disconnect the wires that the line crosses"),
+    ("Open", "drop a file", "A picture becomes a Read Image, a network is opened"),
+    ("Region", "⬚, or R on a picture", "Draw the region of the selected module"),
     (
-        "Mouse",
         "Move a region",
         "drag, or arrow keys",
         "Shift: by 10 samples; Ctrl: its last corner; Esc: undo",
     ),
-    (
-        "Mouse",
-        "Move a wipe",
-        "drag, or Ctrl+arrow",
-        "Between A and B, or two wires; Shift: larger steps",
-    ),
-    (
-        "Mouse",
-        "Show another band",
-        "drag its line, or PgUp",
-        "In a picture with bands; PgDown: back",
-    ),
-    ("Mouse", "Default", "right-click on a value", "Reset it to its default"),
+    ("Move a wipe", "drag, or Ctrl+arrow", "Between A and B, or two wires; Shift: larger steps"),
+    ("Show another band", "drag its line, or PgUp", "In a picture with bands; PgDown: back"),
+    ("Default", "right-click on a value", "Reset it to its default"),
 )
 
 
@@ -100,7 +89,11 @@ class ShortcutList(QDialog):
         super().__init__(parent)
         self.setObjectName("shortcuts")
         self.setWindowTitle("Shortcuts")
-        self._rows = [*shortcuts_of(actions), *CANVAS, *(ShortcutRow(*row) for row in MOUSE)]
+        self._rows = [
+            *shortcuts_of(actions),
+            *CANVAS,
+            *(ShortcutRow("Mouse", *row) for row in MOUSE),
+        ]
         self.search = QLineEdit(self)
         self.search.setObjectName("shortcuts.search")
         self.search.setAccessibleName("Search the shortcuts")

@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.gestures import without_argument
 from app.editor.recovery_files import Recovered
+from app.editor.theme import FAINT
 from app.editor.window.gallery import Gallery, heading
 from app.editor.window.recent_files import folder_text
 from core.modules.declaration import Library
@@ -49,7 +50,10 @@ class WelcomePage(QScrollArea):
         whole.setSpacing(28)
         left = QVBoxLayout()
         left.addWidget(heading("Imagechain", 1.9))
-        left.addWidget(_faint("Simulate electro-optical and infrared sensors, stage by stage."))
+        about = QLabel("Simulate electro-optical and infrared sensors, stage by stage.")
+        about.setWordWrap(True)
+        about.setForegroundRole(FAINT)
+        left.addWidget(about)
         left.addWidget(self._buttons())
         left.addLayout(self._lists)
         left.addStretch()
@@ -136,13 +140,6 @@ class WelcomePage(QScrollArea):
         button.setAccessibleName(f"{button.text()} {what}")
         layout.addWidget(button)
         return button
-
-
-def _faint(text: str) -> QLabel:
-    label = QLabel(text)
-    label.setWordWrap(True)
-    label.setEnabled(False)
-    return label
 
 
 def _clear(layout: QVBoxLayout) -> None:

@@ -350,8 +350,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 # A picture as an item of a plot: 8-bit levels with a table of colours, or colours of its own.
 
 WITH_NUMBERS_PX = 40.0  # wide on the screen, from which a pixel has its value written on it
-_MOST_LETTERS = 8
-_LETTERS_A_PIXEL, _LARGEST_NUMBER_PX = 4.6, 15.0
+_LETTERS_A_PIXEL, _LARGEST_NUMBER_PX = 5.0, 15.0
 
 
 class PictureItem(pg.ImageItem):  # type: ignore[misc]
@@ -412,9 +411,7 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
     def number_at(self, row: int, column: int) -> str:
         """A sample in the few digits that fit on its pixel."""
         assert self._samples is not None
-        value = self._samples[row, column]
-        texts = (f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}") for digits in (4, 2))
-        return next((text for text in texts if len(text) <= _MOST_LETTERS), f"{value:.1g}")
+        return f"{self._samples[row, column]:.3g}".replace("-", "\N{MINUS SIGN}")
 
     def _is_dark(self, row: int, column: int) -> bool:
         level = self.image[row, column]

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 
-from app.editor.window.gallery import NetworkCard, SpecialDrawing, groups_of_networks
+from app.editor.window.gallery import GROUPS, NetworkCard, SpecialDrawing, read_data
 from app.editor.window.main_window import MainWindow
 from app.run.shipped import shipped_networks
 from gallery_curves import CUBE, FILE, SOURCES, curves_of
@@ -31,7 +31,7 @@ def cards(window):
 def test_cards_stand_in_groups_with_their_lines_and_the_sensors_of_1996_last(window, qtbot, size):
     window.resize(*size)
     qtbot.wait(50)
-    names = [name for group in groups_of_networks().values() for name in group]
+    names = [name for group in read_data(GROUPS).values() for name in group]
     assert [card.name for card in cards(window)] == names
     assert set(names) == set(shipped_networks())
     assert sorted(names[-4:]) == sorted(f"{one}{year}" for one in SENSORS for year in ("", "_1996"))
