@@ -8,7 +8,7 @@ from statistics import median
 
 from PySide6.QtWidgets import QApplication
 
-from app.editor.window.opening import Opened
+from app.editor.window.files import Opened
 from core.editing.document import Document
 from core.editing.operations import Move
 from core.network.network import Link, Network, Node

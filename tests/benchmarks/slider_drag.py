@@ -18,8 +18,8 @@ from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QSlider, QStyle, QStyleOptionSlider
 
+from app.editor.window.files import Opened, open_named
 from app.editor.window.main_window import MainWindow
-from app.editor.window.opening import Opened, open_named
 from core.editing.document import Document
 from core.editing.operations import set_parameter
 from trial_window import PaintedPictures, live, settle, trial_window

@@ -12,7 +12,7 @@ from library_networks import Document
 from library_networks import Network as Drawing
 from mutations import mutated
 
-from app.editor.window.opening import open_network_file
+from app.editor.window.files import open_network_file
 from app.run.shipped import shipped_networks
 from core.errors import ImagechainError
 from core.network.file import format_network, load_network, read_network, save_network

@@ -8,7 +8,7 @@ from cases import Case
 from commands import ended
 
 from app.editor.recovery_files import Autosave
-from app.editor.window.opening import open_network_file
+from app.editor.window.files import open_network_file
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
 from core.network.file import format_network, read_network

@@ -13,8 +13,8 @@ from pathlib import Path
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
 from PySide6.QtWidgets import QSlider
 
+from app.editor.window.files import Opened, open_named
 from app.editor.window.main_window import MainWindow
-from app.editor.window.opening import Opened, open_named
 from app.editor.window.recent_files import Settings
 from app.editor.window.start import application, settle
 from clip_frames import Clip, gif

@@ -22,8 +22,8 @@ from PySide6.QtWidgets import (
 from app.editor.dialogs import SaveDialog
 from app.editor.panels.fields.number import NumberField
 from app.editor.window.main_window import MainWindow
-from app.editor.window.part_focus import in_sight
 from app.editor.window.recent_files import Settings
+from app.editor.window.viewer_docks import in_sight
 from child_process import PATIENCE_S
 from hands import centre, process_events, wait_until
 from managed_window import Managed

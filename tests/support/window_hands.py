@@ -7,7 +7,7 @@ from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 
-from app.editor.window.opening import Opened, shipped_copy
+from app.editor.window.files import Opened, shipped_copy
 from canvas_hands import CanvasHands
 from child_process import PATIENCE_S
 from core.editing.document import Document

@@ -14,20 +14,15 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from app.editor.canvas.crumbs import TitleEditor
-from app.editor.canvas.hands.adding import Adding
-from app.editor.canvas.hands.dots import Dots
-from app.editor.canvas.hands.dropping import Dropping
+from app.editor.canvas.hands.adding import Adding, Dropping
 from app.editor.canvas.hands.gestures import Surface
-from app.editor.canvas.hands.keys import Keys
-from app.editor.canvas.hands.menus import Menus
-from app.editor.canvas.hands.mouse import Mouse
+from app.editor.canvas.hands.menus import Keys, Menus
+from app.editor.canvas.hands.mouse import Dots, Mouse
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.content import Content
-from app.editor.canvas.items.hits import node_at
-from app.editor.canvas.items.marks import Marks
-from app.editor.canvas.view.canvas_view import GraphView, Handler
+from app.editor.canvas.items.hits import Marks, node_at
+from app.editor.canvas.view.canvas_view import GraphView, Handler, Minimap
 from app.editor.canvas.view.choice_popup import ChoicePopup
-from app.editor.canvas.view.minimap import Minimap
 from app.editor.canvas.view.node_thumbnails import NodeThumbnails
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level

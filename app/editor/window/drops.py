@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QMimeData, QObject, QPointF
@@ -11,14 +12,24 @@ from PySide6.QtWidgets import QWidget
 from app.editor.canvas.canvas import Canvas
 from app.editor.gestures import accept_copy
 from app.editor.level import Level
-from app.editor.window.files import Files
-from app.editor.window.opening import is_network_file
+from app.editor.library_view import LibraryView
+from app.editor.window.files import Files, is_network_file
 from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
+from app.run.preset_files import (
+    KEY,
+    Preset,
+    own_presets,
+    placed,
+    preset_of,
+    save_preset,
+    shipped_presets,
+)
 from core.chain.engine import Engine
 from core.editing.operations import Operation, Restored, Together, set_parameter
 from core.editing.wiring import new_node
 from core.errors import ImagechainError
 from core.network.macro import expanded
+from core.network.network import Network
 
 READ_IMAGE = "read_image"
 _DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
@@ -107,3 +118,63 @@ def dropped_files(data: QMimeData) -> list[str]:
 
 def _named(paths: list[str]) -> str:
     return Path(paths[0]).name if len(paths) == 1 else f"{len(paths)} files"
+
+
+# The presets of the library: added as macros, and saved from them.
+
+
+class PresetShelf(QObject):
+    def __init__(
+        self, level: Level, canvas: Canvas, library_view: LibraryView, folder: Path, parent: QObject
+    ) -> None:
+        super().__init__(parent)
+        self._level = level
+        self._canvas = canvas
+        self._view = library_view
+        self.folder = folder
+        self.presets: tuple[Preset, ...] = ()
+        self.refresh()
+        canvas.preset_dropped.connect(self.add_at)
+
+    def refresh(self) -> None:
+        library = self._level.library
+        self.presets = (*shipped_presets(library), *own_presets(self.folder, library))
+        self._view.show_presets(self.presets)
+
+    def add(self, key: str) -> bool:
+        """Put a preset where the mouse was last; False for the key of a module."""
+        if not key.startswith(KEY):
+            return False
+        self._put(key, self._canvas.cursor_point())
+        return True
+
+    def add_at(self, key: str, point: QPointF) -> None:
+        self._put(key, (round(point.x()), round(point.y())))
+        self._canvas.view.setFocus()
+
+    def save(self) -> None:
+        level = self._level
+        for name in level.selection[-1:]:
+            try:
+                node = level.network.nodes[name]
+                values = {one: level.value(name, one) for one in node.linked}
+                alone = Network(nodes={name: replace(node, params={**node.params, **values})})
+                path = save_preset(alone, name, self.folder, level.library)
+            except ImagechainError as error:
+                level.message.emit("error", f"not saved as a preset: {error}")
+                return
+            self.refresh()
+            level.message.emit("note", f"saved as a preset: {path}")
+
+    def _put(self, key: str, at: tuple[float, float]) -> None:
+        preset = preset_of(key, self.presets)
+        level = self._level
+        try:
+            if preset is None:
+                return
+            name, operation = placed(preset, level.network, level.library, at)
+        except ImagechainError as error:
+            level.message.emit("error", str(error))
+            return
+        if level.do(operation):
+            level.select([name])

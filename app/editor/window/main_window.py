@@ -28,19 +28,17 @@ from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.window.actions import CANVAS_MENU, NODE_MENU, Actions
 from app.editor.window.background_runs import BackgroundRuns
-from app.editor.window.drops import Drops
+from app.editor.window.drops import Drops, PresetShelf
 from app.editor.window.edit_commands import EditCommands
-from app.editor.window.files import Files
-from app.editor.window.first_views import FirstViews
+from app.editor.window.files import Files, Opened
 from app.editor.window.help import Help
 from app.editor.window.history_list import HistoryList
-from app.editor.window.opening import Opened
-from app.editor.window.part_focus import PartFocus
-from app.editor.window.preset_shelf import PresetShelf
 from app.editor.window.recent_files import RecentMenu, Settings
 from app.editor.window.status_bar import StatusBar
 from app.editor.window.viewer_docks import (
+    FirstViews,
     FullScreen,
+    PartFocus,
     ViewerDocks,
     add_dock,
     bring_forward,

@@ -17,8 +17,8 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from app.editor.lean_imports import nothing_collected
 from app.editor.theme import THEMES, Look
+from app.editor.window.files import open_named
 from app.editor.window.main_window import MainWindow
-from app.editor.window.opening import open_named
 from app.editor.window.recent_files import Settings
 from app.options.command_options import Options
 from app.options.terminal_streams import print_error

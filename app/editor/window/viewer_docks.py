@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
-from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QKeySequence, QShortcut
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer, Signal
+from PySide6.QtGui import QAction, QKeySequence, QPainter, QPaintEvent, QPalette, QRegion, QShortcut
 from PySide6.QtWidgets import (
     QApplication,
     QDockWidget,
@@ -22,6 +23,10 @@ from app.editor.session import Session
 from app.editor.viewers.network_ports import PICTURE_TYPES, PLOT_TYPES
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.run.output import ANALYSIS, find_output, source_images
+from core.chain.engine import Plan
+from core.chain.wires import Curve, Image, Table
+from core.errors import ImagechainError
 
 _BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
 
@@ -244,3 +249,234 @@ class FullScreen(QObject):
         for dock in (*viewers.docks.values(), viewers.plot_dock, viewers.tradeoff_dock):
             if now is not None and self.page is None and dock.isAncestorOf(now):
                 self._used = dock
+
+
+# What is most useful of a network that has just been opened: its picture first, and the panel and
+# curve of its first analysis node with figures; without one, the chain's transfer functions.
+
+DIFFERENCE = "difference"  # the output of what a node's picture differs in from the usual
+
+
+@dataclass(frozen=True)
+class FirstLook:
+    """Ports and a node to look at.
+
+    Parameters
+    ----------
+    node : str or None
+        The node whose panel is opened.
+    curve : str or None
+        What is plotted; None for the chain's transfer functions.
+    pictures : tuple of str
+        What the image viewers show: as many as there are, up to two.
+    front : int
+        Number of the viewer in front.
+    """
+
+    node: str | None
+    curve: str | None
+    pictures: tuple[str, ...]
+    front: int = 1
+
+
+def first_look(plan: Plan) -> FirstLook:
+    """The node with figures, its curve; the final picture, and beside it the input picture.
+
+    In front of the input picture's place comes the difference that this node makes, if it makes
+    one: it is what cannot be seen by comparing the two.
+    """
+    node = node_with_figures(plan)
+    outputs = plan.nodes[node].outputs if node is not None else {}
+    curves = [f"{node}.{name}" for name, value in outputs.items() if isinstance(value, Curve)]
+    pictures = first_ports(plan)
+    if pictures and isinstance(outputs.get(DIFFERENCE), Image):
+        return FirstLook(node, (*curves, None)[0], (pictures[0], f"{node}.{DIFFERENCE}"), 2)
+    return FirstLook(node, (*curves, None)[0], pictures)
+
+
+def node_with_figures(plan: Plan) -> str | None:
+    """The first analysis node, in the network's order, that has a table of figures; None for none.
+
+    Slices of transfer functions have none: the curves of the chain show the same.
+    """
+    for name, planned in plan.nodes.items():
+        if planned.module is None or planned.declaration.group != ANALYSIS:
+            continue
+        if any(isinstance(value, Table) for value in planned.outputs.values()):
+            return name
+    return None
+
+
+def first_ports(plan: Plan) -> tuple[str, ...]:
+    """The final picture and the input picture it is to be compared with; as many as there are."""
+    try:
+        final = find_output(plan).port
+    except ImagechainError:
+        final = None
+    sources = [port for port in source_images(plan) if port != final]
+    return tuple(port for port in (final, *sources[:1]) if port is not None)
+
+
+class FirstViews(QObject):
+    """Follows what is opened.
+
+    The picture is looked at as soon as the network is planned, before anything is computed. What
+    stands beside it comes with the end of that pass: a viewer of its own takes 0.1 s to make, in
+    which the picture would wait.
+    """
+
+    def __init__(self, session: Session, evaluator: Evaluator, viewers: ViewerDocks) -> None:
+        super().__init__(viewers)
+        self._session = session
+        self._evaluator = evaluator
+        self._viewers = viewers
+        self._due = False
+        self._beside: FirstLook | None = None
+        session.opened.connect(self._opened)
+        evaluator.planned.connect(self._planned)
+        evaluator.pass_done.connect(self._pass_done)
+
+    def _opened(self) -> None:
+        self._due = True
+        self._beside = None
+
+    def _planned(self, _plan: object) -> None:
+        plan = self._evaluator.plan
+        if not self._due or plan is None or not plan.network.nodes:
+            return  # an empty network waits for its first nodes
+        self._due = False
+        self._beside = look = first_look(plan)
+        if look.pictures:
+            self._viewers.look_at(1, look.pictures[0])
+        if look.front > 1:
+            self._look_beside()
+
+    def _pass_done(self, done: object) -> None:
+        if self._due:
+            self._planned(done)
+        elif self._beside is not None:
+            self._viewers.images[1].canvas.viewport().repaint()  # before the others are made
+            self._look_beside()
+
+    def _look_beside(self) -> None:
+        look, self._beside = self._beside, None
+        if look is None:
+            return
+        viewers = self._viewers
+        shown = viewers.images.get(2)
+        if len(look.pictures) > 1 and (shown is None or shown.choices.port is None):
+            viewers.look_at(2, look.pictures[1])
+            viewers.docks[look.front].raise_()
+        if look.curve is not None:
+            viewers.plot.look_at(look.curve)
+        if look.node is not None and not self._session.selection:
+            self._session.select([look.node])
+
+
+# Which part of the window has the keyboard: a ring around it, F6 from part to part.
+
+_TAB = Qt.FocusPolicy.TabFocus
+_FOLLOWED = (QEvent.Type.Resize, QEvent.Type.Move, QEvent.Type.Show, QEvent.Type.Hide)
+_DOTS = 2
+
+
+class PartFocus(QObject):
+    """Raises what gets the focus behind other tabs, and draws a ring around its part.
+
+    `parts` gives the parts of the window there are now, in the order of F6.
+    """
+
+    def __init__(self, parts: Callable[[], Sequence[QWidget]], window: QWidget) -> None:
+        super().__init__(window)
+        self._parts = parts
+        self._window = window
+        self._at: QWidget | None = None
+        # A page that comes back into its dock has the focus before it has its place, and a widget
+        # that is shown has the window laid out at once.
+        self._settled = QTimer(self, singleShot=True, interval=0)
+        self._settled.timeout.connect(self._settle)
+        self.ring = FocusRing(window)
+        QApplication.instance().focusChanged.connect(self._follow)
+
+    def go(self, step: int) -> None:
+        """Give the focus to the next part in sight."""
+        seen = [part for part in self._parts() if in_sight(part)]
+        focus = QApplication.focusWidget()
+        at = next((number for number, part in enumerate(seen) if _holds(part, focus)), -1)
+        part = seen[(at + step) % len(seen)]
+        for widget in (part, *part.findChildren(QWidget)):
+            if widget is part or (widget.isVisible() and widget.focusPolicy() & _TAB):
+                widget.setFocus(Qt.FocusReason.TabFocusReason)
+                if _holds(part, QApplication.focusWidget()):
+                    return
+
+    def close(self) -> None:
+        self._settled.stop()
+        QApplication.instance().focusChanged.disconnect(self._follow)
+
+    def _follow(self, _old: QWidget | None, new: QWidget | None) -> None:
+        if new is None or new.window() is not self._window:
+            return  # a menu or a dialog; the part has the keyboard again after it
+        part = next((part for part in self._parts() if _holds(part, new)), None)
+        if part is not self._at:
+            if self._at is not None:
+                self._at.removeEventFilter(self)
+            if part is not None:
+                part.installEventFilter(self)
+            self._at = part
+        self._settled.start()
+
+    def _settle(self) -> None:
+        """Bring the dock of what has the focus before others in its place, and ring its part."""
+        above = QApplication.focusWidget()
+        while above is not None and not isinstance(above, QDockWidget):
+            above = above.parentWidget()
+        if above is not None and above.window() is self._window and not in_sight(above):
+            above.raise_()
+        self._place()
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        if event.type() in _FOLLOWED:
+            self._settled.start()
+        return False
+
+    def _place(self) -> None:
+        part = self._at
+        if part is None or not part.isVisible():
+            self.ring.hide()
+            return
+        self.ring.surround(QRect(part.mapTo(self._window, QPoint(0, 0)), part.size()))
+
+
+class FocusRing(QWidget):
+    """A frame of the accent's colour; only its edges are a widget, so what is inside is not hit."""
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self.setObjectName("focus_ring")
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.hide()
+
+    def surround(self, place: QRect) -> None:
+        if place != self.geometry():
+            self.setGeometry(place)
+            inside = self.rect().adjusted(_DOTS, _DOTS, -_DOTS, -_DOTS)
+            self.setMask(QRegion(self.rect()) - QRegion(inside))
+        self.show()
+        self.raise_()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        QPainter(self).fillRect(self.rect(), self.palette().color(QPalette.ColorRole.Highlight))
+
+
+def in_sight(part: QWidget) -> bool:
+    """Whether it is shown, and not behind another tab."""
+    if not part.isVisible():
+        return False
+    window = part.window()
+    hit = window.childAt(part.mapTo(window, part.rect().center()))
+    return part is window or _holds(part, hit)
+
+
+def _holds(part: QWidget, widget: QWidget | None) -> bool:
+    return widget is not None and (part is widget or part.isAncestorOf(widget))

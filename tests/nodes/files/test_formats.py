@@ -24,7 +24,7 @@ PLACES = {
     "nodes/files/common/file_format.py",
     "nodes/files/envi_header.py",
     "nodes/files/lens_samples.py",  # listings of lens programs, and no pictures
-    "app/editor/window/opening.py",
+    "app/editor/window/files.py",
 }
 
 

@@ -159,7 +159,7 @@ def test_without_the_package_a_line_names_it(network, tmp_path):
 
 
 def test_without_it_the_network_opens_and_is_saved_as_it_is(network, tmp_path):
-    from app.editor.window.opening import open_network_file
+    from app.editor.window.files import open_network_file
 
     opened = open_network_file(network, library=standard_library())
     assert "imagechain_glare, which is not installed here" in opened.remark

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from app.editor.canvas.items.content import points_of
-from app.editor.window.opening import open_network_file
+from app.editor.window.files import open_network_file
 from core.editing.backdrops import backdrops_of
 from core.editing.wire_dots import dots_of
 from core.network.file import parse_network

@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
-from app.editor.window.opening import Opened, shipped_copy
+from app.editor.window.files import Opened, shipped_copy
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.editing.document import Document

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from app.editor.window.opening import is_network_file, open_named, open_network_file
+from app.editor.window.files import is_network_file, open_named, open_network_file
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.errors import ImagechainError

@@ -8,8 +8,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 
-from app.editor.window.gallery import GROUPS, NetworkCard, SpecialDrawing, read_data
 from app.editor.window.main_window import MainWindow
+from app.editor.window.welcome import GROUPS, NetworkCard, SpecialDrawing, read_data
 from app.run.shipped import shipped_networks
 from gallery_curves import CUBE, FILE, SOURCES, curves_of
 
