@@ -19,7 +19,6 @@ from core.network.network import Network
 _AWAY = 60.0  # of the plates from the nodes, for their wires
 _HIGH, _PITCH, _PADDING = 32.0, 38.0, 12.0
 _LETTERS = 21  # units: larger than a port's name, which nobody reads in the overview
-_BEHIND = -1.5  # wires of the inside
 
 
 class End(NamedTuple):
@@ -40,7 +39,7 @@ class MacroEnds(QGraphicsItem):
         self.style = style
         self.ends: tuple[End, ...] = ()
         self._bounds = QRectF()
-        self.setZValue(_BEHIND)
+        self.setZValue(-1.5)  # behind the wires of the inside
         self.setAcceptedMouseButtons(Qt.MouseButton.NoButton)
 
     def follow(self, body: Network, nodes: Mapping[str, NodeItem], ground: Ground) -> None:

@@ -127,7 +127,8 @@ class NodeItem(AbstractNodeItem):
             _paint_output_mark(painter, self, with_text=relative >= OVERVIEW)
         if relative >= _PORTS_FROM:
             for port in self.ports.values():
-                _paint_port(painter, port, self.style)
+                x = frame.left() if port.side == INPUT else frame.right()
+                _paint_port(painter, port, self.style, QPointF(x, port.y()))
         painter.setOpacity(1.0)
 
     @property
@@ -294,7 +295,7 @@ def _paint_output_mark(painter: QPainter, item: NodeItem, *, with_text: bool) ->
     painter.drawText(plate, _CENTRED, OUTPUT_MARK)
 
 
-def _paint_port(painter: QPainter, port: NodePort, style: CanvasStyle) -> None:
+def _paint_port(painter: QPainter, port: NodePort, style: CanvasStyle, at: QPointF) -> None:
     colour = style.port(port.types)
     before = painter.opacity()
     if port.fits is False:
@@ -302,11 +303,11 @@ def _paint_port(painter: QPainter, port: NodePort, style: CanvasStyle) -> None:
     painter.setPen(QPen(colour, 1.8))
     painter.setBrush(colour if port.wires or port.hovered else style.node)
     radius = PORT_RADIUS + (1.5 if port.hovered or port.fits else 0.0)
-    painter.drawEllipse(port.pos(), radius, radius)
+    painter.drawEllipse(at, radius, radius)
     if port.fits or port.hovered:
         painter.setPen(QPen(style.accent, 1.4))
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.drawEllipse(port.pos(), radius + 1.6, radius + 1.6)
+        painter.drawEllipse(at, radius + 1.6, radius + 1.6)
     painter.setOpacity(before)
 
 
@@ -358,7 +359,7 @@ def _broken(words: Sequence[str], width: float, metrics: QFontMetricsF) -> list[
     return lines
 
 
-_CENTRED = Qt.AlignmentFlag.AlignCenter
+_CENTRED = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextDontClip
 _HATCHED = QBrush(QColor(128, 128, 128, 64), Qt.BrushStyle.BDiagPattern)
 _VEIL = 130  # of 255, the opacity of the ground that fades a disabled node
 
