@@ -49,6 +49,7 @@ from app.editor.window.viewer_docks import (
 from app.editor.window.welcome import WelcomePage
 from app.editor.window.window_layout import (
     DEFAULT,
+    LayoutMenu,
     LayoutName,
     Pages,
     WindowLayout,
@@ -101,12 +102,14 @@ class MainWindow(QMainWindow):
         self.layout_in_use.place()
         self.menus = self.actions_by_name.fill(self.menuBar())
         self._add_dock_toggles(self.menus["&View"])
+        self.layout_menu = LayoutMenu(settings, self.pages)
+        self.menus["&View"].insertMenu(self.actions_by_name["reset_layout"], self.layout_menu)
         self.recent_menu = RecentMenu(settings, self.files.open, self._show_lists, self)
         self.recent_menu.stand_after(self.actions_by_name["open"], self.menus["&File"])
         self.autosaver = Autosaver(self.session, recovery, self)
         self._connect()
         self.set_theme(self.theme)
-        self.resize(self.screen().availableSize() * 0.85)  # once it is not maximised
+        self.resize(self.screen().availableSize() * 0.92)  # once it is not maximised
         if remembered:
             with self.layout_in_use.placing():
                 has_sizes = settings.restore_window(self)
@@ -402,7 +405,6 @@ class MainWindow(QMainWindow):
         evaluator.badges_changed.connect(self._badges_changed)
         evaluator.busy_changed.connect(self.status.show_busy)
         evaluator.behind_changed.connect(self.status.show_behind)
-        evaluator.pass_done.connect(self._end_canvas_alone)
         FirstViews(session, evaluator, self.viewers)
         self.status.cancel_wanted.connect(evaluator.cancel)
         self.library_view.chosen.connect(self._chosen_in_library)
@@ -433,11 +435,12 @@ class MainWindow(QMainWindow):
         self.status.forget()
         if self.pages.at_first:
             self.show_canvas()
+        self._end_canvas_alone()
 
-    def _end_canvas_alone(self, *_: object) -> None:
-        """Show the pictures' docks once there is something to show in them."""
-        if self.session.network.nodes and self.pages.has_canvas_alone:
-            self.pages.show_work()
+    def _end_canvas_alone(self) -> None:
+        """Show the pictures' docks with the first node; later they would move what is clicked."""
+        if self.session.network.nodes and not (self.pages.at_first or self.pages.shows_docks):
+            self.pages.show_docks()
             canvas = self.canvas
             QTimer.singleShot(0, canvas, canvas.show_all_nodes)  # once the canvas is smaller
 

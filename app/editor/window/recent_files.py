@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection
 from functools import partial
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtCore import QByteArray, QSettings
 from PySide6.QtGui import QAction
@@ -98,7 +99,7 @@ def _numbered(number: int) -> str:
 
 MOST_RECENT = 10  # files that are offered
 _MOST_STORED = 30  # of them and those that are not there: a disk may be put in again
-_DOCKS_VERSION = 2  # of the docks' stored places; of an earlier one the default layout is taken
+DOCKS_VERSION = 2  # of the docks' stored places; of an earlier one the default layout is taken
 
 
 class Settings:
@@ -160,10 +161,20 @@ class Settings:
         stored = self._stored.value("layout", "")
         return stored if isinstance(stored, str) else ""
 
+    @property
+    def layouts(self) -> dict[str, list[Any]]:
+        """The arguments of `Pages.restore_layout` by the user's name for them."""
+        stored = self._stored.value("layouts", {})
+        return stored if isinstance(stored, dict) else {}
+
+    @layouts.setter
+    def layouts(self, layouts: dict[str, list[Any]]) -> None:
+        self._stored.setValue("layouts", layouts)
+
     def remember_window(self, window: QMainWindow, layout: str) -> None:
         self._stored.setValue("geometry", window.saveGeometry())
         self._stored.setValue("layout", layout)
-        self._stored.setValue("docks", window.saveState(_DOCKS_VERSION))
+        self._stored.setValue("docks", window.saveState(DOCKS_VERSION))
         self._stored.sync()
 
     def restore_window(self, window: QMainWindow) -> bool:
@@ -171,7 +182,7 @@ class Settings:
         geometry, docks = self._bytes("geometry"), self._bytes("docks")
         if geometry is not None:
             window.restoreGeometry(geometry)
-        return docks is not None and window.restoreState(docks, _DOCKS_VERSION)
+        return docks is not None and window.restoreState(docks, DOCKS_VERSION)
 
     def _bytes(self, name: str) -> QByteArray | None:
         stored = self._stored.value(name)

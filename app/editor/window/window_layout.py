@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from itertools import pairwise
 from typing import Literal, get_args
 
@@ -12,6 +13,7 @@ from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QDockWidget,
+    QInputDialog,
     QMainWindow,
     QStackedWidget,
     QStyle,
@@ -19,9 +21,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.gestures import SecondClick
+from app.editor.gestures import SecondClick, without_argument
 from app.editor.library_view import LibraryView
 from app.editor.viewers.picture.image_viewer import ImageViewer
+from app.editor.widgets import Menu
+from app.editor.window.recent_files import DOCKS_VERSION, Settings
 
 Share = tuple[float, float]  # of the window's width and height
 Sizes = dict[str, tuple[int, int]]
@@ -292,6 +296,7 @@ class Pages(QStackedWidget):
         self._layout = layout
         self._window = window
         self._docks: QByteArray | None = None  # as they were before the first page hid them
+        self._away: list[QDockWidget] = []  # what an empty network has no use for
         self._second_click = SecondClick(self)
         self._sized = False
         self._tidying = QTimer(self, singleShot=True, interval=0)
@@ -306,8 +311,8 @@ class Pages(QStackedWidget):
         return self.currentWidget() is self._first
 
     @property
-    def has_canvas_alone(self) -> bool:
-        return not self.at_first and self._docks is not None
+    def shows_docks(self) -> bool:
+        return self._docks is None and not self._away
 
     def show_first(self) -> None:
         self.setCurrentWidget(self._first)
@@ -324,19 +329,32 @@ class Pages(QStackedWidget):
 
     def show_canvas_alone(self) -> None:
         """Show an empty network on a large canvas; what would show its pictures comes with them."""
-        self._second_click.drop()
-        self.setCurrentWidget(self._work)
-        self._hide_docks()
+        self.show_work()
         docks = Docks(self._window)
-        docks.library.show()
-        docks.panels.show()
+        of_pictures = (*docks.viewers, *docks.tools, *docks.beside)
+        self._away = [dock for dock in of_pictures if not (dock.isHidden() or dock.isFloating())]
+        for dock in self._away:
+            dock.hide()
 
     def show_docks(self) -> None:
         docks, self._docks = self._docks, None
         if docks is not None:
             with self._layout.placing():
                 self._window.restoreState(docks)
+        self._bring_back()
         self._tidying.start()
+
+    def _bring_back(self) -> None:
+        """Show what an empty network put away, behind what was opened meanwhile."""
+        away, self._away = self._away, []
+        if away:
+            docks = Docks(self._window)
+            opened = [dock for dock in docks.beside if dock.isVisible()]
+            for dock in away:
+                dock.show()
+            for dock in (docks.curves, docks.viewers[0], *opened):
+                dock.raise_()
+            self._layout.begin()
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)
@@ -360,6 +378,57 @@ class Pages(QStackedWidget):
         """Place the docks by a named layout; beside the first page they stay hidden until later."""
         self.show_docks()
         self._layout.choose(name)
+        self._hide_at_first()
+
+    def places(self) -> tuple[QByteArray, str]:
+        return self._window.saveState(DOCKS_VERSION), self._layout.state()
+
+    def restore_layout(self, docks: QByteArray, state: str) -> None:
+        """Place them as `places` gave."""
+        self.show_docks()
+        with self._layout.placing():
+            self._window.restoreState(docks, DOCKS_VERSION)
+        if self._layout.restore(state):
+            self._layout.begin()
+        self._hide_at_first()
+
+    def _hide_at_first(self) -> None:
         if self.at_first:
             self._hide_docks()
             self.sizes_remembered = self._sized = False
+
+
+class LayoutMenu(Menu):
+    """View > Saved Layouts, made anew each time it opens."""
+
+    def __init__(self, settings: Settings, pages: Pages) -> None:
+        super().__init__("Saved La&youts", pages)
+        self._settings, self._pages = settings, pages
+        self.aboutToShow.connect(self._fill)
+
+    def _fill(self) -> None:
+        self.clear()
+        deleting = Menu("&Delete", self)
+        for name, places in self._settings.layouts.items():
+            choosing = partial(self._pages.restore_layout, *places)
+            for menu, act in ((self, choosing), (deleting, partial(self._keep, name))):
+                action = menu.addAction(name.replace("&", "&&"))
+                action.triggered.connect(partial(without_argument, act))
+        self.addSeparator()
+        saving = self.addAction("&Save Current as…")
+        saving.triggered.connect(self._ask)
+        saving.setEnabled(self._pages.shows_docks)
+        deleting.setEnabled(not deleting.isEmpty())
+        self.addMenu(deleting)
+
+    def _ask(self) -> None:
+        dialog = QInputDialog(self._pages)
+        dialog.setLabelText("Name of the layout:")
+        dialog.textValueSelected.connect(lambda name: self._keep(name, *self._pages.places()))
+        dialog.open()
+
+    def _keep(self, name: str, *places: object) -> None:
+        """Store these places under a name; none forget it."""
+        others = {one: kept for one, kept in self._settings.layouts.items() if one != name}
+        new = {name.strip(): list(places)} if places and name.strip() else {}
+        self._settings.layouts = others | new

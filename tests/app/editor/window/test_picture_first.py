@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QContextMenuEvent, QFontInfo, QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMenu, QMessageBox, QPushButton
+from PySide6.QtWidgets import QApplication, QInputDialog, QMenu, QMessageBox, QPushButton
 
 from app.editor.canvas.items.node_item import OVERVIEW
 from app.editor.window.main_window import MainWindow
@@ -165,6 +165,50 @@ def test_a_layout_chosen_beside_the_first_page_is_that_of_the_network(make_windo
     idle(window)
     assert share(window) >= SHARE
     assert canvas(window).mapTo(window, QPoint()).x() < window.canvas.mapTo(window, QPoint()).x()
+
+
+def entries(window):
+    """The actions of the menu of saved layouts by their texts, opened as by the mouse."""
+    window.layout_menu.aboutToShow.emit()
+    found = window.layout_menu.actions()
+    return {action.text(): action for action in found if not action.isSeparator()}
+
+
+def save_layout(window, name):
+    entries(window)["&Save Current as…"].trigger()
+    dialog = window.findChild(QInputDialog)
+    dialog.setTextValue(name)
+    dialog.accept()
+    dialog.deleteLater()
+
+
+def test_a_layout_is_saved_chosen_in_another_window_and_deleted(opened, make_window, idle):
+    assert list(entries(opened)) == ["&Save Current as…", "&Delete"]
+    opened.actions_by_name["picture_beside"].trigger()
+    opened.library_dock.close()
+    idle(opened)
+    place = opened.viewers.docks[1].geometry()
+    save_layout(opened, "Mine & yours")
+    save_layout(opened, " ")  # no name
+    opened.actions_by_name["reset_layout"].trigger()
+    idle(opened)
+    assert opened.library_dock.isVisible()
+    opened.close()
+    again = make_window()
+    again.files.open_now("kodak_kir310")
+    idle(again)
+    entries(again)["Mine && yours"].trigger()
+    idle(again)
+    assert not again.library_dock.isVisible()
+    now = again.viewers.docks[1].geometry()
+    for before, after in zip(place.getRect(), now.getRect(), strict=True):
+        assert abs(before - after) <= 4
+    again.files.new()
+    idle(again)
+    assert not entries(again)["&Save Current as…"].isEnabled()  # its docks are put away
+    (delete,) = entries(again)["&Delete"].menu().actions()
+    delete.trigger()
+    assert list(entries(again)) == ["&Save Current as…", "&Delete"]
 
 
 def test_an_empty_network_has_a_large_canvas_until_there_is_a_picture(make_window, idle):
