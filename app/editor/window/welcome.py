@@ -244,6 +244,7 @@ class NetworkCard(QToolButton):
         self.setToolTip(f"<p>{network.description}</p>")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        self.setMinimumWidth(1)  # else a long name widens its column
         self.title, self.line = QLabel(network.name), QLabel(line)
         font = self.title.font()
         font.setBold(True)
