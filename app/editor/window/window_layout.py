@@ -254,7 +254,7 @@ def size(window: QMainWindow, layout: LayoutName) -> None:
     needed = [
         dock.minimumSizeHint().width() for dock in (docks.panels, *docks.beside) if dock.isVisible()
     ]
-    side = max(round(min(max(64 * unit, 0.21 * width), 90 * unit)), *needed, 0)
+    side = max(round(min(max(60 * unit, 0.21 * width), 90 * unit)), *needed, 0)
     if layout == "canvas_first":
         window.resizeDocks([docks.library, docks.panels], [headings, 52 * unit], _Across)
         window.resizeDocks([viewer, docks.curves], [min(24 * line, round(0.42 * room))] * 2, _Along)

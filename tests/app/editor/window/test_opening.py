@@ -79,7 +79,7 @@ BROKEN = {
     ),
     "wrong types": ([["a.image", "j.magnitude"]], "image into magnitude"),
     "no such port": ([["a.picture", "i.image"]], "no output picture"),
-    "no such node": ([["c.image", "i.image"]], "no node of this network"),
+    "no such node": ([["c.image", "i.image"]], "not a node of this network"),
     "a cycle": ([["j.magnitude", "j.magnitude"]], "cycle"),
 }
 
