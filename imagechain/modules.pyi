@@ -931,16 +931,16 @@ def exit_pupil(
     `cassegrain_slit` the same bar on an annulus, `spider` an annulus with vanes at 360°/n from +x.
 
     The wavefront error is in waves at the band's mean wavelength, on the disc of the aperture's
-    radius. For a file this disc is the smallest circle around all samples above 1 % of the largest,
-    centred on the array if that makes it at most a sample larger; a `radius` that you enter is
-    centred on the array. The read-out `aperture_radius` gives the radius used. A wavefront map
-    (picture, FITS, `.npy`, text, Zemax's listing) is added to defocus and Zernike terms. Outside
-    the aperture the map must be NaN, or zero out to the border of the array. The pupil is opaque
-    where the map is unknown. A map in waves applies at its own wavelength; a path in µm is the same
-    at all wavelengths. A complex `.npy` as `path` holds amplitude and phase at its own wavelength
-    only. Row 0 is at the top. W enters as exp(2πiW), so a W that increases to the right moves the
-    picture to the left. Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of
-    the wavefront).
+    radius. For a file this disc is the smallest circle around all samples above 1 % of the largest.
+    It is centred on the array if that makes its radius at most one sample larger. A `radius` that
+    you enter is always centred on the array. The read-out `aperture_radius` gives the radius used.
+    A wavefront map (picture, FITS, `.npy`, text, Zemax's listing) is added to defocus and Zernike
+    terms. Outside the aperture the map must be NaN, or zero out to the border of the array. The
+    pupil is opaque where the map is unknown. A map in waves applies at its own wavelength; a path
+    in µm is the same at all wavelengths. A complex `.npy` as `path` holds amplitude and phase at
+    its own wavelength only. Row 0 is at the top. W enters as exp(2πiW), so a W that increases to
+    the right moves the picture to the left. Sources: Tantalo 1996, section 4.3.2; Noll 1976;
+    Mahajan 1994 (the disc of the wavefront).
 
     Parameters
     ----------
@@ -2965,11 +2965,11 @@ def image_quality(
     measured. GSD, RER and H are geometric means of both directions; in GIQE 5 the worse RER counts
     twice. Connect the picture as the sensor samples it, before a frame grabber interpolates it.
 
-    The equations use the SNR of a contrast: the difference in signal between surfaces of 15 % and
-    7 % reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance
-    and Reflected Light gives its radiance, the difference follows from its light and air. Otherwise
-    the scene's mean radiance is assumed to come from a surface of 15 %, so the SNR is 8/15 of the
-    mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
+    The equations use the SNR of a contrast: the difference in signal between surfaces of 15 % and 7
+    % reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance and
+    Reflected Light gives its radiance, the difference follows from its light and air. Otherwise the
+    scene's mean radiance is assumed to come from a surface of 15 % reflectance, so the SNR is 8/15
+    of the mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:

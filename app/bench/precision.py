@@ -343,8 +343,8 @@ def poisson(settings: Settings) -> list[Table]:
     text = (
         "Exact is the default, at every mean up to 1e12. Normal deviates, rounded to counts, "
         "are least accurate where photons are few; there, exact deviates are also faster, "
-        "because only the events are drawn. From a few photons per sample on, normal deviates "
-        "are faster, and their distance falls as 1/√mean. The distance is the largest "
+        "because only the events are drawn. Above a few photons per sample, normal deviates are "
+        "faster, and their distance from Poisson falls as 1/√mean. The distance is the largest "
         "difference between the distribution of the deviates and Poisson's; 95 of 100 exact "
         f"fields of {settings.size}² stay below {chance:.1g}."
     )

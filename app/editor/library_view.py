@@ -137,7 +137,7 @@ def about_preset(preset: Preset, apart: Sequence[Difference]) -> str:
         f"{label_of(one.name)} {shown_value(one, value)} {one.param.unit}".strip()
         for _, one, value in apart
     )
-    differs = f"In this one, unlike in others of its kind: {values}" if values else ""
+    differs = f"Differs from the other presets of this module: {values}" if values else ""
     return "\n\n".join(filter(None, (preset.title, preset.text, differs)))
 
 

@@ -262,7 +262,7 @@ def remarks(measured: PictureMeasurement) -> list[str]:
                 "several levels, and frames without light"
             )
     if measured.picture_count > 1 and measured.frames is None:
-        lines.append(f"no noise from frame to frame: {measured.frames_reason}")
+        lines.append(f"temporal noise not measured: {measured.frames_reason}")
     if measured.flats is None and measured.flats_reason:
         lines.append(f"no photon transfer curve: {measured.flats_reason}")
     return lines

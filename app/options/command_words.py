@@ -150,7 +150,7 @@ def _edit_words(parser: Parser) -> None:
         "screenshot: 1600x900)",
         window_size, dest="window_size")  # fmt: skip
     parser.add_argument("--look", action=Word, choices=("dark", "light"),
-                        help="colours (default: the last ones)")  # fmt: skip
+                        help="colours (default: those used last)")  # fmt: skip
 
 
 def _run_words(parser: Parser) -> None:
@@ -322,9 +322,9 @@ def _measure_words(parser: Parser) -> None:
 def _fit_words(parser: Parser) -> None:
     parser.description = (
         "Fit parameters of a network to pictures from a real camera. Ideal edges replace the "
-        "network's source where the pictures have edges. The chain's spread of these edges is "
-        "compared with the samples, and you get every free parameter with its standard error. One "
-        "sample of a picture is one sample of the network's final picture."
+        "network's source where the pictures have edges. The fit compares the edge spread that the "
+        "chain predicts with the pictures' samples. You get every free parameter with its standard "
+        "error. One sample of a picture is one sample of the network's final picture."
     )
     parser.epilog = (
         "First enter pitch and focal length of the camera in the network. For parameters with the "

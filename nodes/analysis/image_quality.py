@@ -62,11 +62,11 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     measured. GSD, RER and H are geometric means of both directions; in GIQE 5 the worse RER counts
     twice. Connect the picture as the sensor samples it, before a frame grabber interpolates it.
 
-    The equations use the SNR of a contrast: the difference in signal between surfaces of 15 % and
-    7 % reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance
-    and Reflected Light gives its radiance, the difference follows from its light and air. Otherwise
-    the scene's mean radiance is assumed to come from a surface of 15 %, so the SNR is 8/15 of the
-    mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
+    The equations use the SNR of a contrast: the difference in signal between surfaces of 15 % and 7
+    % reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance and
+    Reflected Light gives its radiance, the difference follows from its light and air. Otherwise the
+    scene's mean radiance is assumed to come from a surface of 15 % reflectance, so the SNR is 8/15
+    of the mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
@@ -209,7 +209,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
             return None
         return Caution(
             "the SNR is an estimate: the scene is not in reflectance, so its mean radiance is "
-            "assumed to come from a surface of 15 %, and the contrast with 7 % is 8/15 of it",
+            "assumed to come from a surface of 15 % reflectance, and the contrast with 7 % is 8/15 "
+            "of it",
             "give the scene in reflectance with Reflected Light, enter snr, or set snr_of to mean",
         )
 

@@ -425,7 +425,9 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         "max_view_deg", "deg", "View angle from nadir at which the difference is largest."
     )
     interval_nadir_mrad = table_figure(
-        "interval_nadir_mrad", "mrad", "Largest sampling interval along the track, nearest nadir."
+        "interval_nadir_mrad",
+        "mrad",
+        "Largest sampling interval along the track, in the column nearest nadir.",
     )
     interval_edge_mrad = table_figure(
         "interval_edge_mrad",

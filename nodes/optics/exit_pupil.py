@@ -47,16 +47,16 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     `cassegrain_slit` the same bar on an annulus, `spider` an annulus with vanes at 360°/n from +x.
 
     The wavefront error is in waves at the band's mean wavelength, on the disc of the aperture's
-    radius. For a file this disc is the smallest circle around all samples above 1 % of the largest,
-    centred on the array if that makes it at most a sample larger; a `radius` that you enter is
-    centred on the array. The read-out `aperture_radius` gives the radius used. A wavefront map
-    (picture, FITS, `.npy`, text, Zemax's listing) is added to defocus and Zernike terms. Outside
-    the aperture the map must be NaN, or zero out to the border of the array. The pupil is opaque
-    where the map is unknown. A map in waves applies at its own wavelength; a path in µm is the same
-    at all wavelengths. A complex `.npy` as `path` holds amplitude and phase at its own wavelength
-    only. Row 0 is at the top. W enters as exp(2πiW), so a W that increases to the right moves the
-    picture to the left. Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of
-    the wavefront).
+    radius. For a file this disc is the smallest circle around all samples above 1 % of the largest.
+    It is centred on the array if that makes its radius at most one sample larger. A `radius` that
+    you enter is always centred on the array. The read-out `aperture_radius` gives the radius used.
+    A wavefront map (picture, FITS, `.npy`, text, Zemax's listing) is added to defocus and Zernike
+    terms. Outside the aperture the map must be NaN, or zero out to the border of the array. The
+    pupil is opaque where the map is unknown. A map in waves applies at its own wavelength; a path
+    in µm is the same at all wavelengths. A complex `.npy` as `path` holds amplitude and phase at
+    its own wavelength only. Row 0 is at the top. W enters as exp(2πiW), so a W that increases to
+    the right moves the picture to the left. Sources: Tantalo 1996, section 4.3.2; Noll 1976;
+    Mahajan 1994 (the disc of the wavefront).
     """
 
     formulas = (
