@@ -13,7 +13,7 @@ from core.names import shown, thaw
 from core.network.network import Network, marked_twice
 
 ANALYSIS = "Analysis"  # the group whose modules compare and measure: their pictures are no output
-HOW_TO_MARK = "select the node whose picture is the output, and press O"
+HOW_TO_MARK = "select the node whose picture is the output and press O"
 HOW_TO_NAME = "or give --final NODE.PORT"
 _MOST_NAMED = 8
 

@@ -140,7 +140,7 @@ class PanelHead(QWidget):
         self._colour()
 
     def _build(self) -> None:
-        self.name = TypeIn(self.bar, characters=6)
+        self.name = TypeIn(self.bar, characters=10)
         self.name.setObjectName("node_name")
         self.name.setAccessibleName("name of the node")
         self.name.setToolTip(tip("Name of the node in this network"))

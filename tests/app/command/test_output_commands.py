@@ -3,8 +3,8 @@
 import pytest
 
 LINE = (
-    "this network ends in 2 pictures (pixels.image, noisy.image) and none is marked final: give "
-    "--final NODE.PORT, or press O on its node in the editor"
+    "this network ends in 2 pictures (pixels.image, noisy.image) and none is marked final: "
+    "select the node whose picture is the output and press O, or give --final NODE.PORT"
 )
 
 
