@@ -61,4 +61,4 @@ def test_nothing_is_said_of_what_an_edge_does_not_show():
     )
     assert across is not None
     assert along is None
-    assert "y" in reason
+    assert "vertical" in reason
