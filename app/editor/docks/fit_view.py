@@ -64,6 +64,7 @@ class FitView(WorkerView):
         self._fitted_to: Pictures | None = None
         self._fitted_known = False
         self._run: object | None = None
+        self._failed_with: object = None
         self._fits: list[Network] = []  # as fitted, and as the values were taken
         self._edges: dict[str, DrawnEdge] = {}
         self.drops = PictureDrops(self, self.choose_pictures)
@@ -121,7 +122,7 @@ class FitView(WorkerView):
         self.worker.close()
 
     def forget(self) -> None:
-        self._run = None
+        self._run = self._failed_with = None
         self.worker.drop()
         self._show_outcome(None)
         self.show_state()
@@ -253,8 +254,13 @@ class FitView(WorkerView):
         self._show_buttons()
         if self.outcome is not None:
             self._say_result()
-        elif not self.worker.busy:
+        elif not self.worker.busy and self._failed_with != self._given:
             self._say(f"{count} free" if count else _NOTHING_FREE)
+
+    @property
+    def _given(self) -> object:
+        """What a fit is made of: as long as it is the same, the reason why one failed stays."""
+        return self.pictures, tuple(self._session.free.all), self.known.isChecked()
 
     def _network_changed(self, *_: object) -> None:
         """Show its values as they are now, and say where those fitted are of another one."""
@@ -323,6 +329,7 @@ class FitView(WorkerView):
         self._say_result()
 
     def _fail(self, text: str) -> None:
+        self._failed_with = self._given
         self._say(text, failed=True)
         self._show_buttons()
 

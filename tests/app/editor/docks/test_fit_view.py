@@ -128,6 +128,11 @@ def test_a_file_with_bands_says_how_to_fit_to_one(fitting, files, qtbot):
     text = view.status.title.text()
     assert text.endswith("show one of them in a viewer and fit to that")
     assert "--" not in text
+    fitting.fit_dock.hide()
+    fitting.fit_dock.show()
+    assert view.status.title.text() == text  # until something of it changes
+    view.choose_pictures((files / "edge.npy",))
+    assert view.status.title.text() == "1 free"
 
 
 def test_what_is_hardly_determined_counts_as_not_determined(fitting, files, qtbot):
