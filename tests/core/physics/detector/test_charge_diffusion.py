@@ -44,6 +44,7 @@ def current_of_a_wave(*, alpha, bulk, k, sign):
     return -solved.y[1][-1] if sign == 0 else solved.y[1][0]
 
 
+@pytest.mark.thorough(but=4)
 @pytest.mark.parametrize("frequency", [0.0, 10.0, 40.0, 90.0])
 @pytest.mark.parametrize("alpha", [0.02, 0.3, 2.0])
 def test_the_back_side_by_the_diffusion_equation(alpha, frequency):
@@ -82,6 +83,7 @@ def test_the_front_side_by_the_diffusion_equation(frequency):
     assert found == pytest.approx(collected(frequency) / collected(0.0), rel=1e-6)
 
 
+@pytest.mark.thorough(but=4)
 @pytest.mark.parametrize("alpha", [1e-4, 0.0333333, 1 / 30, 5.0, 400.0])
 @pytest.mark.parametrize("length", [30.0, 1e6])
 def test_the_back_side_keeps_its_digits(alpha, length):

@@ -11,6 +11,7 @@ from core.errors import ParameterError
 from core.physics.optics.veiling_glare import veiling_glare_mtf
 
 
+@pytest.mark.thorough(but=2)
 @pytest.mark.parametrize("length", [0.3, 4.0])
 @pytest.mark.parametrize("rho", [0.02, 0.3, 1.1])
 def test_it_is_the_hankel_transform_of_the_spread(length, rho):
