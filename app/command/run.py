@@ -19,7 +19,7 @@ from app.options.progress import Progress
 from app.options.stopping import too_late
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
 from app.run.figures import Figure, figure_rows, main_figures
-from app.run.output import ANALYSIS, find_output, how_to_choose
+from app.run.output import find_output, how_to_choose
 from app.run.readout_tables import columns, json_text, readout_rows, warning_lines
 from app.run.responses import mtf_csv
 from app.run.saving import (
@@ -56,7 +56,7 @@ from core.errors import ImagechainError, NetworkError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 from core.evaluation.store import Store
-from core.modules.declaration import Library, NodeContext, declaration
+from core.modules.declaration import Library, NodeContext
 from core.modules.panel_sections import Caution
 from core.names import close, in_line, shown
 from core.network.file import read_network
@@ -103,21 +103,8 @@ def _without_judges(
     """The network without the judges that cannot judge its picture; None for any other error."""
     from app.run.own_scene import without_judges
 
-    if not options.scenes and not _judges_only(network, error, library):
-        return None
-    return without_judges(network, error, library, [save.node for save in options.saves])
-
-
-def _judges_only(network: Network, error: ImagechainError, library: Library) -> bool:
-    """Whether every error is one of a module that gives figures of a picture, and no picture."""
-    problems = error.problems if isinstance(error, NetworkProblems) else (error,)
-    for problem in problems:
-        node = network.nodes.get(problem.node or "")
-        module = None if node is None else library.get(node.module)
-        declared = None if module is None else declaration(module)
-        if declared is None or declared.group != ANALYSIS:
-            return False
-    return True
+    spare = [save.node for save in options.saves]
+    return without_judges(network, error, library, spare, figures_only=not options.scenes)
 
 
 def _run(

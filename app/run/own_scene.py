@@ -512,20 +512,27 @@ def delivering(network: Network, library: Library) -> set[str]:
 
 
 def without_judges(
-    network: Network, error: ImagechainError, library: Library, spare: Collection[str] = ()
+    network: Network,
+    error: ImagechainError,
+    library: Library,
+    spare: Collection[str] = (),
+    *,
+    figures_only: bool = False,
 ) -> tuple[Network, tuple[str, ...]] | None:
     """The network without the judges that an error belongs to, and a line on each.
 
-    None where the delivered picture hangs on a node with an error, or one of `spare` would go.
+    None where the delivered picture hangs on a node with an error, or one of `spare` would go, or
+    with `figures_only` where an error is of another module than one that gives figures.
     """
     problems = error.problems if isinstance(error, NetworkProblems) else (error,)
     judges = set(network.nodes) - delivering(network, library)
     gone: set[str] = set()
     lines = []
     for problem in problems:
-        if problem.node not in judges:
+        if problem.node is None or problem.node not in judges:
             return None
-        assert problem.node is not None
+        if figures_only and not _gives_figures(network.nodes[problem.node], library):
+            return None
         gone |= {problem.node, *_downstream(network, problem.node)}
         lines.append(f"{problem.node} is left out: {problem.message}")
     if not gone <= judges or gone & set(spare):
@@ -533,6 +540,11 @@ def without_judges(
     nodes = {name: node for name, node in network.nodes.items() if name not in gone}
     links = tuple(link for link in network.links if not {link.source, link.target} & gone)
     return replace(network, nodes=nodes, links=links), tuple(lines)
+
+
+def _gives_figures(node: Node, library: Library) -> bool:
+    module = library.get(node.module)
+    return module is not None and declaration(module).group == ANALYSIS
 
 
 def _downstream(network: Network, name: str) -> set[str]:
