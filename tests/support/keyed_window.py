@@ -1,4 +1,4 @@
-"""The editor's window worked by real keys; what was seen is left in FOLDER/keyed.json.
+"""The editor's window worked by real keys; what was seen is left in FOLDER/seen.json.
 
 python keyed_window.py FOLDER
 """
@@ -175,7 +175,7 @@ def main(folder):
         hidden += [focus.objectName() for dock in docks if not in_sight(dock)]
     seen["hidden"] = hidden
     seen["in /proc"] = saved_into_proc(made)
-    (folder / "keyed.json").write_text(json.dumps(seen))
+    (folder / "seen.json").write_text(json.dumps(seen))
     window.close_for_good()
 
 

@@ -5,7 +5,7 @@
 
 `first` opens a window for the first time, maximises it, shows its picture over the whole screen
 and back, and closes it maximised; `again` is the next start. What was measured is left in
-FOLDER/first.json and FOLDER/again.json.
+FOLDER/seen.json.
 """
 
 import json
@@ -124,7 +124,7 @@ def first(folder):
     made.note("small after page")
     made.double_click_on_title()
     made.note("left")
-    made.close(folder / "first.json")
+    made.close(folder / "seen.json")
 
 
 def again(folder):
@@ -135,7 +135,7 @@ def again(folder):
     made.note("begun")
     made.double_click_on_title()
     made.note("small")
-    made.close(folder / "again.json")
+    made.close(folder / "seen.json")
 
 
 if __name__ == "__main__":

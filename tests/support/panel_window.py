@@ -1,4 +1,4 @@
-"""The control panel in a whole window, by real mouse; what was seen is left in FOLDER/panel.json.
+"""The control panel in a whole window, by real mouse; what was seen is left in FOLDER/seen.json.
 
 python panel_window.py FOLDER
 """
@@ -115,7 +115,7 @@ def main(folder):
         for name in ("focal_plane", "init", "jitter", "optics")
     }
     made.window.close_for_good()
-    (folder / "panel.json").write_text(json.dumps(seen))
+    (folder / "seen.json").write_text(json.dumps(seen))
 
 
 if __name__ == "__main__":

@@ -1,14 +1,16 @@
 """A display of its own for a test: a real X server that draws to memory."""
 
 import contextlib
+import json
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-from child_process import PATIENCE_S
+from child_process import PATIENCE_S, ROOT
 
 SCREENSHOTS = Path(__file__).resolve().parents[2] / "build" / "screenshots"
 
@@ -48,6 +50,25 @@ def virtual_screen(width=1600, height=1000):
     finally:
         server.terminate()
         server.wait(PATIENCE_S)
+
+
+def seen_by(name, folder, environment, *words):
+    """What the script of that name in `tests/support` writes of a window in a process of its own.
+
+    It is called with the words and the folder, in which it leaves its findings as `seen.json`.
+    """
+    script = ROOT / "tests" / "support" / name
+    path = os.pathsep.join([str(ROOT), str(script.parent)])
+    done = subprocess.run(
+        [sys.executable, str(script), *words, str(folder)],
+        env={**environment, "PYTHONPATH": path, "XDG_CONFIG_HOME": str(folder)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE_S,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads((folder / "seen.json").read_text())
 
 
 @contextlib.contextmanager

@@ -1,33 +1,14 @@
 """The control panel at 1366×768 by real mouse: parameters in sight, and nothing jumps."""
 
-import json
-import os
-import subprocess
-import sys
-
 import pytest
 
-from child_process import PATIENCE_S, ROOT
-from virtual_screen import managed_screen
-
-SCRIPT = ROOT / "tests" / "support" / "panel_window.py"
+from virtual_screen import managed_screen, seen_by
 
 
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("panel")
-    path = os.pathsep.join([str(ROOT), str(SCRIPT.parent)])
     with managed_screen(1366, 768) as environment:
-        done = subprocess.run(
-            [sys.executable, str(SCRIPT), str(folder)],
-            env={**environment, "PYTHONPATH": path, "XDG_CONFIG_HOME": str(folder)},
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=PATIENCE_S,
-        )
-    assert done.returncode == 0, done.stderr
-    return json.loads((folder / "panel.json").read_text())
+        return seen_by("panel_window.py", tmp_path_factory.mktemp("panel"), environment)
 
 
 def test_four_parameters_are_in_sight_on_a_small_screen(seen):

@@ -1,34 +1,16 @@
 """Real keys on a real window: an open menu has them all, and the focus is always in sight."""
 
-import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from child_process import PATIENCE_S, ROOT
-from virtual_screen import managed_screen
-
-SCRIPT = ROOT / "tests" / "support" / "keyed_window.py"
+from virtual_screen import managed_screen, seen_by
 
 
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("keyed")
-    path = os.pathsep.join([str(ROOT), str(SCRIPT.parent)])
     with managed_screen(1600, 900) as environment:
-        done = subprocess.run(
-            [sys.executable, str(SCRIPT), str(folder)],
-            env={**environment, "PYTHONPATH": path, "XDG_CONFIG_HOME": str(folder)},
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=PATIENCE_S,
-        )
-    assert done.returncode == 0, done.stderr
-    return json.loads((folder / "keyed.json").read_text())
+        return seen_by("keyed_window.py", tmp_path_factory.mktemp("keyed"), environment)
 
 
 def test_letters_of_an_open_menu_do_nothing_on_the_canvas(seen):

@@ -1,16 +1,9 @@
 """The window under a window manager (openbox): its place, its picture, and back to its old size."""
 
-import json
-import os
-import subprocess
-import sys
-
 import pytest
 
-from child_process import PATIENCE_S, ROOT
-from virtual_screen import managed_screen
+from virtual_screen import managed_screen, seen_by
 
-SCRIPT = ROOT / "tests" / "support" / "managed_window.py"
 SCREENS = [  # dots, and what a dot of the window is worth
     (1366, 768, 1),
     (1600, 900, 1),
@@ -30,22 +23,8 @@ def measured(request, tmp_path_factory):
     width, height, scale = request.param
     folder = tmp_path_factory.mktemp("managed")
     with managed_screen(width, height) as environment:
-        for what in ("first", "again"):
-            run(what, folder, {**environment, "QT_SCALE_FACTOR": str(scale)})
-    return {what: json.loads((folder / f"{what}.json").read_text()) for what in ("first", "again")}
-
-
-def run(what, folder, environment):
-    path = os.pathsep.join([str(ROOT), str(SCRIPT.parent)])
-    done = subprocess.run(
-        [sys.executable, str(SCRIPT), what, str(folder)],
-        env={**environment, "PYTHONPATH": path, "XDG_CONFIG_HOME": str(folder)},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE_S,
-    )
-    assert done.returncode == 0, done.stderr
+        scaled = {**environment, "QT_SCALE_FACTOR": str(scale)}
+        return {w: seen_by("managed_window.py", folder, scaled, w) for w in ("first", "again")}
 
 
 def within(inner, outer):
