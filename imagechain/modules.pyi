@@ -26,19 +26,19 @@ def read_image(
     """Read a picture from a file: ENVI (DIRSIG's format), or another format listed under `path`.
 
     Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives
-    wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um` (if both are given); for
+    wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um`, if you give both. For
     every other file these two are the band of the samples. Radiance comes out in W/m²/sr, one
     spectral band in W/m²/sr/µm. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
     `scale` is 1, that unit is converted; otherwise `unit` applies. A cube whose header names no
     unit needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands
-    are left out. K, DN and similar units are kept; photons are not converted to watts; an unknown
-    radiance unit is an error.
+    are left out. K, DN and similar units are kept. Without `bands` all, photons are not converted
+    to watts. An unknown radiance unit is an error.
 
     A colour picture gives one channel or, with `bands` luminance, all three weighted as the eye
     weights them. A cube gives one band or plane, the first unless you set `band`. With `bands` all,
-    a cube whose header gives wavelengths gives every band between `cut_on_um` and `cut_off_um`,
-    each in W/m²/sr/µm (photons too, with their energy at that wavelength). Optics and atmosphere
-    then act on each band separately, until a detector sums them. The cube stays on disk.
+    a cube whose header names wavelengths gives every band between `cut_on_um` and `cut_off_um`.
+    Each comes in W/m²/sr/µm; photons are converted by their energy at that wavelength. Optics and
+    atmosphere then act on each band separately, until a detector sums them. The cube stays on disk.
 
     An empty field of view is taken from the header. FITS pictures have their first row at the
     bottom. Samples that are not finite, or that equal the file's no-data value, are an error unless
@@ -167,7 +167,7 @@ def write_image(
     if the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
 
     An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
-    in W/m²/sr/µm, written one after the other, so that the whole cube is never in memory. Every
+    in W/m²/sr/µm. They are written one after the other, so the whole cube is never in memory. Every
     other format stores their sum. A Zarr store (`.zarr`) is written chunk by chunk.
 
     Parameters
@@ -367,12 +367,12 @@ def sample_pixels(
 ) -> Part:
     """Keep one sample for each pixel, after Detector MTF has averaged over the pixel.
 
-    Combine Pixels would average over the pixel again: with Detector MTF before it, the contrast at
-    Nyquist would be 0.64 times what it should be. The samples lie at the centres of the pixels, so
-    the picture does not move. Between samples (ratios that are even or not whole), the picture is
-    evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as in Back
-    Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as in a
-    camera. Pixels that do not fit completely into the frame, at the right and the bottom, are
+    Combine Pixels would average over the pixel again: behind Detector MTF it leaves only 0.64 of
+    the contrast at Nyquist. The samples lie at the centres of the pixels, so the picture does not
+    move. For even ratios, and ratios that are not whole, the centres lie between samples. There the
+    picture is evaluated as its Fourier sum: exact to rounding, with edges mirrored or periodic as
+    in Back Transform. Nothing is filtered: content beyond the pixels' Nyquist frequency aliases, as
+    in a camera. Pixels that do not fit completely into the frame, at the right and the bottom, are
     dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average
     over the pixel and its sampling are two stages).
 
@@ -679,14 +679,14 @@ def atmosphere_mtf(
 ) -> Part:
     """Blur by atmospheric turbulence and by aerosol scattering (turbidity).
 
-    Turbulence is a Gaussian blur of the width that you enter, or Fried's long or short exposure
-    with r0 entered or computed from a Cn² profile. The MTF of turbidity falls to a plateau:
+    Turbulence is a Gaussian blur of the width that you enter, or Fried's long or short exposure.
+    Its r0 is entered, or computed from a Cn² profile. The MTF of turbidity falls to a plateau:
     exp(−τ(ρ/ρc)²), and beyond ρc exp(−τ). τ comes from a level (plateaus 0.99, 0.975, 0.955), from
-    a number, or from the scattering coefficient along the path (looking down or up, with an
-    exponential profile). Absorption attenuates all frequencies alike and does not blur: use
-    Atmospheric Path. Looking up blurs more than looking down, because the turbulence is near the
-    aperture. r0 goes as λ^(6/5), and the aerosol cutoff ρc as 1/λ; a spectral picture is blurred at
-    each band's own wavelength.
+    a number, or from the scattering coefficient along the path. Looking down or up, the coefficient
+    falls exponentially with height. Absorption attenuates all frequencies alike and does not blur:
+    use Atmospheric Path. Looking up blurs more than looking down, because the turbulence is near
+    the aperture. r0 goes as λ^(6/5), and the aerosol cutoff ρc as 1/λ. A spectral picture is
+    blurred at each band's own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
 
@@ -845,15 +845,16 @@ def diffraction_mtf(
 ) -> Part:
     """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
-    Aperture and obscuration come from Camera, else the aperture is the focal length over the
-    F-number from Init & Trans; no pupil array is needed. Over a band, the OTFs of all wavelengths
-    are weighted by the photons or the energy of a black body, or uniformly as in 1996. The black
-    body has `source_K`, else the temperature of the picture's mean radiance, else sunlight's 5800 K
-    if the band begins below 2.5 µm. `response`, and a Spectral Response before this module, also
-    weight the light as a detector behind the optics would. `wavelengths` auto uses as many
-    wavelengths as `tolerance` needs, placed between the kinks of the OTF; a number sets how many
-    wavelengths sample the band, and 1 uses the band's middle. With auto, a spectral picture is
-    blurred band by band, and the MTF shown is the mean weighted by the picture's own light.
+    Aperture and obscuration come from Camera. Without one, the aperture is the focal length over
+    the F-number from Init & Trans. No pupil array is needed. Over a band, each wavelength's OTF is
+    weighted by the photons or the energy of a black body, or all alike as in 1996. The black body
+    has `source_K`. If that is empty, it has 5800 K (sunlight) in a band that begins below 2.5 µm,
+    and otherwise the temperature of the picture's mean radiance. `response`, and a Spectral
+    Response before this module, also weight the light as a detector behind the optics would.
+    `wavelengths` auto uses as many wavelengths as `tolerance` needs, placed between the kinks of
+    the OTF. A number sets how many wavelengths sample the band; 1 uses the band's middle. With
+    auto, a spectral picture is blurred band by band, and the MTF shown is the mean weighted by the
+    picture's own light.
 
     `defocus_waves` is W20 at the rim at the band's middle; the OTF is real and may be negative.
     `rms_wavefront_waves`, also at the band's middle, applies Shannon's factor for small errors of
@@ -927,8 +928,9 @@ def exit_pupil(
     """Make an exit pupil: 1 transparent, 0 opaque.
 
     Lengths are in samples and centred; Exit Pupil MTF sets their scale. `clear` and `half_moon` (x
-    ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar over the full height,
-    `cassegrain_slit` the same bar on an annulus, `spider` an annulus with vanes at 360°/n from +x.
+    ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar over the full height.
+    `cassegrain_slit` is the same bar on an annulus, `spider` an annulus with vanes at 360°/n from
+    +x.
 
     The wavefront error is in waves at the band's mean wavelength, on the disc of the aperture's
     radius. For a file this disc is the smallest circle around all samples above 1 % of the largest.
@@ -1003,14 +1005,14 @@ def exit_pupil_mtf(
     """Blur by the incoherent OTF of an exit pupil: its normalised autocorrelation.
 
     Geometric shapes are exact, for one wavelength or a band. Files and wavefront errors are
-    autocorrelated from their samples. `weighting`: wavelengths are weighted equally, or by the
-    photons or the energy of a black body (at `source_K`, else at the temperature of the picture's
-    mean radiance, else at sunlight's 5800 K if the band begins below 2.5 µm), and by the detector's
-    `response`. A spectral picture is blurred band by band, each at its own wavelength.
-    Interpolation `none` shows the raw autocorrelation at the pupil's own frequency intervals and
-    does not blur the picture. Sizes refer to the whole pupil array. Source: Tantalo 1996, eqs. 4.10
-    to 4.21. Erratum: the cutoff is aperture/λ; the 12.8 of eq. 4.21 is the array's half width over
-    λ.
+    autocorrelated from their samples. `weighting` counts all wavelengths alike, or by the photons
+    or the energy of a black body; the detector's `response` counts too. The black body has
+    `source_K`. If that is empty, it has 5800 K (sunlight) in a band that begins below 2.5 µm, and
+    otherwise the temperature of the picture's mean radiance. A spectral picture is blurred band by
+    band, each at its own wavelength. Interpolation `none` shows the raw autocorrelation at the
+    pupil's own frequency intervals and does not blur the picture. Sizes refer to the whole pupil
+    array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ. The 12.8 of
+    eq. 4.21 is the array's half width over λ.
 
     Parameters
     ----------
@@ -1133,14 +1135,14 @@ def mtf_file(
 ) -> Part:
     """Blur by the MTF in a file: measured, from a data sheet, or from a lens design.
 
-    The file is a CSV table whose first line names its columns: frequency with its unit, as in
-    `frequency (cyc/mm)`, then `mtf`, or `mtf_x` and `mtf_y` (one is enough), or `radial`; and, if
-    known, `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`. Zemax's text of MTF against
-    frequency is read too, with its tangential curve along y. `direction` sets the direction of a
-    column `mtf`, or selects one of several curves; radial means equal in all directions. Between
-    points the curve is a monotone cubic (PCHIP). A table that begins above 0 gets MTF 1 at 0.
-    Beyond the last point the MTF is 0; it is never extrapolated. A phase is odd in frequency and
-    takes the shorter way from point to point.
+    The file is a CSV table whose first line names its columns. The frequency comes first, with its
+    unit, as in `frequency (cyc/mm)`. Then comes `mtf`, or `radial`, or `mtf_x` and `mtf_y` (one is
+    enough). If the phase is known, add `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`.
+    Zemax's text of MTF against frequency is read too, with its tangential curve along y.
+    `direction` sets the direction of a column `mtf`, or selects one of several curves; radial means
+    equal in all directions. Between points the curve is a monotone cubic (PCHIP). A table that
+    begins above 0 gets MTF 1 at 0. Beyond the last point the MTF is 0; it is never extrapolated. A
+    phase is odd in frequency and takes the shorter way from point to point.
 
     Frequencies refer to the focal plane (cyc/mm, converted by the focal length), to angle, or to
     the pixel (by pitch and focal length). `imagechain measure` writes such a table from a camera's
@@ -1203,9 +1205,9 @@ def psf_file(
     Every point of the picture is blurred to the PSF in the file. Row 0 is at the top, and a tail to
     the right in the file is a tail to the right in the picture. The file may have any format of
     Read Image, `.npy`, text, or Zemax's listing, whose spacing is used if `sample_pitch` is empty.
-    Samples are divided by their sum. With `centroid` kept, the point is at the middle of the file
-    (for even sizes between samples, at (n − 1)/2), and a centroid elsewhere shifts the picture;
-    with `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the
+    Samples are divided by their sum. With `centroid` kept, the point is at the middle of the file,
+    (n − 1)/2, which lies between samples for even sizes. A centroid elsewhere shifts the picture.
+    With `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the
     picture's own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF that
     was measured with a detector includes its pixel: leave out Detector MTF. Without a file nothing
     changes. Source: Goodman 2005, Introduction to Fourier Optics, section 6.3.
@@ -1529,15 +1531,15 @@ def charge_diffusion_mtf(
 ) -> Part:
     """Blur by charge diffusion: carriers generated outside the depletion region diffuse to it.
 
-    Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²); α
+    Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²). α
     is the absorption coefficient, d depletion_um, L₀ diffusion_length_um, and f the frequency on
-    the detector. Back side means a thinned detector with a passivated surface: carriers are
+    the detector. Back side means a thinned detector with a passivated surface. Carriers are
     generated mostly at the back and cross the undepleted silicon, thickness_um minus depletion_um.
-    If absorption_per_um is empty, silicon at 295 K is assumed over the band (the cold filter's or
-    the picture's), and each wavelength is weighted by the carriers that it generates, with the same
-    number of photons per wavelength. Lit from the front, red and near-infrared light blurs most,
-    because it is absorbed deep; lit from the back, blue light blurs most. Sources: Seib 1974;
-    Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
+    If absorption_per_um is empty, silicon at 295 K is assumed over the band of the cold filter or
+    the picture. Each wavelength brings the same number of photons, and counts by the carriers that
+    they generate. Lit from the front, red and near-infrared light blurs most, because it is
+    absorbed deep. Lit from the back, blue light blurs most. Sources: Seib 1974; Crowell and Labuda
+    1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
 
     Parameters
     ----------
@@ -1579,11 +1581,11 @@ def crosstalk(
 ) -> Part:
     """Blur by crosstalk: each pixel passes a share of its signal to its neighbours.
 
-    The kernel has 3 × 3 or 5 × 5 numbers that add up to 1, rows separated by semicolons: the shares
-    of a lit pixel's signal that it and the pixels around it show. It covers optical and electrical
-    crosstalk and interpixel capacitance. An asymmetric kernel also shifts the picture: connect the
-    phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore, Ninkov and Forrest 2006, Optical
-    Engineering 45, 076402 (interpixel capacitance).
+    The kernel gives the share of a lit pixel's signal that this pixel and each pixel around it
+    show. It has 3 × 3 or 5 × 5 numbers that add up to 1, rows separated by semicolons. It covers
+    optical and electrical crosstalk and interpixel capacitance. An asymmetric kernel also shifts
+    the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore, Ninkov
+    and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
 
     Parameters
     ----------
@@ -1690,12 +1692,11 @@ def tdi_mtf(
 ) -> Part:
     """Blur by time delay and integration: charge steps, and a velocity mismatch with the image.
 
-    sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)), about the exposure's middle. m is the image
-    velocity divided by the charge velocity, minus 1; s is the pitch divided by `phases`; N =
-    stages·phases.
-    Use it instead of Alongtrack MTF, whose smear within a stage is the step s here. With `phases` =
-    0 the charge moves without steps. Empty parameters are taken from Init & Trans. Source: Wong,
-    Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
+    About the exposure's middle: sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). m is the image
+    velocity divided by the charge velocity, minus 1. s is the pitch divided by `phases`, and N =
+    stages·phases. Use it instead of Alongtrack MTF, whose smear within a stage is the step s here.
+    With `phases` = 0 the charge moves without steps. Empty parameters are taken from Init & Trans.
+    Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
 
     Parameters
     ----------
@@ -1740,11 +1741,12 @@ def spectral_response(
     Each band of a spectral picture is multiplied by its mean response. A Focal Plane after it
     counts the remaining photons; its NETD refers to the scene before the response. The response
     weights only light from the scene, not radiation from optics and housing. A picture with one
-    band is multiplied by the mean over the band, weighted by the radiance of a black body: at the
-    picture's mean brightness temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or
-    at `source_K`. `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points.
-    `gaussian`: `width_um` is the full width at half maximum. To get radiance, enter a response per
-    watt unchanged; for photons, use the response in Focal Plane.
+    band is multiplied by the mean over the band, weighted by the radiance of a black body. Its
+    temperature is `source_K`; without it, 5800 K (sunlight) if the band begins below 2.5 µm, and
+    otherwise the picture's mean brightness temperature. `file`: a CSV of µm and response,
+    interpolated linearly, 0 beyond its points. `gaussian`: `width_um` is the full width at half
+    maximum. To get radiance, enter a response per watt unchanged; for photons, use the response in
+    Focal Plane.
 
     Parameters
     ----------
@@ -2077,11 +2079,11 @@ def poisson_noise(
 ) -> Part:
     """Add photon noise to the picture, as in 1996 or by counting photons.
 
-    `published`: a Poisson deviate is added, whose mean is a percentage of the Gaussian-weighted
-    local mean. `photon`: radiance is converted to a number of photons and replaced by a Poisson
-    deviate. The 1996 method has no photon scale: its relative noise changes with the radiance unit,
-    and it is added before the optics that collect the light. For the shot noise of a detector use
-    Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+    `published` adds a Poisson deviate whose mean is a percentage of the Gaussian-weighted local
+    mean. `photon` converts radiance to a number of photons and replaces it by a Poisson deviate.
+    The 1996 method has no photon scale, so its relative noise changes with the radiance unit. It is
+    also added before the optics that collect the light. For the shot noise of a detector use Focal
+    Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
 
     Parameters
     ----------
@@ -2143,7 +2145,7 @@ def electronics_noise(
 
     In this order: gain and bias errors of each detector; detector noise with rms NER; the
     pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
-    reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise;
+    reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise.
     NETD and SNR refer to all detectors, which are √(1 + v²) times as noisy for a spread of v.
     Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the
     picture by the gain error (`literal`).
@@ -2241,9 +2243,9 @@ def periodic_noise(
 ) -> Part:
     """Add sinusoidal noise, such as pick-up from a supply, optionally modulated in amplitude.
 
-    amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ) with x and y counted
-    from the first sample. Frequencies beyond Nyquist appear as their aliases. An amplitude of 0
-    changes nothing. Source: Tantalo 1996, chapter 3.
+    The noise is amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ). x and y
+    are counted from the first sample. Frequencies beyond Nyquist appear as their aliases. An
+    amplitude of 0 changes nothing. Source: Tantalo 1996, chapter 3.
 
     Parameters
     ----------
@@ -2315,13 +2317,14 @@ def noise_3d_source(
 ) -> Part:
     """Add 3-D noise by its components: time (t), rows (v), columns (h), and combinations.
 
-    Each component is Gaussian with its own standard deviation, in the unit of the picture. v, h and
-    vh are the same in every frame of a sequence; the others are new in each. `corner_Hz` adds 1/f
-    noise to each sample; at that frequency its temporal spectrum equals the spectrum of sigma_tvh.
-    It extends from 1/`longest_period_s` to half the frame rate, and any frame can be computed from
-    its number. All of its variance is temporal. 3-D Noise uses only some frames, and measures
-    slower changes as fixed (vh). Without any component the picture does not change. Sources:
-    D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
+    Each component is Gaussian with its own standard deviation, in the unit of the picture. In a
+    sequence, v, h and vh are the same in every frame, and the others are new in each. `corner_Hz`
+    adds 1/f noise to each sample; at that frequency its temporal spectrum equals the spectrum of
+    sigma_tvh. It extends from 1/`longest_period_s` to half the frame rate, and any frame can be
+    computed from its number. All of its variance is temporal. 3-D Noise uses only some frames, and
+    measures slower changes as fixed (vh). Without any component the picture does not change.
+    Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral
+    representation).
 
     Parameters
     ----------
@@ -2505,35 +2508,37 @@ def figures_of_merit(
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only, and has no sampling
-    limit; `flir92` also uses fixed patterns, which do not average over time, and ends at Nyquist
+    limit. `flir92` also uses fixed patterns, which do not average over time. It ends at Nyquist
     where the sensor samples. The averaging of temporal noise uses its spectrum in the picture. The
     2-D MRTD uses the geometric mean of both frequencies at the same MRTD. MDTD (square target):
     SNR_th·σ divided by the mean of the target's blurred image.
 
-    `scanning` sets the directions in which the sensor samples: `staring` in both; `serial_scan`
-    between the lines that one detector scans along x; `parallel_scan` between its detectors, which
-    lie along x on platform `push` and otherwise along y. All other differences are in the picture's
-    noise: bandwidth_Hz (one detector instead of n is n times as fast, and noisier by √n), and gain
-    and bias errors on a uniform field: none on `line` with one detector; σ_h on `push`, which hides
-    upright bars; σ_vh on `array`. 1/f noise of channels (σ_tv) is not simulated.
+    `scanning` sets where the sensor samples. `staring` samples in both directions, `serial_scan`
+    only from line to line, as one detector scans along x. `parallel_scan` samples only from
+    detector to detector; they lie along x on platform `push` and otherwise along y. The noise
+    differs too, and is taken from the picture. One detector instead of n is n times as fast, so
+    bandwidth_Hz rises and the noise with it, by √n. Gain and bias errors leave no pattern on `line`
+    with one detector. On `push` they give σ_h, which hides upright bars, and on `array` σ_vh. 1/f
+    noise of channels (σ_tv) is not simulated.
 
-    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature: it
-    is refused unless `background_K` gives the temperature of the scene's own emission; use Image
-    Quality instead. All figures in K apply at the camera, behind the air, for the background as it
-    appears there. If the picture has passed an Atmospheric Path, the ΔT that remains at a range
-    follows from its τ(R) at each wavelength, weighted by dL/dT; otherwise it is
-    ΔT·exp(−extinction·range).
+    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature. It
+    is refused unless `background_K` gives the temperature of the scene's own emission. Use Image
+    Quality for such pictures. All figures in K apply at the camera, behind the air, for the
+    background as it appears there. The ΔT that remains at a range is ΔT·exp(−extinction·range).
+    Behind an Atmospheric Path it follows from the path's τ(R) at each wavelength, weighted by
+    dL/dT.
 
     Johnson: the cycles resolved across the target, up to the frequency where the target's apparent
     ΔT equals the 2-D MRTD, divided by N50.
 
-    TTP: the sum of √(contrast/threshold) over frequencies. The threshold is the root sum of squares
-    of the eye's threshold through the MTF and the MRTD's contrast (`mrtd`), or the published
-    CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), for which V50 values are published: α
-    = 169.6 √Hz, σ the noise in K·√s that passes the eyeball and the eye's channel at the frequency,
-    S the scene contrast; `flir92` includes fixed patterns. Display and eye are not part of the
-    MRTD. The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is
-    quoted for identifying tracked vehicles; it could not be checked.
+    TTP: the sum of √(contrast/threshold) over frequencies. With `mrtd` the threshold is the root
+    sum of squares of the eye's threshold through the MTF and the MRTD's contrast. With
+    `system_contrast_threshold` it is the published CTF_eye/MTF·√(1 + α²·σ²/S²), for which V50
+    values are published. There α = 169.6 √Hz, S is the scene contrast, and σ the noise in K·√s that
+    passes the eyeball and the eye's channel at the frequency. `flir92` includes fixed patterns.
+    Display and eye are not part of the MRTD. The defaults are a target of 2.3 m and 2 K, and N50
+    for the 2-D MRTD. A V50 of 18.8 is quoted for identifying tracked vehicles; it could not be
+    checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
@@ -2665,15 +2670,15 @@ def noise_3d(
     Predicted: the noise of every source in the chain is propagated to this picture through all
     later transfer functions, combined pixels and interpolation. Measured: frames of the picture are
     simulated, each with its own temporal noise and the same fixed patterns. The noise-free picture
-    is subtracted, and unbiased estimates split the variance into the seven components. Only one
-    pattern is measured, so with few rows or columns the measured fixed components scatter about the
-    prediction, which is an average over all sensors of this kind. Noise correlated between
-    neighbours also appears in σ tv and σ th. Rounding counts as noise. A file of frames (`path`),
-    from a camera for example, is measured instead of simulated frames, one frame at a time:
-    everything that stays from frame to frame, including the scene, then counts as fixed pattern, so
-    use frames of a uniform scene. If a picture is linked too, its prediction is shown beside the
-    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
-    Casella and McCulloch 1992, Variance Components (unbiased estimates).
+    is subtracted, and unbiased estimates split the variance into the seven components. The
+    prediction is an average over all sensors of this kind, but only one pattern is measured. With
+    few rows or columns, the measured fixed components therefore scatter about it. Noise correlated
+    between neighbours also appears in σ tv and σ th. Rounding counts as noise. With `path`, a file
+    of frames, for example from a camera, is measured instead, one frame at a time. Everything that
+    stays from frame to frame, including the scene, then counts as fixed pattern. Use frames of a
+    uniform scene. If a picture is linked too, its prediction is shown beside the measurement.
+    Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and
+    McCulloch 1992, Variance Components (unbiased estimates).
 
     Parameters
     ----------
@@ -2703,10 +2708,9 @@ def compare_images(
 
     It gives the root mean square, largest and mean difference, and the peak signal-to-noise ratio,
     whose peak is the reference's maximum minus its minimum. The MTF ratio divides the modulus of
-    the picture's spectrum by the reference's, on both frequency axes; or it is the root of the
-    power ratio in rings. Frequencies where the reference has only rounding errors are left out. For
-    a frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF
-    itself.
+    the picture's spectrum by the reference's, on both frequency axes. In rings it is the root of
+    the power ratio. Frequencies where the reference has only rounding errors are left out. For a
+    frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF itself.
 
     Parameters
     ----------
@@ -2736,15 +2740,14 @@ def spatial_blur(
     It takes the inputs of Back Transform: the impulse response is the inverse transform of all
     collected MTFs and PTFs. If it is separable, it is applied in one pass along x and one along y;
     otherwise as a two-dimensional kernel. Complete kernels give the same result as Back Transform,
-    except for rounding. A truncated kernel has an error of at most `error_bound`: the sum of the
-    moduli of what was cut off, as a share of the scene's largest deviation from its mean. The mean
-    does not change. If a transfer function has not fallen to zero at Nyquist, its kernel rings and
-    cannot be both short and precise.
+    except for rounding. A truncated kernel has an error of at most `error_bound` times the scene's
+    largest deviation from its mean. The bound is the sum of the moduli of what was cut off. The
+    mean does not change. If a transfer function has not fallen to zero at Nyquist, its kernel rings
+    and cannot be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
-    128², ±4 at 512²; two-dimensional kernels are always slower (`imagechain bench`, table
-    spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section
-    2.1.4.
+    128², ±4 at 512². Two-dimensional kernels are always slower (`imagechain bench`, table spatial).
+    Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section 2.1.4.
 
     Parameters
     ----------
@@ -2783,7 +2786,7 @@ def line_by_line(
     the flight. Away from nadir the ground is farther away, and the lines are closer in angle:
     interval·cos(view angle). Back Transform uses one interval for the whole frame, as in 1996
     (output `whole`). Here each column is filtered at its own interval (`image`). Factors along the
-    scan have one scale for the frame, factors along the flight one per column, and pupils and other
+    scan have one scale for the frame, factors along the flight one per column. Pupils and other
     non-separable factors have both. All factors are in angles at the sensor, as in their own
     modules; edges and PTFs are treated as in Back Transform. Separable factors are exact.
     Non-separable factors are interpolated between a few sampling intervals (`nodes`), with an
@@ -2791,12 +2794,12 @@ def line_by_line(
     array, which sample evenly, both outputs agree. The ground is assumed flat, and motion blur has
     the same angle as at nadir.
 
-    When is one interval for the whole image good enough? The Inframetrics' blur of three samples on
-    the built-in scene (network `line_by_line`) is wrong by at most 0.03 % of the picture's range in
-    a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2 % in 60°, 5 % in 90° and 10 % in 120°, rms 0.002,
-    0.02, 0.05, 0.1, 0.25 and 0.5 %: it grows as 1 − cos(view angle). In the thesis' field of 30°,
-    six-bit quantization hides the error. Filtering line by line takes 1.3 to 4 times as long
-    (`imagechain bench`, table scanning), `direct` 60 times and more. Source:
+    When is one interval for the whole image good enough? The error grows as 1 − cos(view angle).
+    For the Inframetrics' blur of three samples on the built-in scene (network `line_by_line`), the
+    largest error is 0.03 % of the picture's range in a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2
+    % in 60°, 5 % in 90° and 10 % in 120°. Its rms is 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In the
+    thesis' field of 30°, six-bit quantization hides the error. Filtering line by line takes 1.3 to
+    4 times as long (`imagechain bench`, table scanning), `direct` 60 times and more. Source:
     Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
 
     Parameters
@@ -2864,7 +2867,7 @@ def camera_geometry(
 
     The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
     samples equal angles, so its samples grow as sec² across the track and as sec along it
-    (panoramic distortion); a pushbroom and a framing camera sample equal steps in the focal plane.
+    (panoramic distortion). A pushbroom and a framing camera sample equal steps in the focal plane.
     The flight runs down the picture, and its lines are equally spaced on the ground. Each sample is
     the mean of the scene over its whole footprint, so nothing aliases and a uniform scene stays
     uniform. Blur comes afterwards: choose samples finer than the detector, and combine pixels after
@@ -2957,27 +2960,28 @@ def image_quality(
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
     The ground sample distance is the picture's interval times the range, in the plane normal to the
-    line of sight. GIQE 3 uses this distance, GIQE 4 the distance on the ground (divided by √sin e,
-    e the elevation of the line of sight seen from the target), and GIQE 5 their geometric mean
-    (divided by sin e to the power ¼). The relative edge response (how far an edge rises within one
-    sample around it) and the overshoot H (its height 1 to 3 samples beside it) follow from the
-    chain's transfer functions, and the SNR from its signal and temporal noise; no noise is drawn or
-    measured. GSD, RER and H are geometric means of both directions; in GIQE 5 the worse RER counts
-    twice. Connect the picture as the sensor samples it, before a frame grabber interpolates it.
+    line of sight. GIQE 3 uses this distance. GIQE 4 uses the distance on the ground, divided by
+    √sin e, with e the elevation of the line of sight seen from the target. GIQE 5 uses their
+    geometric mean, divided by sin e to the power ¼. The relative edge response (RER) is how far an
+    edge rises within one sample around it; the overshoot H is its height 1 to 3 samples beside it.
+    Both follow from the chain's transfer functions, and the SNR from its signal and temporal noise.
+    No noise is drawn or measured. GSD, RER and H are geometric means of both directions; in GIQE 5
+    the worse RER counts twice. Connect the picture as the sensor samples it, before a frame grabber
+    interpolates it.
 
-    The equations use the SNR of a contrast: the difference in signal between surfaces of 15 % and 7
-    % reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance and
+    With `snr_of` = `contrast` the SNR is that of a contrast: the difference in signal between
+    surfaces of 15 % and 7 % reflectance, divided by the noise. If the scene is in reflectance and
     Reflected Light gives its radiance, the difference follows from its light and air. Otherwise the
-    scene's mean radiance is assumed to come from a surface of 15 % reflectance, so the SNR is 8/15
-    of the mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
+    mean radiance is assumed to come from a surface of 15 % reflectance. The SNR is then 8/15 of the
+    mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
     9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. The
-    first two apply to sharpened pictures, with the noise gain G of the sharpening. They were fitted
-    to visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130
-    (version 4; the limits of the others could not be checked); a warning names values beyond these
-    limits.
+    first two apply to sharpened pictures, with the noise gain G of the sharpening. Version 4 was
+    fitted to visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to
+    130. A warning names values beyond these limits. The limits of the other versions could not be
+    checked.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
     2015, GIQE version 5.0, NGA, 16 September 2015 (eqs. 2, 5 and 7).

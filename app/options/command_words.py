@@ -118,19 +118,19 @@ def _place_words(parser: Parser) -> None:
          "folder for final.png, mtf.csv and readouts.json (default ./NAME-output)", file_path,
     )  # fmt: skip
     _add(parser, "--allow-writes-to", "DIR",
-         "let the network's nodes write any file below DIR; by default they write only to the "
-         "network's folder and the output folder, and never overwrite files that this network "
-         "has not written; may be repeated", file_path, many=True, dest="allowed")  # fmt: skip
+         "let the network's nodes write and replace any file below DIR. By default they write only "
+         "to the network's folder and the output folder, and replace only files that this "
+         "network has written. May be repeated", file_path, many=True, dest="allowed")  # fmt: skip
 
 
 def _numerical_words(parser: Parser) -> None:
     parser.add_argument("--precision", action=Word, choices=("single", "double"),
                         help="default: single")  # fmt: skip
     _add(parser, "--tolerance", "T",
-         "error budget: leave out stages that together change the picture by less than this "
-         "fraction of its range, 0 to below 1 (default: below the precision's rounding, and 1e-4 "
-         "of each band's contrast if a few wavelengths represent all bands; 0 leaves out only "
-         "what changes nothing)", tolerance)  # fmt: skip
+         "error budget, 0 to below 1: leave out stages that together change the picture by less "
+         "than this fraction of its range. Default: below the precision's rounding; 1e-4 of each "
+         "band's contrast if a few wavelengths represent all bands. 0 leaves out only what "
+         "changes nothing", tolerance)  # fmt: skip
     _add(parser, "--seed", "N", "seed of the noise, instead of the network's",
          partial(whole_number, largest=LARGEST_INTEGER))  # fmt: skip
     _add(parser, "--threads", "N", "worker threads (default: all)",
@@ -157,21 +157,21 @@ def _run_words(parser: Parser) -> None:
     _network_words(parser)
     add = partial(_add, parser)
     add("--save", "NODE.PORT=FILE",
-        f"write the value of a port, as {SAVED}; NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE writes "
-        "part of an image: these rows and columns, counted from 0, up to but not including "
-        "BOTTOM and RIGHT (default: the image's bounds); .bsq and .img (ENVI) keep all bands "
-        "of an image; .zarr takes a picture of any size; may be repeated",
+        f"write the value of a port, as {SAVED}. NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE writes "
+        "part of an image: these rows and columns, counted from 0, without BOTTOM and RIGHT "
+        "themselves (default: the image's bounds). .bsq and .img (ENVI) keep all bands of an "
+        "image; .zarr takes a picture of any size. May be repeated",
         _save, many=True, dest="saves")  # fmt: skip
     add("--frames", "N",
         "save N frames of each image, each with its own temporal noise; the first is the "
-        "picture; as .npy (frames, rows, columns), .tif .tiff (one page each) or .bsq .img (ENVI, "
-        "one band each)", whole_number)  # fmt: skip
+        "picture. Formats: .npy (frames, rows, columns), .tif .tiff (one page each), .bsq .img "
+        "(ENVI, one band each)", whole_number)  # fmt: skip
     _place_words(parser)
     _flag(parser, "--all", "print the read-outs of all nodes instead of the main figures")
     add("--memory", "SIZE",
         "memory for pictures, such as 2GB or 500MB (default: half of what the process may "
-        "use); a network that needs more runs in blocks, with its pictures on disk and the same "
-        "results", size_in_bytes, dest="memory_bytes")  # fmt: skip
+        "use). A network that needs more runs in blocks, with its pictures on disk; the results "
+        "are the same", size_in_bytes, dest="memory_bytes")  # fmt: skip
     add("--scratch", "DIR",
         "folder for pictures that do not fit into memory (default: beside the output)", file_path,
     )  # fmt: skip
@@ -197,9 +197,9 @@ def _tradeoff_words(parser: Parser) -> None:
         "if given twice, each value of the second makes a curve",
         many=True, required=True)  # fmt: skip
     add("--figure", "NODE.READOUT",
-        "figure to compute: a read-out of a node, or an MTF of the chain: total.mtf_nyquist_x "
-        "or total.mtf_half_nyquist_x (or _y) at the samples' Nyquist frequency or half of it, "
-        "total.mtf_pixel_nyquist_x or total.mtf_half_pixel_nyquist_x at the pixels'; may be "
+        "figure to compute: a read-out of a node, or an MTF of the chain. total.mtf_nyquist_x "
+        "and total.mtf_half_nyquist_x (or _y) are at the samples' Nyquist frequency and half of "
+        "it, total.mtf_pixel_nyquist_x and total.mtf_half_pixel_nyquist_x at the pixels'. May be "
         "repeated (default: the electronics' figures and the chain's MTFs, if they change)",
         many=True, dest="figures")  # fmt: skip
     add("--output", "FILE",
@@ -235,9 +235,9 @@ def _study_words(parser: Parser) -> None:
         "the electronics and the chain's MTF; none if pictures are saved)", many=True,
         dest="figures")  # fmt: skip
     add("--save", "NODE.PORT=PATTERN",
-        "save each point's picture or curve; the file name takes fields in braces: {point}, "
-        "{NODE.PARAM} of a varied parameter, {scene} for the name of the picture; as "
-        f"{SAVED}; may be repeated", _save, many=True, dest="saves",
+        "save each point's picture or curve. Fields in the file's name: {point}, {NODE.PARAM} "
+        "of a varied parameter, {scene} for the name of the picture. Formats: "
+        f"{SAVED}. May be repeated", _save, many=True, dest="saves",
     )  # fmt: skip
     add("--jobs", "N",
         "number of processes on this machine (default: one; all cores if the remaining points "
@@ -280,17 +280,17 @@ def _measure_words(parser: Parser) -> None:
         "Measure MTF and noise in pictures of a camera, real or simulated. The command finds "
         "usable edges, measures the MTF of each with its standard error (ISO 12233), and pools "
         "them into a horizontal and a vertical MTF. It says why other edges are not used. Noise "
-        "comes from flat areas. Several pictures of one size, or files of frames, are treated as "
-        "pictures of one camera: their edges are pooled, and if they show the same scene, the "
-        "noise is split into time, rows and columns."
+        "comes from flat areas. Several pictures of one size, or files of frames, must come from "
+        "one camera: their edges are pooled. If they show the same scene, the noise is split into "
+        "time, rows and columns."
     )
     parser.epilog = (
         "A colour picture is measured by its luminance (0.2126 R + 0.7152 G + 0.0722 B of the "
         "stored numbers). If a picture has other bands, choose one with --band. A picture with "
         "lossy compression, such as JPEG, gives no figures. If a figure cannot be measured, the "
         "reason is printed instead. Photograph a straight edge between a dark and a bright area, "
-        "turned by about 5° and not clipped, and store raw numbers: imagechain handbook "
-        "real_camera explains how, and what the figures mean. "
+        "turned by about 5° and not clipped, and store raw numbers. For how to do it, and what "
+        "the figures mean: imagechain handbook real_camera. "
         "Example: imagechain measure picture.tif --report measured.html --csv mtf.csv"
     )
     add = partial(_add, parser)
@@ -391,13 +391,13 @@ def _netd_words(parser: Parser) -> None:
     parser.description = (
         "Measure an infrared camera, real or simulated, from frames of a black body that fills "
         "the field at two or more temperatures. You get SiTF (digital numbers per kelvin) and NETD "
-        "(noise divided by SiTF) with standard errors, and the seven components of 3-D noise "
-        "(D'Agostino and Webb 1991) in kelvin at each temperature."
+        "(noise divided by SiTF) with standard errors. At each temperature you also get the seven "
+        "components of 3-D noise (D'Agostino and Webb 1991) in kelvin."
     )
     parser.epilog = (
         "Take at least 64 frames of each temperature, and at least three temperatures a few kelvin "
-        "apart: two give SiTF midway between them, three also its change. NETD is the noise that "
-        "is random in time, row and column (sigma_tvh); noise of whole rows, columns and frames is "
+        "apart. Two give SiTF midway between them, three also its change. NETD is the noise that "
+        "is random in time, row and column (sigma_tvh). Noise of whole rows, columns and frames is "
         "listed separately, and included in the total. Bad pixels are left out. Rounding is "
         "included. Drift slower than the sequence is counted as fixed pattern. "
         "Example: imagechain netd cold.tif=20C middle.tif=25C "
@@ -405,8 +405,8 @@ def _netd_words(parser: Parser) -> None:
     )
     add = partial(_add, parser)
     add("fields", "FILE=TEMPERATURE",
-        "two or more frames of a black body, and its temperature in K or °C, already corrected for "
-        "emissivity and air, such as 293.15K or 20C; formats as for photon-transfer",
+        "two or more frames of a black body, and its temperature, such as 293.15K or 20C. Correct "
+        "the temperature for emissivity and air. Formats as for photon-transfer",
         file_at_temperature, nargs="+")  # fmt: skip
     add("--output", "FILE",
         "write the figures, including those of each temperature, as "

@@ -55,7 +55,7 @@ def _caption(published: str | None) -> str:
         "samples themselves: their area in the scene, combined pixels, and interpolation "
         "along the edge. Aliasing, from samples that are too far apart, scatters the marks about "
         "it. The row average sees a vertical edge at a single position relative to the pixels, so "
-        "frequencies beyond the pixels' Nyquist frequency are aliased; it also takes differences "
+        "frequencies beyond the pixels' Nyquist frequency are aliased. It also takes differences "
         "between neighbours, which reduce the MTF to 0.64 at Nyquist. Its expected MTF is "
         "computed along one row and includes this aliasing."
     )

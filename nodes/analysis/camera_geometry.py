@@ -386,7 +386,7 @@ class CameraGeometry(
 
     The scene is sampled in equal steps on the ground, and its centre is at nadir. A line scanner
     samples equal angles, so its samples grow as sec² across the track and as sec along it
-    (panoramic distortion); a pushbroom and a framing camera sample equal steps in the focal plane.
+    (panoramic distortion). A pushbroom and a framing camera sample equal steps in the focal plane.
     The flight runs down the picture, and its lines are equally spaced on the ground. Each sample is
     the mean of the scene over its whole footprint, so nothing aliases and a uniform scene stays
     uniform. Blur comes afterwards: choose samples finer than the detector, and combine pixels after

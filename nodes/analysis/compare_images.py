@@ -37,10 +37,9 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
 
     It gives the root mean square, largest and mean difference, and the peak signal-to-noise ratio,
     whose peak is the reference's maximum minus its minimum. The MTF ratio divides the modulus of
-    the picture's spectrum by the reference's, on both frequency axes; or it is the root of the
-    power ratio in rings. Frequencies where the reference has only rounding errors are left out. For
-    a frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF
-    itself.
+    the picture's spectrum by the reference's, on both frequency axes. In rings it is the root of
+    the power ratio. Frequencies where the reference has only rounding errors are left out. For a
+    frame filtered with mirrored edges, set `edges` to `reflect`: then the ratio is the MTF itself.
     """
 
     formulas = (

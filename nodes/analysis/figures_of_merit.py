@@ -63,35 +63,37 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only, and has no sampling
-    limit; `flir92` also uses fixed patterns, which do not average over time, and ends at Nyquist
+    limit. `flir92` also uses fixed patterns, which do not average over time. It ends at Nyquist
     where the sensor samples. The averaging of temporal noise uses its spectrum in the picture. The
     2-D MRTD uses the geometric mean of both frequencies at the same MRTD. MDTD (square target):
     SNR_th·σ divided by the mean of the target's blurred image.
 
-    `scanning` sets the directions in which the sensor samples: `staring` in both; `serial_scan`
-    between the lines that one detector scans along x; `parallel_scan` between its detectors, which
-    lie along x on platform `push` and otherwise along y. All other differences are in the picture's
-    noise: bandwidth_Hz (one detector instead of n is n times as fast, and noisier by √n), and gain
-    and bias errors on a uniform field: none on `line` with one detector; σ_h on `push`, which hides
-    upright bars; σ_vh on `array`. 1/f noise of channels (σ_tv) is not simulated.
+    `scanning` sets where the sensor samples. `staring` samples in both directions, `serial_scan`
+    only from line to line, as one detector scans along x. `parallel_scan` samples only from
+    detector to detector; they lie along x on platform `push` and otherwise along y. The noise
+    differs too, and is taken from the picture. One detector instead of n is n times as fast, so
+    bandwidth_Hz rises and the noise with it, by √n. Gain and bias errors leave no pattern on `line`
+    with one detector. On `push` they give σ_h, which hides upright bars, and on `array` σ_vh. 1/f
+    noise of channels (σ_tv) is not simulated.
 
-    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature: it
-    is refused unless `background_K` gives the temperature of the scene's own emission; use Image
-    Quality instead. All figures in K apply at the camera, behind the air, for the background as it
-    appears there. If the picture has passed an Atmospheric Path, the ΔT that remains at a range
-    follows from its τ(R) at each wavelength, weighted by dL/dT; otherwise it is
-    ΔT·exp(−extinction·range).
+    A picture in a band that begins below 2.5 µm shows reflected light, which has no temperature. It
+    is refused unless `background_K` gives the temperature of the scene's own emission. Use Image
+    Quality for such pictures. All figures in K apply at the camera, behind the air, for the
+    background as it appears there. The ΔT that remains at a range is ΔT·exp(−extinction·range).
+    Behind an Atmospheric Path it follows from the path's τ(R) at each wavelength, weighted by
+    dL/dT.
 
     Johnson: the cycles resolved across the target, up to the frequency where the target's apparent
     ΔT equals the 2-D MRTD, divided by N50.
 
-    TTP: the sum of √(contrast/threshold) over frequencies. The threshold is the root sum of squares
-    of the eye's threshold through the MTF and the MRTD's contrast (`mrtd`), or the published
-    CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), for which V50 values are published: α
-    = 169.6 √Hz, σ the noise in K·√s that passes the eyeball and the eye's channel at the frequency,
-    S the scene contrast; `flir92` includes fixed patterns. Display and eye are not part of the
-    MRTD. The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is
-    quoted for identifying tracked vehicles; it could not be checked.
+    TTP: the sum of √(contrast/threshold) over frequencies. With `mrtd` the threshold is the root
+    sum of squares of the eye's threshold through the MTF and the MRTD's contrast. With
+    `system_contrast_threshold` it is the published CTF_eye/MTF·√(1 + α²·σ²/S²), for which V50
+    values are published. There α = 169.6 √Hz, S is the scene contrast, and σ the noise in K·√s that
+    passes the eyeball and the eye's channel at the frequency. `flir92` includes fixed patterns.
+    Display and eye are not part of the MRTD. The defaults are a target of 2.3 m and 2 K, and N50
+    for the 2-D MRTD. A V50 of 18.8 is quoted for identifying tracked vehicles; it could not be
+    checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,

@@ -54,27 +54,28 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     """Estimate the interpretability (NIIRS) of a picture with GIQE 3, 4 and 5.
 
     The ground sample distance is the picture's interval times the range, in the plane normal to the
-    line of sight. GIQE 3 uses this distance, GIQE 4 the distance on the ground (divided by √sin e,
-    e the elevation of the line of sight seen from the target), and GIQE 5 their geometric mean
-    (divided by sin e to the power ¼). The relative edge response (how far an edge rises within one
-    sample around it) and the overshoot H (its height 1 to 3 samples beside it) follow from the
-    chain's transfer functions, and the SNR from its signal and temporal noise; no noise is drawn or
-    measured. GSD, RER and H are geometric means of both directions; in GIQE 5 the worse RER counts
-    twice. Connect the picture as the sensor samples it, before a frame grabber interpolates it.
+    line of sight. GIQE 3 uses this distance. GIQE 4 uses the distance on the ground, divided by
+    √sin e, with e the elevation of the line of sight seen from the target. GIQE 5 uses their
+    geometric mean, divided by sin e to the power ¼. The relative edge response (RER) is how far an
+    edge rises within one sample around it; the overshoot H is its height 1 to 3 samples beside it.
+    Both follow from the chain's transfer functions, and the SNR from its signal and temporal noise.
+    No noise is drawn or measured. GSD, RER and H are geometric means of both directions; in GIQE 5
+    the worse RER counts twice. Connect the picture as the sensor samples it, before a frame grabber
+    interpolates it.
 
-    The equations use the SNR of a contrast: the difference in signal between surfaces of 15 % and 7
-    % reflectance, divided by the noise (`snr_of` = `contrast`). If the scene is in reflectance and
+    With `snr_of` = `contrast` the SNR is that of a contrast: the difference in signal between
+    surfaces of 15 % and 7 % reflectance, divided by the noise. If the scene is in reflectance and
     Reflected Light gives its radiance, the difference follows from its light and air. Otherwise the
-    scene's mean radiance is assumed to come from a surface of 15 % reflectance, so the SNR is 8/15
-    of the mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
+    mean radiance is assumed to come from a surface of 15 % reflectance. The SNR is then 8/15 of the
+    mean signal over the noise, and a warning says so. `mean` uses the mean signal itself.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
     9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. The
-    first two apply to sharpened pictures, with the noise gain G of the sharpening. They were fitted
-    to visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130
-    (version 4; the limits of the others could not be checked); a warning names values beyond these
-    limits.
+    first two apply to sharpened pictures, with the noise gain G of the sharpening. Version 4 was
+    fitted to visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to
+    130. A warning names values beyond these limits. The limits of the other versions could not be
+    checked.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
     2015, GIQE version 5.0, NGA, 16 September 2015 (eqs. 2, 5 and 7).

@@ -47,15 +47,15 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     Predicted: the noise of every source in the chain is propagated to this picture through all
     later transfer functions, combined pixels and interpolation. Measured: frames of the picture are
     simulated, each with its own temporal noise and the same fixed patterns. The noise-free picture
-    is subtracted, and unbiased estimates split the variance into the seven components. Only one
-    pattern is measured, so with few rows or columns the measured fixed components scatter about the
-    prediction, which is an average over all sensors of this kind. Noise correlated between
-    neighbours also appears in σ tv and σ th. Rounding counts as noise. A file of frames (`path`),
-    from a camera for example, is measured instead of simulated frames, one frame at a time:
-    everything that stays from frame to frame, including the scene, then counts as fixed pattern, so
-    use frames of a uniform scene. If a picture is linked too, its prediction is shown beside the
-    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
-    Casella and McCulloch 1992, Variance Components (unbiased estimates).
+    is subtracted, and unbiased estimates split the variance into the seven components. The
+    prediction is an average over all sensors of this kind, but only one pattern is measured. With
+    few rows or columns, the measured fixed components therefore scatter about it. Noise correlated
+    between neighbours also appears in σ tv and σ th. Rounding counts as noise. With `path`, a file
+    of frames, for example from a camera, is measured instead, one frame at a time. Everything that
+    stays from frame to frame, including the scene, then counts as fixed pattern. Use frames of a
+    uniform scene. If a picture is linked too, its prediction is shown beside the measurement.
+    Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and
+    McCulloch 1992, Variance Components (unbiased estimates).
     """
 
     formulas = (

@@ -44,15 +44,14 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     It takes the inputs of Back Transform: the impulse response is the inverse transform of all
     collected MTFs and PTFs. If it is separable, it is applied in one pass along x and one along y;
     otherwise as a two-dimensional kernel. Complete kernels give the same result as Back Transform,
-    except for rounding. A truncated kernel has an error of at most `error_bound`: the sum of the
-    moduli of what was cut off, as a share of the scene's largest deviation from its mean. The mean
-    does not change. If a transfer function has not fallen to zero at Nyquist, its kernel rings and
-    cannot be both short and precise.
+    except for rounding. A truncated kernel has an error of at most `error_bound` times the scene's
+    largest deviation from its mean. The bound is the sum of the moduli of what was cut off. The
+    mean does not change. If a transfer function has not fallen to zero at Nyquist, its kernel rings
+    and cannot be both short and precise.
 
     Two short passes are faster than Fourier filtering only on small frames: up to ±16 samples at
-    128², ±4 at 512²; two-dimensional kernels are always slower (`imagechain bench`, table
-    spatial). Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section
-    2.1.4.
+    128², ±4 at 512². Two-dimensional kernels are always slower (`imagechain bench`, table spatial).
+    Source: NVSIM's method (Horger 1993) as in Tantalo 1996, section 2.1.4.
     """
 
     formulas = (

@@ -40,14 +40,14 @@ NEGLIGIBLE = 1 / 256  # a change that 8 bits cannot show
 class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", group="Atmosphere"):
     """Blur by atmospheric turbulence and by aerosol scattering (turbidity).
 
-    Turbulence is a Gaussian blur of the width that you enter, or Fried's long or short exposure
-    with r0 entered or computed from a Cn² profile. The MTF of turbidity falls to a plateau:
+    Turbulence is a Gaussian blur of the width that you enter, or Fried's long or short exposure.
+    Its r0 is entered, or computed from a Cn² profile. The MTF of turbidity falls to a plateau:
     exp(−τ(ρ/ρc)²), and beyond ρc exp(−τ). τ comes from a level (plateaus 0.99, 0.975, 0.955), from
-    a number, or from the scattering coefficient along the path (looking down or up, with an
-    exponential profile). Absorption attenuates all frequencies alike and does not blur: use
-    Atmospheric Path. Looking up blurs more than looking down, because the turbulence is near the
-    aperture. r0 goes as λ^(6/5), and the aerosol cutoff ρc as 1/λ; a spectral picture is blurred at
-    each band's own wavelength.
+    a number, or from the scattering coefficient along the path. Looking down or up, the coefficient
+    falls exponentially with height. Absorption attenuates all frequencies alike and does not blur:
+    use Atmospheric Path. Looking up blurs more than looking down, because the turbulence is near
+    the aperture. r0 goes as λ^(6/5), and the aerosol cutoff ρc as 1/λ. A spectral picture is
+    blurred at each band's own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """

@@ -27,15 +27,15 @@ class ChargeDiffusionMTF(
 ):
     """Blur by charge diffusion: carriers generated outside the depletion region diffuse to it.
 
-    Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²); α
+    Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²). α
     is the absorption coefficient, d depletion_um, L₀ diffusion_length_um, and f the frequency on
-    the detector. Back side means a thinned detector with a passivated surface: carriers are
+    the detector. Back side means a thinned detector with a passivated surface. Carriers are
     generated mostly at the back and cross the undepleted silicon, thickness_um minus depletion_um.
-    If absorption_per_um is empty, silicon at 295 K is assumed over the band (the cold filter's or
-    the picture's), and each wavelength is weighted by the carriers that it generates, with the same
-    number of photons per wavelength. Lit from the front, red and near-infrared light blurs most,
-    because it is absorbed deep; lit from the back, blue light blurs most. Sources: Seib 1974;
-    Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
+    If absorption_per_um is empty, silicon at 295 K is assumed over the band of the cold filter or
+    the picture. Each wavelength brings the same number of photons, and counts by the carriers that
+    they generate. Lit from the front, red and near-infrared light blurs most, because it is
+    absorbed deep. Lit from the back, blue light blurs most. Sources: Seib 1974; Crowell and Labuda
+    1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
     """
 
     formulas = (

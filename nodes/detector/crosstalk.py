@@ -22,11 +22,11 @@ _NONE = "0 0 0; 0 1 0; 0 0 0"
 class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Detector"):
     """Blur by crosstalk: each pixel passes a share of its signal to its neighbours.
 
-    The kernel has 3 × 3 or 5 × 5 numbers that add up to 1, rows separated by semicolons: the shares
-    of a lit pixel's signal that it and the pixels around it show. It covers optical and electrical
-    crosstalk and interpixel capacitance. An asymmetric kernel also shifts the picture: connect the
-    phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore, Ninkov and Forrest 2006, Optical
-    Engineering 45, 076402 (interpixel capacitance).
+    The kernel gives the share of a lit pixel's signal that this pixel and each pixel around it
+    show. It has 3 × 3 or 5 × 5 numbers that add up to 1, rows separated by semicolons. It covers
+    optical and electrical crosstalk and interpixel capacitance. An asymmetric kernel also shifts
+    the picture: connect the phase too. Sources: Holst and Lomheim 2007, chapter 10; Moore, Ninkov
+    and Forrest 2006, Optical Engineering 45, 076402 (interpixel capacitance).
     """
 
     formulas = (

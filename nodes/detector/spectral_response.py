@@ -42,11 +42,12 @@ class SpectralResponse(
     Each band of a spectral picture is multiplied by its mean response. A Focal Plane after it
     counts the remaining photons; its NETD refers to the scene before the response. The response
     weights only light from the scene, not radiation from optics and housing. A picture with one
-    band is multiplied by the mean over the band, weighted by the radiance of a black body: at the
-    picture's mean brightness temperature, at sunlight's 5800 K if the band begins below 2.5 µm, or
-    at `source_K`. `file`: a CSV of µm and response, interpolated linearly, 0 beyond its points.
-    `gaussian`: `width_um` is the full width at half maximum. To get radiance, enter a response per
-    watt unchanged; for photons, use the response in Focal Plane.
+    band is multiplied by the mean over the band, weighted by the radiance of a black body. Its
+    temperature is `source_K`; without it, 5800 K (sunlight) if the band begins below 2.5 µm, and
+    otherwise the picture's mean brightness temperature. `file`: a CSV of µm and response,
+    interpolated linearly, 0 beyond its points. `gaussian`: `width_um` is the full width at half
+    maximum. To get radiance, enter a response per watt unchanged; for photons, use the response in
+    Focal Plane.
     """
 
     formulas = (

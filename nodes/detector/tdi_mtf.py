@@ -19,12 +19,11 @@ from nodes.shared.shared_warnings import ELECTRONICS, apart_caution, apart_from_
 class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     """Blur by time delay and integration: charge steps, and a velocity mismatch with the image.
 
-    sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)), about the exposure's middle. m is the image
-    velocity divided by the charge velocity, minus 1; s is the pitch divided by `phases`; N =
-    stages·phases.
-    Use it instead of Alongtrack MTF, whose smear within a stage is the step s here. With `phases` =
-    0 the charge moves without steps. Empty parameters are taken from Init & Trans. Source: Wong,
-    Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
+    About the exposure's middle: sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). m is the image
+    velocity divided by the charge velocity, minus 1. s is the pitch divided by `phases`, and N =
+    stages·phases. Use it instead of Alongtrack MTF, whose smear within a stage is the step s here.
+    With `phases` = 0 the charge moves without steps. Empty parameters are taken from Init & Trans.
+    Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
     """
 
     formulas = (

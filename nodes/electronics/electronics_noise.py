@@ -91,7 +91,7 @@ class ElectronicsNoise(
 
     In this order: gain and bias errors of each detector; detector noise with rms NER; the
     pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
-    reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise;
+    reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise.
     NETD and SNR refer to all detectors, which are √(1 + v²) times as noisy for a spread of v.
     Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the
     picture by the gain error (`literal`).

@@ -40,13 +40,14 @@ class Noise3DSource(
 ):
     """Add 3-D noise by its components: time (t), rows (v), columns (h), and combinations.
 
-    Each component is Gaussian with its own standard deviation, in the unit of the picture. v, h and
-    vh are the same in every frame of a sequence; the others are new in each. `corner_Hz` adds 1/f
-    noise to each sample; at that frequency its temporal spectrum equals the spectrum of sigma_tvh.
-    It extends from 1/`longest_period_s` to half the frame rate, and any frame can be computed from
-    its number. All of its variance is temporal. 3-D Noise uses only some frames, and measures
-    slower changes as fixed (vh). Without any component the picture does not change. Sources:
-    D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
+    Each component is Gaussian with its own standard deviation, in the unit of the picture. In a
+    sequence, v, h and vh are the same in every frame, and the others are new in each. `corner_Hz`
+    adds 1/f noise to each sample; at that frequency its temporal spectrum equals the spectrum of
+    sigma_tvh. It extends from 1/`longest_period_s` to half the frame rate, and any frame can be
+    computed from its number. All of its variance is temporal. 3-D Noise uses only some frames, and
+    measures slower changes as fixed (vh). Without any component the picture does not change.
+    Sources: D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral
+    representation).
     """
 
     formulas = (

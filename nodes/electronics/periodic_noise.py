@@ -36,9 +36,9 @@ class PeriodicNoise(
 ):
     """Add sinusoidal noise, such as pick-up from a supply, optionally modulated in amplitude.
 
-    amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ) with x and y counted
-    from the first sample. Frequencies beyond Nyquist appear as their aliases. An amplitude of 0
-    changes nothing. Source: Tantalo 1996, chapter 3.
+    The noise is amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ). x and y
+    are counted from the first sample. Frequencies beyond Nyquist appear as their aliases. An
+    amplitude of 0 changes nothing. Source: Tantalo 1996, chapter 3.
     """
 
     formulas = (

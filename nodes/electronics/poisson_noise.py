@@ -32,11 +32,11 @@ class PoissonNoise(
 ):
     """Add photon noise to the picture, as in 1996 or by counting photons.
 
-    `published`: a Poisson deviate is added, whose mean is a percentage of the Gaussian-weighted
-    local mean. `photon`: radiance is converted to a number of photons and replaced by a Poisson
-    deviate. The 1996 method has no photon scale: its relative noise changes with the radiance unit,
-    and it is added before the optics that collect the light. For the shot noise of a detector use
-    Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+    `published` adds a Poisson deviate whose mean is a percentage of the Gaussian-weighted local
+    mean. `photon` converts radiance to a number of photons and replaces it by a Poisson deviate.
+    The 1996 method has no photon scale, so its relative noise changes with the radiance unit. It is
+    also added before the optics that collect the light. For the shot noise of a detector use Focal
+    Plane. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
     """
 
     formulas = (

@@ -46,19 +46,19 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     """Read a picture from a file: ENVI (DIRSIG's format), or another format listed under `path`.
 
     Samples are the file's numbers times `scale`, plus `offset`. If an ENVI header gives
-    wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um` (if both are given); for
+    wavelengths, its bands are integrated from `cut_on_um` to `cut_off_um`, if you give both. For
     every other file these two are the band of the samples. Radiance comes out in W/m²/sr, one
     spectral band in W/m²/sr/µm. If the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
     `scale` is 1, that unit is converted; otherwise `unit` applies. A cube whose header names no
     unit needs `unit` or `scale`. Gains and offsets of an ENVI header are applied, and its bad bands
-    are left out. K, DN and similar units are kept; photons are not converted to watts; an unknown
-    radiance unit is an error.
+    are left out. K, DN and similar units are kept. Without `bands` all, photons are not converted
+    to watts. An unknown radiance unit is an error.
 
     A colour picture gives one channel or, with `bands` luminance, all three weighted as the eye
     weights them. A cube gives one band or plane, the first unless you set `band`. With `bands` all,
-    a cube whose header gives wavelengths gives every band between `cut_on_um` and `cut_off_um`,
-    each in W/m²/sr/µm (photons too, with their energy at that wavelength). Optics and atmosphere
-    then act on each band separately, until a detector sums them. The cube stays on disk.
+    a cube whose header names wavelengths gives every band between `cut_on_um` and `cut_off_um`.
+    Each comes in W/m²/sr/µm; photons are converted by their energy at that wavelength. Optics and
+    atmosphere then act on each band separately, until a detector sums them. The cube stays on disk.
 
     An empty field of view is taken from the header. FITS pictures have their first row at the
     bottom. Samples that are not finite, or that equal the file's no-data value, are an error unless

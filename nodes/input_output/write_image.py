@@ -57,7 +57,7 @@ class WriteImage(
     if the format allows it, and 16-bit integers for PNG and for digital numbers up to 65535.
 
     An ENVI file (`.img`, `.bsq`, or `format` envi) keeps all bands of a spectral picture, as floats
-    in W/m²/sr/µm, written one after the other, so that the whole cube is never in memory. Every
+    in W/m²/sr/µm. They are written one after the other, so the whole cube is never in memory. Every
     other format stores their sum. A Zarr store (`.zarr`) is written chunk by chunk.
     """
 

@@ -47,15 +47,16 @@ class DiffractionMTF(
 ):
     """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
-    Aperture and obscuration come from Camera, else the aperture is the focal length over the
-    F-number from Init & Trans; no pupil array is needed. Over a band, the OTFs of all wavelengths
-    are weighted by the photons or the energy of a black body, or uniformly as in 1996. The black
-    body has `source_K`, else the temperature of the picture's mean radiance, else sunlight's 5800 K
-    if the band begins below 2.5 µm. `response`, and a Spectral Response before this module, also
-    weight the light as a detector behind the optics would. `wavelengths` auto uses as many
-    wavelengths as `tolerance` needs, placed between the kinks of the OTF; a number sets how many
-    wavelengths sample the band, and 1 uses the band's middle. With auto, a spectral picture is
-    blurred band by band, and the MTF shown is the mean weighted by the picture's own light.
+    Aperture and obscuration come from Camera. Without one, the aperture is the focal length over
+    the F-number from Init & Trans. No pupil array is needed. Over a band, each wavelength's OTF is
+    weighted by the photons or the energy of a black body, or all alike as in 1996. The black body
+    has `source_K`. If that is empty, it has 5800 K (sunlight) in a band that begins below 2.5 µm,
+    and otherwise the temperature of the picture's mean radiance. `response`, and a Spectral
+    Response before this module, also weight the light as a detector behind the optics would.
+    `wavelengths` auto uses as many wavelengths as `tolerance` needs, placed between the kinks of
+    the OTF. A number sets how many wavelengths sample the band; 1 uses the band's middle. With
+    auto, a spectral picture is blurred band by band, and the MTF shown is the mean weighted by the
+    picture's own light.
 
     `defocus_waves` is W20 at the rim at the band's middle; the OTF is real and may be negative.
     `rms_wavefront_waves`, also at the band's middle, applies Shannon's factor for small errors of

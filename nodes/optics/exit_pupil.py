@@ -43,8 +43,9 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     """Make an exit pupil: 1 transparent, 0 opaque.
 
     Lengths are in samples and centred; Exit Pupil MTF sets their scale. `clear` and `half_moon` (x
-    ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar over the full height,
-    `cassegrain_slit` the same bar on an annulus, `spider` an annulus with vanes at 360°/n from +x.
+    ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar over the full height.
+    `cassegrain_slit` is the same bar on an annulus, `spider` an annulus with vanes at 360°/n from
+    +x.
 
     The wavefront error is in waves at the band's mean wavelength, on the disc of the aperture's
     radius. For a file this disc is the smallest circle around all samples above 1 % of the largest.

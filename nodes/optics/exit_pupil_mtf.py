@@ -50,14 +50,14 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     """Blur by the incoherent OTF of an exit pupil: its normalised autocorrelation.
 
     Geometric shapes are exact, for one wavelength or a band. Files and wavefront errors are
-    autocorrelated from their samples. `weighting`: wavelengths are weighted equally, or by the
-    photons or the energy of a black body (at `source_K`, else at the temperature of the picture's
-    mean radiance, else at sunlight's 5800 K if the band begins below 2.5 µm), and by the detector's
-    `response`. A spectral picture is blurred band by band, each at its own wavelength.
-    Interpolation `none` shows the raw autocorrelation at the pupil's own frequency intervals and
-    does not blur the picture. Sizes refer to the whole pupil array. Source: Tantalo 1996, eqs. 4.10
-    to 4.21. Erratum: the cutoff is aperture/λ; the 12.8 of eq. 4.21 is the array's half width over
-    λ.
+    autocorrelated from their samples. `weighting` counts all wavelengths alike, or by the photons
+    or the energy of a black body; the detector's `response` counts too. The black body has
+    `source_K`. If that is empty, it has 5800 K (sunlight) in a band that begins below 2.5 µm, and
+    otherwise the temperature of the picture's mean radiance. A spectral picture is blurred band by
+    band, each at its own wavelength. Interpolation `none` shows the raw autocorrelation at the
+    pupil's own frequency intervals and does not blur the picture. Sizes refer to the whole pupil
+    array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ. The 12.8 of
+    eq. 4.21 is the array's half width over λ.
     """
 
     formulas = (

@@ -44,14 +44,14 @@ Curves = dict[str, tuple[Column, Column]]
 class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics"):
     """Blur by the MTF in a file: measured, from a data sheet, or from a lens design.
 
-    The file is a CSV table whose first line names its columns: frequency with its unit, as in
-    `frequency (cyc/mm)`, then `mtf`, or `mtf_x` and `mtf_y` (one is enough), or `radial`; and, if
-    known, `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`. Zemax's text of MTF against
-    frequency is read too, with its tangential curve along y. `direction` sets the direction of a
-    column `mtf`, or selects one of several curves; radial means equal in all directions. Between
-    points the curve is a monotone cubic (PCHIP). A table that begins above 0 gets MTF 1 at 0.
-    Beyond the last point the MTF is 0; it is never extrapolated. A phase is odd in frequency and
-    takes the shorter way from point to point.
+    The file is a CSV table whose first line names its columns. The frequency comes first, with its
+    unit, as in `frequency (cyc/mm)`. Then comes `mtf`, or `radial`, or `mtf_x` and `mtf_y` (one is
+    enough). If the phase is known, add `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`.
+    Zemax's text of MTF against frequency is read too, with its tangential curve along y.
+    `direction` sets the direction of a column `mtf`, or selects one of several curves; radial means
+    equal in all directions. Between points the curve is a monotone cubic (PCHIP). A table that
+    begins above 0 gets MTF 1 at 0. Beyond the last point the MTF is 0; it is never extrapolated. A
+    phase is odd in frequency and takes the shorter way from point to point.
 
     Frequencies refer to the focal plane (cyc/mm, converted by the focal length), to angle, or to
     the pixel (by pitch and focal length). `imagechain measure` writes such a table from a camera's

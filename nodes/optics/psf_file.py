@@ -32,9 +32,9 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     Every point of the picture is blurred to the PSF in the file. Row 0 is at the top, and a tail to
     the right in the file is a tail to the right in the picture. The file may have any format of
     Read Image, `.npy`, text, or Zemax's listing, whose spacing is used if `sample_pitch` is empty.
-    Samples are divided by their sum. With `centroid` kept, the point is at the middle of the file
-    (for even sizes between samples, at (n − 1)/2), and a centroid elsewhere shifts the picture;
-    with `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the
+    Samples are divided by their sum. With `centroid` kept, the point is at the middle of the file,
+    (n − 1)/2, which lies between samples for even sizes. A centroid elsewhere shifts the picture.
+    With `centroid` removed nothing shifts. The OTF is the exact sum over the samples at the
     picture's own frequencies, for any pitch, and 0 beyond the file's Nyquist frequency. A PSF that
     was measured with a detector includes its pixel: leave out Detector MTF. Without a file nothing
     changes. Source: Goodman 2005, Introduction to Fourier Optics, section 6.3.
