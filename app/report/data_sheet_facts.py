@@ -40,6 +40,11 @@ _CAMERA: Rows = (  # label, figure, of both axes where it ends in *; in the orde
     ("Q (λ·F/pitch)", "q", ""),
     ("Range", "range_m", "m"),
     ("Ground sample distance", "gsd_*_m", "m"),
+    ("Altitude", "altitude_km", "km"),
+    ("Elevation at the target", "elevation_deg", "deg"),
+    ("Ground sample distance on the ground", "gsd_ground_*_m", "m"),
+    ("Ground speed", "ground_speed_m_per_s", "m/s"),
+    ("Line rate for one pixel per line", "line_rate_Hz", "Hz"),
 )
 TIMES, UP_TO = " × ", " to "  # between the values of both axes, and of both ends
 _FOCAL_PLANE: Rows = (

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from core.chain.band_stack import BandStack, Row, Rows, stacked
 from core.evaluation.recipes import Recipe
 from core.physics.detector.focal_plane_array import Irradiance
+from core.physics.sampling.orbit import OrbitView
 
 
 @dataclass(frozen=True)
@@ -109,6 +110,8 @@ class CameraSheet:
         Sensitive share of the pitch.
     range_m : float or None
         Distance of the scene.
+    orbit : OrbitView or None
+        Of a camera on a satellite.
     """
 
     pixels_x: int | None = None
@@ -124,6 +127,7 @@ class CameraSheet:
     fill_x: float | None = None
     fill_y: float | None = None
     range_m: float | None = None
+    orbit: OrbitView | None = None
 
     @property
     def pitch_x_mrad(self) -> float | None:

@@ -282,6 +282,7 @@ class Context:
     obscuration_ratio: float = 0.0
     t_number: float | None = None
     irradiance: Irradiance = "disc"
+    elevation_deg: float | None = None
 
     @cached_property
     def key(self) -> str:

@@ -38,6 +38,7 @@ from nodes.analysis.lineage.line_transfer import HORIZONTAL, VERTICAL, Line, Sta
 from nodes.analysis.threshold_curves import Unseen, unseen
 from nodes.shared.context_defaults import given, with_interval
 from nodes.shared.module_ports import table_figure
+from nodes.shared.shared_warnings import apart_caution, apart_from_context
 
 
 class QualityOutputs(NamedTuple):
@@ -125,8 +126,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     ] = None  # fmt: skip
     elevation_deg: Annotated[
         float | None,
-        Param("elevation of the line of sight above the horizon, seen from the target; empty: 90° "
-              "less off_nadir_deg", unit="deg", low=0, high=90, slider=(5, 90)),
+        Param("elevation of the line of sight at the target; empty: 90° less off_nadir_deg, or "
+              "from Camera's orbit if that is 0", unit="deg", low=0, high=90, slider=(5, 90)),
     ] = None  # fmt: skip
     off_nadir_deg: Annotated[
         float,
@@ -187,6 +188,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
 
     def _view(self, context: Context, grid: Grid) -> View:
         elevation = self.elevation_deg
+        if elevation is None and not self.off_nadir_deg:
+            elevation = context.elevation_deg
         if elevation is None:
             elevation = 90.0 - self.off_nadir_deg
         if self.gsd_m is not None:
@@ -216,8 +219,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         )
 
     @warning
-    def view(self, given: frozenset[str]) -> Caution | None:
-        """A look angle or range is not used, because elevation_deg or gsd_m is given."""
+    def view(self, context: Context) -> Caution | None:
+        """A look angle or range is not used, or is not the one of Camera's orbit."""
         if self.elevation_deg is not None and self.off_nadir_deg:
             return Caution(
                 f"off_nadir_deg = {self.off_nadir_deg:g}° is not used: elevation_deg = "
@@ -229,7 +232,14 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
                 f"range_m = {self.range_m:g} m is not used: gsd_m = {self.gsd_m:g} m is given",
                 "leave one of the two empty",
             )
-        return None
+        if context.elevation_deg is None:
+            return None
+        own = self.elevation_deg or (90.0 - self.off_nadir_deg if self.off_nadir_deg else None)
+        remedy = "leave elevation_deg empty and off_nadir_deg 0 to use that value"
+        return apart_from_context(self, context, "range_m") or apart_caution(
+            "elevation_deg", own, context.elevation_deg, unit="deg", where="from Camera's orbit",
+            remedy=remedy,
+        )  # fmt: skip
 
     @warning
     def band(self, image: Image, context: Context) -> Caution | None:

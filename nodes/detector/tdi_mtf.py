@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.physics.detector.detector_mtf import smear_mrad, tdi_mtf
+from core.physics.checks import positive
+from core.physics.detector.detector_mtf import image_motion, smear_mrad, tdi_askew_mtf, tdi_mtf
 from core.physics.sampling.detector_sampling import ifov_mrad
-from nodes.shared.context_defaults import given
+from core.transfer.factors import Law, Planar
+from nodes.shared.context_defaults import given, of_context
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 from nodes.shared.shared_warnings import ELECTRONICS, apart_caution, apart_from_context, first
@@ -21,9 +24,12 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
 
     About the exposure's middle: sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). m is the image
     velocity divided by the charge velocity, minus 1. s is the pitch divided by `phases`, and N =
-    stages·phases. Use it instead of Alongtrack MTF, whose smear within a stage is the step s here.
-    With `phases` = 0 the charge moves without steps. Empty parameters are taken from Init & Trans.
-    Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
+    stages·phases. `line_rate_Hz` gives m from the scene's velocity and range (Init & Trans, or
+    Camera's orbit). At a yaw ψ the image moves by (1 + m)·cos ψ along the stages and by
+    (1 + m)·sin ψ across them. Use it instead of Alongtrack MTF, whose smear within a stage is the
+    step s here. With `phases` = 0 the charge moves without steps. Empty parameters are taken from
+    Init & Trans. Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim
+    2007, chapter 10.
     """
 
     formulas = (
@@ -49,6 +55,16 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
         Param("how much faster the image moves than the charge", unit="%", low=-99, high=1000,
               slider=(-5, 5)),
     ] = 0.0  # fmt: skip
+    line_rate_Hz: Annotated[
+        float | None,
+        Param("lines per second that the charge moves; empty: velocity_mismatch_percent counts",
+              unit="Hz", low=0, slider=(1000, 50000)),
+    ] = None  # fmt: skip
+    yaw_deg: Annotated[
+        float,
+        Param("angle from the stages to the image motion", unit="deg", low=-89, high=89,
+              slider=(-5, 5)),
+    ] = 0.0  # fmt: skip
     direction: Annotated[
         Literal["y", "x"], Param("axis of the motion: vertical (y) or horizontal (x)")
     ] = "y"
@@ -63,14 +79,18 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
 
     panel = (
         Section("", ("apply",)),
-        Section("Clock", ("stages", "phases", "velocity_mismatch_percent")),
-        Section("Stages", ("direction", "detector_um", "focal_length_mm")),
+        Section("Clock", ("stages", "phases", "velocity_mismatch_percent", "line_rate_Hz")),
+        Section("Stages", ("direction", "yaw_deg", "detector_um", "focal_length_mm")),
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        if not self.phases and not self.velocity_mismatch_percent:
+        if not (self.phases or self.velocity_mismatch_percent or self.line_rate_Hz or self.yaw_deg):
             return self.mtf_outputs(magnitude)
-        how = self._how(context)
+        how, drift = self._how(context), self.drift_across_px(context)
+        if drift:
+            law = Law.of(tdi_askew_mtf, drift=drift, direction=self.direction, **how)
+            askew = Planar(law, symmetric=False, label=self.title, node=here.node)
+            return self.mtf_outputs(magnitude, askew)
         along = how if self.direction == "y" else None
         across = how if self.direction == "x" else None
         factors = separable(tdi_mtf, x=across, y=along, label=self.title, node=here.node)
@@ -79,15 +99,25 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     def _how(self, context: Context) -> dict[str, Any]:
         name = f"detector_{self.direction}_um"
         own = {"detector_y_um": self.detector_um, "detector_x_um": self.detector_um}
+        pitch_mrad = ifov_mrad(
+            pitch_um=given(name, own[name], context, unit="µm"),
+            focal_length_mm=given("focal_length_mm", self.focal_length_mm, context, unit="mm"),
+        )
         return {
-            "pitch_mrad": ifov_mrad(
-                pitch_um=given(name, own[name], context, unit="µm"),
-                focal_length_mm=given("focal_length_mm", self.focal_length_mm, context, unit="mm"),
-            ),
+            "pitch_mrad": pitch_mrad,
             "stages": self.stages,
             "phases": self.phases,
-            "velocity_mismatch": self.velocity_mismatch_percent / 100.0,
+            "velocity_mismatch": self._motion(pitch_mrad, context)[0],
         }
+
+    def _motion(self, pitch_mrad: float, context: Context) -> tuple[float, float]:
+        """Motion of the image against the charge, along and across, in pitches per stage."""
+        mismatch = self.velocity_mismatch_percent / 100.0
+        if self.line_rate_Hz:
+            speed = positive("velocity_m_per_s", abs(context.velocity_m_per_s), unit="m/s")
+            range_m = of_context("range_m", context, unit="m")
+            mismatch = 1000.0 * speed / range_m / self.line_rate_Hz / pitch_mrad - 1.0
+        return image_motion(velocity_mismatch=mismatch, yaw_deg=self.yaw_deg)
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
@@ -99,16 +129,25 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
         )
 
     @warning
-    def apart(self) -> Caution | None:
-        """Image and charge move apart by more than two pixels."""
-        pixels = abs(self.stages * self.velocity_mismatch_percent / 100.0)
+    def apart(self, context: Context) -> Caution | None:
+        """Image and charge move apart by more than two pixels, or two values give their speed."""
+        typed = self.velocity_mismatch_percent
+        if self.line_rate_Hz and typed:
+            return Caution(
+                f"velocity_mismatch_percent = {typed:g} % is not used: line_rate_Hz gives it",
+                "leave line_rate_Hz empty, or set velocity_mismatch_percent to 0",
+            )
+        if not (typed or self.line_rate_Hz or self.yaw_deg):
+            return None
+        along, across = self.mismatch_percent(context), self.drift_across_px(context)
+        pixels = math.hypot(self.stages * along / 100.0, self.stages * across)
         if pixels <= 2.0:
             return None
+        askew = f" and a yaw of {self.yaw_deg:g}°" if self.yaw_deg else ""
         return Caution(
             f"the MTF at Nyquist is almost zero: over {self.stages} stages a mismatch of "
-            f"{self.velocity_mismatch_percent:g} % moves the image {pixels:.3g} pixels away "
-            "from its charge",
-            "lower velocity_mismatch_percent or stages",
+            f"{along:.4g} %{askew} moves the image {pixels:.3g} pixels away from its charge",
+            "lower the mismatch, yaw_deg or stages",
         )
 
     @readout("mrad")
@@ -118,5 +157,15 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
 
     @readout("mrad")
     def drift_mrad(self, context: Context) -> float:
-        """Distance between image and charge after all stages."""
+        """Distance along the stages between image and charge after all stages."""
         return smear_mrad(**self._how(context))[1]
+
+    @readout("%")
+    def mismatch_percent(self, context: Context) -> float:
+        """How much faster the image moves along the stages than the charge."""
+        return 100.0 * float(self._how(context)["velocity_mismatch"])
+
+    @readout("px")
+    def drift_across_px(self, context: Context) -> float:
+        """Drift of the image across the stages, per stage."""
+        return self._motion(float(self._how(context)["pitch_mrad"]), context)[1]

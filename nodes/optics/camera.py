@@ -16,6 +16,7 @@ from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.sampling.detector_sampling import field_of_view_deg
+from core.physics.sampling.orbit import LookDirection, OrbitView, orbit_view
 from nodes.shared.module_ports import table_figure
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart_caution, first
 
@@ -30,6 +31,14 @@ def _of_camera(outputs: CameraOutputs) -> Recipe:
 
 
 _figure = partial(table_figure, table=_of_camera)
+_ORBIT = (
+    ("elevation_deg", "deg", "Elevation of the line of sight at the target."),
+    ("ground_speed_m_per_s", "m/s", "Speed of the point below the satellite."),
+    ("velocity_m_per_s", "m/s", "Velocity of the scene across the line of sight."),
+    ("gsd_ground_x_m", "m", "Ground sample distance on the ground, horizontal."),
+    ("gsd_ground_y_m", "m", "Ground sample distance on the ground, vertical."),
+    ("line_rate_Hz", "Hz", "Line rate at which the image moves by one pixel per line."),
+)
 
 
 class Camera(Module, key="camera", title="Camera", group="Optics"):
@@ -43,6 +52,10 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal angles. A warning names
     values that disagree; nothing is corrected.
 
+    On a satellite, altitude and look angle give range, elevation and the velocity of the scene
+    across the line of sight. The orbit is circular and the Earth a sphere. Its rotation is left
+    out: it changes the speed by up to 7 % or the direction by up to 4° (`yaw_deg` of TDI MTF).
+
     The obscuration blocks light: electrons, NETD and SNR use 1 − ε² of the aperture, its open
     share, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
     transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how light depends
@@ -50,7 +63,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     infrared work, `sine` (π/(4F²)) for a lens corrected for coma, as fast photographic and infrared
     lenses are. They differ by 25 % at F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical
     Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983,
-    Optical System Design, chapter 6 (sine condition, T-number).
+    Optical System Design, chapter 6 (sine condition, T-number);
+    Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5 (orbit).
     """
 
     formulas = (
@@ -64,6 +78,11 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             r"\Omega=\frac{\pi}{4F^2}\left(1-\varepsilon^2\right)\ \mathrm{(sine)},\quad"
             r"\tau\,\Omega=\Omega(T,\varepsilon=0)",
             where="Ω: solid angle of the light, sr; ε: obscuration; T: T-number; τ: transmission",
+        ),
+        Formula(
+            r"v_g=\frac{R_E}{r}\sqrt{\frac{GM}{r}},\quad\cos E=\frac{r}{R_E}\sin\eta,\quad R=r"
+            r"\cos\eta-R_E\sin E",
+            where="r: R_E (Earth) plus altitude; v_g: ground speed; η: look angle; E: elevation",
         ),
     )
 
@@ -118,6 +137,18 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     range_m: Annotated[
         float | None, Param("distance of the scene", unit="m", low=0, slider=(10, 10000))
     ] = None
+    altitude_km: Annotated[
+        float | None,
+        Param("altitude of a circular orbit; empty: not on a satellite", unit="km", low=0, high=1e5,
+              slider=(300, 1000)),
+    ] = None  # fmt: skip
+    look_angle_deg: Annotated[
+        float, Param("angle of the line of sight off nadir", unit="deg", low=0, high=89,
+                     slider=(0, 50)),
+    ] = 0.0  # fmt: skip
+    look_direction: Annotated[
+        LookDirection, Param("direction of the look angle: beside the track, or ahead on it")
+    ] = "across"
 
     panel = (
         Section("Pixels", ("pixels_x", "pixels_y", "pitch_um", "pitch_y_um")),
@@ -125,6 +156,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         Section("Optics", ("focal_length_mm", "f_number", "aperture_mm", "obscuration_ratio")),
         Section("Light", ("t_number", "irradiance")),
         Section("Scene", ("range_m",)),
+        Section("Orbit", ("altitude_km", "look_angle_deg", "look_direction")),
     )
 
     def run(self, image: Image, here: NodeContext) -> CameraOutputs:
@@ -151,6 +183,14 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             f_number = focal / aperture
         if aperture is None and focal is not None and f_number is not None:
             aperture = focal / f_number
+        orbit, range_m = None, self.range_m
+        if self.altitude_km is not None:
+            orbit = orbit_view(
+                altitude_km=self.altitude_km,
+                look_angle_deg=self.look_angle_deg,
+                direction=self.look_direction,
+            )
+            range_m = range_m or orbit.range_m
         return CameraSheet(
             pixels_x=self.pixels_x,
             pixels_y=self.pixels_y,
@@ -164,7 +204,23 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             irradiance=self.irradiance,
             fill_x=self.fill_x,
             fill_y=self.fill_y,
-            range_m=self.range_m,
+            range_m=range_m,
+            orbit=orbit,
+        )
+
+    @warning
+    def orbit(self) -> Caution | None:
+        """The range differs from the orbit's, or a look angle has no orbit."""
+        orbit = self.sheet().orbit
+        if orbit is not None:
+            return apart_caution(
+                "range_m", self.range_m, orbit.range_m, unit="m", where="by altitude and look angle"
+            )
+        if not self.look_angle_deg:
+            return None
+        return Caution(
+            f"look_angle_deg = {self.look_angle_deg:g}° is not used: altitude_km is empty",
+            "give altitude_km, or set look_angle_deg to 0",
         )
 
     @warning
@@ -296,6 +352,9 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     )
     gsd_x_m = _figure("gsd_x_m", "m", "Width of the area in the scene that a pixel sees.")
     gsd_y_m = _figure("gsd_y_m", "m", "Height of the area in the scene that a pixel sees.")
+    elevation, ground_speed, velocity, ground_x, ground_y, line_rate = (
+        _figure(*row) for row in _ORBIT
+    )
 
 
 def intervals_mrad(sheet: CameraSheet, image: Image) -> tuple[float | None, float | None]:
@@ -378,6 +437,7 @@ def camera_figures(
     x, y = sheet.pitch_x_mrad, sheet.pitch_y_mrad
     middle = None if band_um is None else sum(band_um) / 2
     blur = _times(middle, sheet.f_number)
+    gsd = _km(_times(x, sheet.range_m)), _km(_times(y, sheet.range_m))
     return TableData(
         (
             TableRow("pixels_x", sheet.pixels_x, "pixels", "pixels per row"),
@@ -406,9 +466,24 @@ def camera_figures(
             TableRow("samples_per_pixel_y", _over(y, interval_y_mrad), "samples", "vertical"),
             TableRow("cutoff", _over(sheet.aperture_mm, middle), "cyc/mrad", "diffraction cutoff"),
             TableRow("q", _over(blur, sheet.pitch_x_um), "", "λF/pitch at the middle of the band"),
-            TableRow("gsd_x_m", _km(_times(x, sheet.range_m)), "m", "width seen by a pixel"),
-            TableRow("gsd_y_m", _km(_times(y, sheet.range_m)), "m", "height seen by a pixel"),
+            TableRow("gsd_x_m", gsd[0], "m", "width seen by a pixel"),
+            TableRow("gsd_y_m", gsd[1], "m", "height seen by a pixel"),
+            *_orbit_rows(sheet.orbit, *gsd),
         )
+    )
+
+
+def _orbit_rows(
+    orbit: OrbitView | None, gsd_x_m: float | None, gsd_y_m: float | None
+) -> tuple[TableRow, ...]:
+    values: list[float | None] = [None] * len(_ORBIT)
+    if orbit is not None:
+        velocity, ground = orbit.velocity_m_per_s, orbit.ground_gsd(gsd_x_m, gsd_y_m)
+        rate = _over(velocity, gsd_y_m)
+        values = [orbit.elevation_deg, orbit.ground_speed_m_per_s, velocity, *ground, rate]
+    return tuple(
+        TableRow(name, value, unit, meaning.rstrip("."))
+        for (name, unit, meaning), value in zip(_ORBIT, values, strict=True)
     )
 
 

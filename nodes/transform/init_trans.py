@@ -95,8 +95,10 @@ class InitTrans(
         ),
     ] = "line"
     velocity_m_per_s: Annotated[
-        float, Param("velocity of the platform or object", unit="m/s", slider=(0, 300))
-    ] = 0.0
+        float,
+        Param("velocity of the platform or object; 0: from Camera's orbit, or none", unit="m/s",
+              slider=(0, 300)),
+    ] = 0.0  # fmt: skip
     scan_velocity_mrad_per_s: Annotated[
         float, Param("scan velocity", unit="mrad/s", low=0, slider=(0, 1e5))
     ] = 0.0
@@ -133,6 +135,7 @@ class InitTrans(
             self._interval("fov_y_deg", image.rows, image.interval_y_mrad),
         )
         camera = image.camera or CameraSheet()
+        orbit = camera.orbit
         own_optics = self.focal_length_mm is not None or self.f_number is not None
         context = Context(
             grid=grid,
@@ -147,13 +150,14 @@ class InitTrans(
             range_m=self.range_m or camera.range_m,
             fill_x=_fill(self.fill_x, camera.fill_x),
             fill_y=_fill(self.fill_y, camera.fill_y),
-            velocity_m_per_s=self.velocity_m_per_s,
+            velocity_m_per_s=self.velocity_m_per_s or (orbit.velocity_m_per_s if orbit else 0.0),
             scan_velocity_mrad_per_s=self.scan_velocity_mrad_per_s,
             band_um=image.band_um,
             aperture_mm=None if own_optics else camera.aperture_mm,
             obscuration_ratio=self.obscuration_ratio or camera.obscuration_ratio,
             t_number=camera.t_number,
             irradiance=camera.irradiance,
+            elevation_deg=orbit.elevation_deg if orbit else None,
         )
         focal_length_mm = context.focal_length_mm
         pitches = context.detector_x_um, context.detector_y_um
@@ -198,7 +202,7 @@ class InitTrans(
         """A value differs from the one on Camera."""
         if image.camera is None:
             return None
-        sheet = image.camera
+        sheet, orbit = image.camera, image.camera.orbit
         for name, of_camera in (("fill_x", sheet.fill_x), ("fill_y", sheet.fill_y)):
             if name in given and getattr(self, name) == 1.0 and of_camera not in (None, 1.0):
                 return Caution(
@@ -215,6 +219,7 @@ class InitTrans(
                     ("f_number", sheet.f_number, ""),
                     ("obscuration_ratio", sheet.obscuration_ratio, ""),
                     ("range_m", sheet.range_m, "m"),
+                    ("velocity_m_per_s", orbit.velocity_m_per_s if orbit else None, "m/s"),
                     ("fill_x", sheet.fill_x if self.fill_x != 1.0 else None, ""),
                     ("fill_y", sheet.fill_y if self.fill_y != 1.0 else None, ""),
                 )

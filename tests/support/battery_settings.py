@@ -71,7 +71,7 @@ EXAMPLES = Examples({
     "detector_mtf": {},
     "charge_eff_mtf": {"efficiency": 0.999},
     "charge_eff_phase": {"efficiency": 0.999},
-    "tdi_mtf": {"stages": 7, "phases": 3, "velocity_mismatch_percent": 4},
+    "tdi_mtf": {"stages": 7, "phases": 3, "velocity_mismatch_percent": 4, "yaw_deg": 5},
     "focal_plane": {
         "integration_time_s": 1e-5, "optics_K": 290, "cold_shield_efficiency": 0.9,
         "housing_K": 300, "dark_current_e_per_s": 1e5, "full_well_e": 4e6, "read_noise_e": 300,
@@ -242,6 +242,8 @@ SETTINGS: dict[str, list[dict[str, Any]]] = {
         {"phases": 0, "velocity_mismatch_percent": 30, "direction": "x"},
         {"stages": 10000, "phases": 100, "velocity_mismatch_percent": 1000},
         {"stages": 2, "phases": 1, "velocity_mismatch_percent": -99},
+        {"stages": 9, "yaw_deg": -20},
+        {"phases": 0, "velocity_mismatch_percent": 30, "direction": "x", "yaw_deg": 60},
     ],
     "electronics_noise": [
         {**SCAN, "use_mtf": True},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from decimal import Decimal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -140,6 +141,7 @@ def tdi_mtf(
     stages: int,
     phases: int,
     velocity_mismatch: float,
+    aside: ArrayLike = 0.0,
 ) -> NDArray[np.float64]:
     """MTF of the motion between image and charge, about its mean place.
 
@@ -155,6 +157,9 @@ def tdi_mtf(
         Steps of the charge in a stage; 0: it moves without steps.
     velocity_mismatch : float
         Velocity of the image over that of the charge, less 1; above −1.
+    aside : array_like
+        Motion of the image across the stages, in pitches while the charge moves one, times the
+        frequency across them; it broadcasts with `frequency`.
 
     Returns
     -------
@@ -169,12 +174,33 @@ def tdi_mtf(
     mismatch = finite("velocity_mismatch", velocity_mismatch)
     if not mismatch > -1.0:
         raise ParameterError("velocity_mismatch", mismatch, "above -1")
-    place = np.asarray(frequency, np.float64)
+    place, across = np.asarray(frequency, np.float64), np.asarray(aside, np.float64)
     if phases == 0:
-        return np.asarray(sinc(stages * mismatch * pitch * place))
+        return np.asarray(sinc(stages * mismatch * pitch * place + stages * pitch * across))
     step = pitch / phases
-    smear = sinc((1.0 + mismatch) * step * place)
-    return np.asarray(smear * _mean_of_shifts(mismatch * step * place, stages * phases))
+    smear = sinc((1.0 + mismatch) * step * place + step * across)
+    shifts = mismatch * step * place + step * across
+    return np.asarray(smear * _mean_of_shifts(shifts, stages * phases))
+
+
+def tdi_askew_mtf(
+    *, xi: ArrayLike, eta: ArrayLike, drift: float, direction: str, **clock: Any
+) -> NDArray[np.float64]:
+    """`tdi_mtf` of charge that moves in x or y, and an image that moves across it by `drift`."""
+    along, across = (eta, xi) if direction == "y" else (xi, eta)
+    aside = finite("drift", drift) * np.asarray(across, np.float64)
+    return tdi_mtf(frequency=along, aside=aside, **clock)
+
+
+def image_motion(*, velocity_mismatch: float, yaw_deg: float) -> tuple[float, float]:
+    """Mismatch along the stages, (1 + m)·cos ψ − 1, and drift across them, (1 + m)·sin ψ.
+
+    Both in velocities of the charge; ψ is the yaw, from the stages to the image motion.
+    """
+    angle = math.radians(within("yaw_deg", yaw_deg, -89.0, 89.0, unit="deg"))
+    mismatch = finite("velocity_mismatch", velocity_mismatch)
+    along = mismatch * math.cos(angle) - 2.0 * math.sin(0.5 * angle) ** 2
+    return along, (1.0 + mismatch) * math.sin(angle)
 
 
 def _mean_of_shifts(turns: NDArray[np.float64], count: int) -> NDArray[np.float64]:

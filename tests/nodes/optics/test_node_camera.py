@@ -13,6 +13,7 @@ from core.errors import ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext
+from core.physics.sampling.orbit import orbit_view
 from linked_network import linked_network
 from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
 from nodes.library import standard_library
@@ -163,3 +164,35 @@ def test_a_short_exposure_takes_the_cameras_aperture(planned):
             continue
         values.append(module.run(context, magnitude, NodeContext("air")).mtf.key)
     assert values[0] == values[1]
+
+
+def test_an_orbit_is_entered_once(planned):
+    """694 km, 30° beside the track: range, elevation and speed of test_orbit's traced rays."""
+    satellite = {"pixels_x": 640, "pixels_y": 512, "pitch_um": 13, "focal_length_mm": 12900,
+                 "altitude_km": 694, "look_angle_deg": 30}  # fmt: skip
+    engine, plan = planned(satellite)
+    assert texts(plan) == []
+    view = orbit_view(altitude_km=694.0, look_angle_deg=30.0)
+    context = plan.output("init.context")
+    seen = (context.range_m, context.velocity_m_per_s, context.elevation_deg)
+    assert seen == (view.range_m, view.velocity_m_per_s, view.elevation_deg)
+    found = engine.readouts(plan, "camera", engine.work(Policy()))
+    gsd = 0.013 / 12900 * view.range_m
+    assert (found["gsd_x_m"], found["gsd_ground_y_m"]) == pytest.approx((gsd, gsd))
+    sine = math.sin(math.radians(view.elevation_deg))
+    assert found["gsd_ground_x_m"] == pytest.approx(gsd / sine, rel=1e-12)
+    assert found["line_rate_Hz"] == pytest.approx(view.velocity_m_per_s / gsd, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("camera", "init", "words"),
+    [
+        ({"altitude_km": 600, "range_m": 6.1e5}, {}, "range_m = 6.1e+05 m here, 6e+05 m by alti"),
+        ({"look_angle_deg": 20}, {}, "look_angle_deg = 20° is not used"),
+        ({"altitude_km": 600}, {"velocity_m_per_s": 7500}, "7500 m/s here, 6908 m/s on Camera"),
+    ],
+)
+def test_two_truths_of_an_orbit_are_warned_of(planned, camera, init, words):
+    _, plan = planned({**MWIR, "range_m": None, **camera}, init)
+    (text,) = texts(plan)
+    assert words in text

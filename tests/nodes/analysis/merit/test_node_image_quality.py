@@ -29,10 +29,11 @@ INIT = {
 CAMERA = {"integration_time_s": 0.5, "read_noise_e": 20, "photon_weighting": "source"}
 
 
-def bench_of(folder, quality=None, *, scene=None, camera=None, init=None, blur=None):
+def bench_of(folder, quality=None, *, scene=None, camera=None, init=None, blur=None, orbit=None):
     gauss = {"sigma_x_mrad": SIGMA_X * SAMPLE_MRAD, "sigma_y_mrad": SIGMA_Y * SAMPLE_MRAD}
     nodes = {
         "scene": ("test_scene", {**SCENE, **(scene or {})}),
+        "satellite": ("camera", orbit or {}),
         "init": ("init_trans", {**INIT, **(init or {})}),
         "blur": blur or ("gaussian_mtf", gauss),
         "back": ("back_transform", {}),
@@ -40,7 +41,8 @@ def bench_of(folder, quality=None, *, scene=None, camera=None, init=None, blur=N
         "merit": ("image_quality", quality or {}),
     }
     links = [
-        ("scene.image", "init.image"), ("init.context", "blur.context"),
+        ("scene.image", "satellite.image"), ("satellite.image", "init.image"),
+        ("init.context", "blur.context"),
         ("init.magnitude", "blur.magnitude"), ("blur.magnitude", "back.magnitude"),
         ("init.phase", "back.phase"), ("back.image", "fpa.image"),
         ("init.context", "fpa.context"), ("fpa.image", "merit.image"),
@@ -92,6 +94,27 @@ def test_what_is_typed_counts(tmp_path):
     log = math.log10(math.sqrt(rer(SIGMA_X) * rer(SIGMA_Y)))
     fourth = 10.251 - 3.16 * math.log10(gsd / 0.0254) + 2.817 * log - 0.656 * 1.2
     assert found["giqe4"] == pytest.approx(fourth - 0.344 * 4 / 50, rel=1e-6)
+
+
+def test_the_elevation_is_that_of_the_orbit(tmp_path):
+    """600 km, 30° off nadir: cos e = sin 30°·(R + h)/R; what is typed counts, and is warned of."""
+    elevation = math.degrees(math.acos(0.5 * 6978.137 / 6378.137))
+    orbit = {"altitude_km": 600, "look_angle_deg": 30}
+    found = bench_of(tmp_path, init={"range_m": None}, orbit=orbit).readouts("merit")
+    ground = found["gsd_m"] / math.sqrt(math.sin(math.radians(elevation)))
+    assert found["gsd_ground_m"] == pytest.approx(ground, rel=1e-12)
+    for typed, words in (
+        ({"elevation_deg": 60.0}, "elevation_deg = 60 deg here, 56.84 deg from Camera's orbit"),
+        ({"off_nadir_deg": 30.0}, "elevation_deg = 60 deg here, 56.84 deg from Camera's orbit"),
+        ({"range_m": 6e5}, "range_m = 6e+05 m here, 7.04e+05 m on Init & Trans"),
+    ):
+        bench = bench_of(tmp_path, typed, init={"range_m": None}, orbit=orbit)
+        (said,) = cautions(bench, "view")
+        assert words in said
+        if "range_m" not in typed:
+            assert bench.readouts("merit")["gsd_ground_m"] == pytest.approx(
+                found["gsd_m"] / math.sqrt(math.sin(math.radians(60)))
+            )
 
 
 def test_a_level_of_digital_numbers_does_not_count_as_signal(tmp_path):
