@@ -1,4 +1,4 @@
-"""Transmission and path radiance of a path from a file: a CSV of three columns, or a tape7.
+"""Transmission and path radiance of a path: a CSV of three columns, a tape7, or MODTRAN 6's JSON.
 
 A tape7 is MODTRAN's spectral output. A run in the radiance modes (IEMSCT 1 or 2) writes, below the
 cards of its input, a line of names::
@@ -18,12 +18,17 @@ picture. They are in W/cm²/sr per cm⁻¹. With λ = 10⁴/ν µm a cm⁻¹ is 
 10⁴ cm²: L_λ = L_ν·10⁸/λ² W/m²/sr/µm. Columns that a mode leaves blank shift no others: numbers
 belong to the name they stand under.
 
+MODTRAN 6 writes four parts of the path radiance, emission and scattering apart: THRML_EM,
+THRML_SCT, MULT_SCAT, SING_SCAT. Its JSON output has the columns as lists below MODTRAN,
+MODTRANOUTPUT, SPECTRA, RADIANCE.
+
 Sources: Berk et al. 2011, MODTRAN 5.2 user's manual; the headings and what they include, Ontar
 Corporation, "Tape7 column headers".
 """
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Iterator
@@ -54,7 +59,8 @@ _NAMES = (
 )
 _HEADING = re.compile("|".join(name.replace(" ", "[ _]") for name in _NAMES) + r"|\S+")
 _EXPONENT = re.compile(r"(?<=[\d.])(?=[-+]\d{3}$)")  # Fortran writes 1E-105 as 1.000-105
-_NEEDED = ("FREQ", "TOT TRANS", "PTH THRML")
+# Parts of the path radiance, of which a table has at least the first: MODTRAN 4 and 5, MODTRAN 6.
+_PARTS = ("PTH THRML", "SOL SCAT"), ("THRML EM", "THRML SCT", "MULT SCAT", "SING SCAT")
 _END = -9999.0
 _FARTHEST = 4  # characters between the end of a number and that of its name
 _ROUNDED = 1e-4  # by which a transmission written with few digits may exceed 1
@@ -74,7 +80,25 @@ def read_path_table(path: Path) -> tuple[Points, Points]:
         wanted=": neither a tape7 nor a CSV",
         most_bytes=_LONGEST_BYTES,
     )
+    if lines and lines[0].lstrip().startswith("{"):
+        lines = _json_table("".join(lines), path)
     return _tape7_points(lines, path) if _is_tape7(lines) else _csv_points(lines, path)
+
+
+def _json_table(text: str, file: Path) -> list[str]:
+    """Of MODTRAN 6's output in JSON, the lines that its tape7 would have."""
+    try:
+        (case,) = json.loads(text)["MODTRAN"]
+        columns = case["MODTRANOUTPUT"]["SPECTRA"]["RADIANCE"]
+        wanted = ("FREQ", "TOT_TRANS", *(part.replace(" ", "_") for part in _PARTS[1]))
+        names = [name for name in wanted if name in columns]
+        rows = zip(*(columns[name] for name in names), strict=True)
+        return [" ".join(names), *(" ".join(map(str, row)) for row in rows), f"{_END}"]
+    except (ValueError, TypeError, LookupError, RecursionError) as error:
+        raise FileError(
+            f"{file}: not the JSON output of one radiance run of MODTRAN 6: it has lists of equal "
+            "length below MODTRAN, MODTRANOUTPUT, SPECTRA, RADIANCE"
+        ) from error
 
 
 def _csv_points(lines: list[str], file: Path) -> tuple[Points, Points]:
@@ -128,7 +152,9 @@ def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
     start = next(number for number, line in enumerate(lines) if _is_heading(line))
     names = [(_plain(m.group()), m.end()) for m in _HEADING.finditer(lines[start])]
     known = [name for name, _ in names]
-    for name in _NEEDED:
+    parts = next((parts for parts in _PARTS if parts[0] in known), _PARTS[0])
+    needed = ("FREQ", "TOT TRANS", parts[0])
+    for name in needed:
         if known.count(name) != 1:
             raise FileError(
                 f"{file}: line {start + 1}: {known.count(name)} columns are named {name}; a tape7 "
@@ -136,9 +162,9 @@ def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
             )
     transmission: list[tuple[float, float]] = []
     radiance: list[tuple[float, float]] = []
-    for number, row in _rows(lines, start + 1, names, file):
+    for number, row in _rows(lines, start + 1, names, needed, file):
         wavenumber, passed = row["FREQ"], row["TOT TRANS"]
-        added = row["PTH THRML"] + row.get("SOL SCAT", 0.0)
+        added = sum(row.get(name, 0.0) for name in parts)
         if not 0.0 <= passed <= 1.0 + _ROUNDED:
             raise line_refused(file, number, "TOT TRANS from 0 to 1")
         if not (wavenumber > 0.0 and 0.0 <= added < math.inf):
@@ -154,7 +180,7 @@ def _tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
 
 
 def _rows(
-    lines: list[str], first: int, names: list[tuple[str, int]], file: Path
+    lines: list[str], first: int, names: list[tuple[str, int]], needed: tuple[str, ...], file: Path
 ) -> Iterator[tuple[int, dict[str, float]]]:
     """Line numbers, and values by name, up to the end of the run."""
     for index in range(first, len(lines)):
@@ -167,8 +193,8 @@ def _rows(
             if _is_tape7(lines[index + 1 :]):
                 raise FileError(f"{file}: contains several runs: keep one per file")
             return
-        if any(name not in row for name in _NEEDED):
-            raise line_refused(file, index + 1, "FREQ, TOT TRANS and PTH THRML")
+        if any(name not in row for name in needed):
+            raise line_refused(file, index + 1, ", ".join(needed))
         yield index + 1, row
     raise FileError(f"{file}: ends without -9999.: the run is incomplete")
 

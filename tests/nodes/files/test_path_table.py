@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+
+import numpy as np
 import pytest
 
 from core.errors import FileError
@@ -85,6 +88,54 @@ def test_damaged_tape7(tmp_path, text, words):
         return
     with pytest.raises(FileError, match=words) as error:
         read_path_table(path)
+    assert "\n" not in str(error.value)
+
+
+# As MODTRAN 6 heads it: a column for each part of the path radiance.
+HEAD_6 = (
+    "    FREQ  TOT_TRANS   THRML_EM  THRML_SCT  SURF_EMIS  MULT_SCAT  SING_SCAT  GRND_RFLT"
+    "  DRCT_RFLT  TOTAL_RAD  REF_SOL  SOL@OBS   DEPTH DIR_EM    TOA_SUN BBODY_T[K]"
+)
+PARTS_6 = {
+    "FREQ": [2000.0, 2500.0], "TOT_TRANS": [0.5, 0.25], "THRML_EM": [1e-7, 2e-7],
+    "THRML_SCT": [1e-9, 2e-9], "SURF_EMIS": [9e-6, 9e-6], "MULT_SCAT": [3e-9, 4e-9],
+    "SING_SCAT": [5e-10, 6e-10], "GRND_RFLT": [8e-6, 8e-6], "TOTAL_RAD": [2e-5, 2e-5],
+}  # fmt: skip
+EXPECTED_6 = ((4.0, 2.066e-7 * 1e4 * 625.0), (5.0, 1.045e-7 * 1e4 * 400.0))
+
+
+def json_6(parts=PARTS_6, cases=1):
+    case = {"MODTRANSTATUS": {"VERSION": "6.0.2"}, "MODTRANOUTPUT": {"SPECTRA": {
+        "RADIANCE": {**parts, "BBODY_TK": [280.0, 290.0]}}}}  # fmt: skip
+    return json.dumps({"MODTRAN": [case] * cases}, indent=1)
+
+
+def test_modtran_6_in_both_its_forms(tmp_path):
+    """The path radiance is the sum of its four parts, without what comes from the surface."""
+    fields = [[PARTS_6.get(name, [0.0, 0.0])[n] for name in HEAD_6.split()] for n in (0, 1)]
+    rows = [f"{f[0]:8.1f}" + "".join(f"{cell:11.4E}" for cell in f[1:]) for f in fields]
+    head = " " * 4 + "FREQ" + "".join(f"{name:>11}" for name in HEAD_6.split()[1:])
+    for text in ("\n".join([*CARDS, head, *rows, "  -9999."]), json_6()):
+        transmission, radiance = read_path_table(written(tmp_path, text))
+        assert transmission == ((4.0, 0.25), (5.0, 0.5))
+        assert np.array(radiance) == pytest.approx(np.array(EXPECTED_6), rel=1e-12)
+    assert read_path_table(written(tmp_path, json_6({**PARTS_6, "MULT_SCAT": [0.0, 0.0]})))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (json_6(cases=2), "one radiance run of MODTRAN 6"),
+        (json_6({**PARTS_6, "FREQ": [2000.0]}), "lists of equal length"),
+        (json_6({**PARTS_6, "TOT_TRANS": [0.5, None]}), "numbers below their names"),
+        (json_6({"FREQ": [2000.0, 2500.0], "TOT_TRANS": [0.5, 0.4]}), "0 columns are named"),
+        ('{"MODTRAN": [{"MODTRANINPUT": {}}]}', "below MODTRAN, MODTRANOUTPUT"),
+        (json_6()[:-4], "not the JSON output"),
+    ],
+)
+def test_damaged_json(tmp_path, text, words):
+    with pytest.raises(FileError, match=words) as error:
+        read_path_table(written(tmp_path, text))
     assert "\n" not in str(error.value)
 
 
