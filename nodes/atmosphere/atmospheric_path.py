@@ -34,7 +34,8 @@ from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.radiance_units import radiance_unit
 from core.physics.radiometry.spectra import SUNLIGHT_K
-from nodes.files.path_table import read_path_table
+from nodes.atmosphere.modtran_tables import table_path
+from nodes.files.path_table import Points, read_path_table
 from nodes.files.spectrum_tables import read_wavelengths
 from nodes.shared.module_ports import WeightingSource, table_figure
 from nodes.shared.shared_warnings import apart_caution, first, is_temperature
@@ -43,6 +44,7 @@ from nodes.shared.steps import mean_of
 _PREVIEW_POINTS = 401
 _ROOM = 1.2  # above a transmission of 1, whose tick the title would hide
 _TITLE = "wavelength (µm)"
+_TABLES = {"modtran": "the file in path contains", "modtran_tables": "the tables contain"}
 
 
 class PathOutputs(NamedTuple):
@@ -54,10 +56,16 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     """Attenuate a picture's radiance by the atmosphere, and add the path radiance: τ·L + L_path.
 
     `transmission`: a number, or a CSV of µm and transmission. `extinction_per_km`: exp(−β·R).
-    `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 of
-    MODTRAN (FREQ, TOT TRANS, PTH THRML and SOL SCAT, by name; W/cm²/sr per cm⁻¹ become W/m²/sr/µm
-    by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance (W/m²/sr/µm). The path
-    radiance is the file's, or (1 − τ)·L of a black body at `air_K`.
+    `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 or
+    the JSON output of MODTRAN (FREQ, TOT TRANS and the path's radiances, by name; W/cm²/sr per cm⁻¹
+    become W/m²/sr/µm by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance
+    (W/m²/sr/µm). The path radiance is the file's, or (1 − τ)·L of a black body at `air_K`.
+
+    `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground,
+    mid-latitude summer, the sun at 40°. Between the tables −ln τ/R and L/(1 − τ) are interpolated
+    over height and ground range. With every second table left out, a band's transmission is off by
+    0.007 rms, at most 0.06. A camera above 24.5 km sees the air below that: at nadir, from 0.5 to
+    0.8 µm, 0.688 instead of 0.681. Install the extra `atmosphere` for it.
 
     A picture with one band is multiplied by the band's mean transmission. The mean weights
     wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
@@ -89,16 +97,16 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     )
 
     model: Annotated[
-        Literal["transmission", "extinction_per_km", "visibility_km", "modtran"],
-        Param("what describes the air: a transmission, an extinction, a visibility or a file"),
-    ] = "transmission"
+        Literal["transmission", "extinction_per_km", "visibility_km", "modtran", "modtran_tables"],
+        Param("what describes the air: a transmission, an extinction, a visibility, a file, or "
+              "MODTRAN's tables in pyBSM"),
+    ] = "transmission"  # fmt: skip
     transmission: Annotated[float, Param("transmission of the path", low=0, high=1)] = 1.0
     path: Annotated[
         Path | None,
-        Param(
-            "CSV of µm and transmission, used instead of the number; for modtran: a tape7 or a CSV"
-        ),
-    ] = None
+        Param("CSV of µm and transmission, used instead of the number; for modtran: a tape7, JSON "
+              "or CSV"),
+    ] = None  # fmt: skip
     extinction_per_km: Annotated[
         float,
         Param(
@@ -123,6 +131,14 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             slider=(0, 2),
         ),
     ] = 0.0
+    haze: Annotated[
+        Literal["rural_23_km", "rural_5_km"], Param("haze and visibility of MODTRAN's tables")
+    ] = "rural_23_km"
+    altitude_m: Annotated[
+        float | None,
+        Param("height of the camera above the ground, for MODTRAN's tables; empty: from Camera's "
+              "orbit", unit="m", low=0, high=1e8, slider=(2, 20000)),
+    ] = None  # fmt: skip
     range_m: Annotated[
         float | None,
         Param("length of the path; empty: from Camera, or from Init & Trans through its "
@@ -143,6 +159,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         Section("", ("path",), shown_when=("model", ("transmission", "modtran"))),
         Section("", ("extinction_per_km",), shown_when=("model", ("extinction_per_km",))),
         Section("", ("visibility_km", "angstrom_q"), shown_when=("model", ("visibility_km",))),
+        Section("", ("haze", "altitude_m"), shown_when=("model", ("modtran_tables",))),
         Section("Path", ("range_m", "air_K")),
         Section("Band", ("source_K",)),
     )
@@ -150,7 +167,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     def check(self) -> None:
         """Refuse a file's model without a file."""
         if self.model == "modtran" and self.path is None:
-            raise ParameterError("path", None, "a MODTRAN tape7, or a CSV of three columns")
+            raise ParameterError("path", None, "a MODTRAN tape7 or JSON, or a CSV of three columns")
 
     def run(self, image: Image, here: NodeContext, context: Context | None = None) -> PathOutputs:
         factor = _factor(image.unit)
@@ -219,6 +236,9 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             assert self.path is not None
             points, radiance = read_path_table((here.folder / self.path).absolute())
             return AirPath(points=points, radiance=radiance, **given)
+        if self.model == "modtran_tables":
+            points, radiance = self._tables(image, given["range_m"])
+            return AirPath(points=points, radiance=radiance, **given)
         if self.model == "extinction_per_km":
             return AirPath(extinction_per_km=self.extinction_per_km, **given)
         if self.model == "visibility_km":
@@ -230,6 +250,15 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         return AirPath(
             points=read_wavelengths(path, what="transmission", low=0.0, high=1.0), **given
         )
+
+    def _tables(self, image: Image, range_m: float | None) -> tuple[Points, Points]:
+        altitude_m = self.altitude_m or _orbit_altitude_m(image)
+        if altitude_m is None:
+            raise ParameterError("altitude_m", None, "give it here, or altitude_km on Camera")
+        if range_m is None:
+            raise ParameterError("range_m", None, "give it here, on Camera or on Init & Trans")
+        ihaze = 1 if self.haze == "rural_23_km" else 2
+        return table_path(height_km=altitude_m / 1e3, range_km=range_m / 1e3, ihaze=ihaze)
 
     def _range(self, image: Image, context: Context | None) -> float | None:
         of_camera = None if image.camera is None else image.camera.range_m
@@ -253,6 +282,11 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     @warning
     def unused(self, given: frozenset[str]) -> Caution | None:
         """A number is entered, but the file is used instead."""
+        if self.model in _TABLES and self.air_K is not None:
+            return Caution(
+                f"air_K = {self.air_K:g} K is not used: {_TABLES[self.model]} the path radiance",
+                "leave air_K empty",
+            )
         if self.path is None:
             return None
         if self.model == "transmission" and "transmission" in given and self.transmission != 1.0:
@@ -261,13 +295,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
                 "from the file in path",
                 "leave one of the two empty",
             )
-        if self.model == "modtran" and self.air_K is not None:
-            return Caution(
-                f"air_K = {self.air_K:g} K is not used: the file in path contains the path "
-                "radiance",
-                "leave air_K empty",
-            )
-        if self.model in ("extinction_per_km", "visibility_km"):
+        if self.model in ("extinction_per_km", "visibility_km", "modtran_tables"):
             return Caution(
                 f"path is not used: model is {self.model}",
                 "choose the model transmission or modtran, or leave path empty",
@@ -277,7 +305,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     @warning
     def dark_air(self, image: Image, outputs: PathOutputs) -> Caution | None:
         """The air dims a thermal scene and emits nothing."""
-        if self.model == "modtran" or self.air_K is not None or image.band_um is None:
+        if self.model in _TABLES or self.air_K is not None or image.band_um is None:
             return None
         if image.band_um[0] < SHORTEST_THERMAL_UM or outputs.image.air == image.air:
             return None
@@ -304,7 +332,9 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         of_camera = None if image.camera is None else image.camera.range_m
         of_context = None if context is None else context.range_m
         own = self.range_m or of_camera or of_context
+        above = _orbit_altitude_m(image)
         return first(
+            apart_caution("altitude_m", self.altitude_m, above, unit="m", where="on Camera"),
             apart_caution("range_m", self.range_m, of_camera, unit="m", where="on Camera"),
             apart_caution("range_m", own, of_context, unit="m", where="on Init & Trans"),
             *(
@@ -329,6 +359,11 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         "",
         "Optical depth: −ln of the band's transmission; left out if nothing passes.",
     )
+
+
+def _orbit_altitude_m(image: Image) -> float | None:
+    orbit = None if image.camera is None else image.camera.orbit
+    return None if orbit is None else 1000.0 * orbit.altitude_km
 
 
 def _factor(unit: str) -> float:
