@@ -20,6 +20,8 @@ from core.names import close
 from core.network.file import read_network
 from core.network.network import Network
 from core.network.validation import plain_network
+from core.physics.acquisition.giqe import relative_edge_response
+from nodes.detector.focal_plane_figures import SNR_AT_PERCENT
 
 Fact = dict[str, Any]
 Rows = Sequence[tuple[str, str, str]]
@@ -67,6 +69,11 @@ _FOCAL_PLANE: Rows = (
     ("Well fill", "well_fill_percent", "%"),
     ("Dynamic range", "dynamic_range_dB", "dB"),
     ("SNR", "snr", ""),
+    ("Largest SNR (shot noise at saturation)", "snr_max", ""),
+    ("Largest SNR", "snr_max_dB", "dB"),
+    ("Absolute sensitivity threshold", "sensitivity_threshold_photons", "photons"),
+    ("Radiance at saturation", "saturation_radiance", "W/m²/sr"),
+    *((f"SNR at {p} % of it", f"snr_at_{p}_percent", "") for p in SNR_AT_PERCENT),
     ("NETD", "netd_K", "K"),
     ("NEI", "nei_photons_per_cm2", "photons/cm²"),
 )
@@ -215,7 +222,15 @@ def _at_pixel_nyquist(evaluation: Evaluation) -> Fact | None:
             product[axis] *= mtf[axis]
         rows.append({"label": stage.title, "node": stage.node, **mtf})
     rows.append({"label": "All together", "node": "", **product})
-    return {"nyquist_x": nyquist["x"], "nyquist_y": nyquist["y"], "rows": rows}
+    factors = [factor for stage in (*chain.stages, *chain.later) for factor in stage.factors]
+    edges = {
+        f"edge_{axis}": relative_edge_response(
+            mtf=lambda at, axis=axis: response(work, factors, at, axis).mtf,  # type: ignore[misc]
+            sample_mrad=0.5 / nyquist[axis],
+        )
+        for axis in ("x", "y")
+    }
+    return {"nyquist_x": nyquist["x"], "nyquist_y": nyquist["y"], "rows": rows, **edges}
 
 
 # Published figures, beside those of this run.

@@ -368,6 +368,8 @@ def data_sheet(facts: Fact) -> list[Block]:
         blocks.append(Text(f"{where}: half a cycle per pixel of the final picture."))
         shown = [(r["label"], r["node"], _rounded(r["x"]), _rounded(r["y"])) for r in mtf["rows"]]
         blocks.append(Grid(("stage", "node", "horizontal", "vertical"), shown, numbers=(2, 3)))
+        slope = f"{_rounded(mtf['edge_x'])} horizontally and {_rounded(mtf['edge_y'])} vertically"
+        blocks.append(Text(f"Edge slope: a sharp edge rises by {slope} within one pixel."))
     return blocks
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -38,6 +38,7 @@ from core.physics.radiometry.planck import band_radiance, band_radiance_derivati
 from nodes.shared.steps import PictureRange
 
 Array = NDArray[Any]
+SNR_AT_PERCENT = (1, 3, 10, 30, 90)
 _TOLERANCE = {"single": 1e-8, "double": 2e-14}  # of electrons, below the samples' rounding
 
 
@@ -283,10 +284,7 @@ def figures(
     """
     total, frames = levels.total_e, reading.frames
     slope = _bent_slope(total, reading)
-    shot = shot_noise_e(electrons=total, frames_averaged=frames) * slope
-    read = reading.read_noise_e / frames**0.5
-    rounding = quantization_noise_e(gain_e_per_dn=reading.gain_e_per_dn) if reading.bits else 0.0
-    temporal = temporal_noise_e(shot_e=shot, read_e=read, quantization_e=rounding)
+    shot, read, rounding, temporal = _noises(total, reading)
     clipped = mean_clipped(levels, reading)
     why = "" if clipped is None else clipped.message
     responsivity = levels.electrons_per_K if clipped is None else None
@@ -298,15 +296,12 @@ def figures(
     well, decibels, too_dark = reading.full_well_e, None, ""
     fill = None if well is None else 100.0 * total / well
     saturation = reading.saturation_e
+    dark_noise = math.hypot(read, rounding, shot_noise_e(electrons=levels.dark_e / frames))
     if levels.dark_e >= saturation:
         too_dark = f"{levels.dark_e:.4g} dark electrons reach saturation at {saturation:.4g} e-"
     elif 0.0 < saturation < np.inf:
-        dark_noise = math.hypot(read, rounding, shot_noise_e(electrons=levels.dark_e / frames))
         decibels = _finite(dynamic_range_dB(full_well_e=saturation, dark_noise_e=dark_noise))
-    signal = levels.signal_e
-    if reading.nonlinearity_percent:
-        signal = _bent(total, reading) - _bent(levels.pedestal_e, reading)
-    snr = signal / temporal if temporal and clipped is None else None
+    snr = _snr(levels, reading)
     efficiency = _efficiency(levels, collection)
     nei = None
     if efficiency > 0.0 and clipped is None:
@@ -343,6 +338,7 @@ def figures(
         ("snr", snr, "", "signal over temporal noise", why),
         ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure that equal the noise", why),
         ("dynamic_range_dB", decibels, "dB", "saturation over the noise in the dark", too_dark),
+        *_emva(levels, reading, (dark_noise + 0.5 / frames) / efficiency if efficiency else None),
         ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons per digital number"),
         (
             "mean_dn",
@@ -355,6 +351,48 @@ def figures(
         *_worth(levels, collection),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
+
+
+def _noises(total_e: float, reading: ReadOut) -> tuple[float, float, float, float]:
+    """Shot noise, read noise and rounding of that many electrons, and all together."""
+    shot = shot_noise_e(electrons=total_e, frames_averaged=reading.frames)
+    shot *= _bent_slope(total_e, reading)
+    read = reading.read_noise_e / reading.frames**0.5
+    rounding = quantization_noise_e(gain_e_per_dn=reading.gain_e_per_dn) if reading.bits else 0.0
+    temporal = temporal_noise_e(shot_e=shot, read_e=read, quantization_e=rounding)
+    return shot, read, rounding, temporal
+
+
+def _snr(levels: ElectronLevels, reading: ReadOut) -> float | None:
+    """Signal over temporal noise; None where the picture is clipped, or without noise."""
+    signal, temporal = levels.signal_e, _noises(levels.total_e, reading)[3]
+    if reading.nonlinearity_percent:
+        signal = _bent(levels.total_e, reading) - _bent(levels.pedestal_e, reading)
+    return signal / temporal if temporal and mean_clipped(levels, reading) is None else None
+
+
+def _emva(
+    levels: ElectronLevels, reading: ReadOut, threshold: float | None
+) -> Iterator[tuple[str, float | None, str, str]]:
+    """SNR_max = √µe.sat and µp.min, and the SNR from dark to bright scenes of this spectrum.
+
+    Source: EMVA Standard 1288, release 4.0 Linear (2021).
+    """
+    room = reading.saturation_e - levels.pedestal_e
+    most = radiance = None
+    if 0.0 < room < np.inf:
+        most = math.sqrt(reading.saturation_e * reading.frames)
+        share = room / levels.signal_e if levels.signal_e > 0.0 else math.inf
+        radiance = _finite(levels.seen.mean * (levels.radiance_per_photon or 1.0) * share)
+    yield "snr_max", most, "", "SNR of shot noise alone at saturation (EMVA 1288)"
+    yield "snr_max_dB", 20.0 * math.log10(most) if most else None, "dB", "snr_max in decibels"
+    what = "photons per pixel at which SNR is 1 (EMVA 1288)"
+    yield "sensitivity_threshold_photons", threshold, "photons", what
+    yield "saturation_radiance", radiance, "W/m²/sr", "radiance that saturates"
+    for percent in SNR_AT_PERCENT:
+        lit = replace(levels, signal_e=room * percent / 100.0)
+        snr = None if most is None else _snr(lit, reading)
+        yield f"snr_at_{percent}_percent", snr, "", f"SNR at {percent} % of saturation_radiance"
 
 
 def _worth(

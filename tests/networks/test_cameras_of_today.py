@@ -117,10 +117,44 @@ def test_a_pixel_of_the_satellite_is_averaged_once(shipped_report):
     assert not any("averaged twice" in row["message"] for row in facts["warnings"])
 
 
+def test_the_satellite_is_compared_by_the_figures_of_emva_1288(shipped_report):
+    """A well of 30 ke-, 20 e- of reading, 12 bits, 10 ke-/s of dark current in 32 · 69.4 µs."""
+    facts = shipped_report("satellite_tdi").facts
+    groups = {group["title"]: group for group in facts["data_sheet"]["groups"]}
+    rows = {(r["label"], r["unit"]): r["values"][0] for r in groups["Focal plane"]["rows"]}
+    assert rows["Largest SNR (shot noise at saturation)", ""] == pytest.approx(math.sqrt(30000))
+    assert rows["Largest SNR", "dB"] == pytest.approx(10 * math.log10(30000))
+    dark, step = 1e4 * 6.94e-5 * 32, 30000 / 4095
+    in_the_dark = math.sqrt(20**2 + step**2 / 12 + dark)
+    threshold = rows["Absolute sensitivity threshold", "photons"]
+    assert threshold == pytest.approx((in_the_dark + 0.5) / 0.6, rel=1e-9)
+    for percent in (1, 10, 90):
+        signal = percent / 100 * (30000 - dark)
+        expected = signal / math.sqrt(signal + in_the_dark**2)
+        assert rows[f"SNR at {percent} % of it", ""] == pytest.approx(expected, rel=1e-9)
+    signal = rows["Signal electrons from the scene", "e-"]
+    (scene,) = (p["mean"] for p in facts["pictures"] if p["port"] == "scene.image")
+    radiance = rows["Radiance at saturation", "W/m²/sr"]
+    assert radiance == pytest.approx(scene * (30000 - dark) / signal, rel=1e-3)
+    rows = {row["label"]: row["values"][0] for row in groups["Camera"]["rows"]}
+    speed = 6378137 / 6978137 * math.sqrt(398600.4418e9 / 6978137)
+    assert rows["Ground speed"] == pytest.approx(speed, rel=1e-12)
+    assert rows["Line rate for one pixel per line"] == pytest.approx(speed / 0.48, rel=1e-12)
+    mtf = facts["data_sheet"]["mtf"]
+    both = math.sqrt(mtf["edge_x"] * mtf["edge_y"])
+    assert both == pytest.approx(facts["nodes"]["quality"]["readouts"]["rer"]["value"], rel=1e-6)
+
+
 @pytest.mark.parametrize("name", ["mwir_camera", "microbolometer", "satellite_tdi", "dirsig_cube"])
 def test_the_report_reads_as_a_data_sheet(name, shipped_report):
     page = shipped_report(name).page
-    for words in ("Data sheet", "IFOV", "Ground sample distance", "Nyquist frequency"):
+    for words in (
+        "Data sheet",
+        "IFOV",
+        "Ground sample distance",
+        "Nyquist frequency",
+        "Edge slope",
+    ):
         assert words in page
     assert ">at Nyquist<" not in page  # the pixels', or the finer one of the stages' samples?
     low, high = BANDS_UM[name]
