@@ -30,6 +30,7 @@ _FILES = (
     "optics.diffraction_mtf",
     "optics.exit_pupil",
     "optics.exit_pupil_mtf",
+    "optics.vignetting",
     "optics.veiling_glare",
     "optics.gaussian_mtf",
     "optics.mtf_file",

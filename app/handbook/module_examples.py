@@ -123,6 +123,8 @@ PARAMS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "vibration_mtf": {"amplitude_x_mrad": 0.2, "amplitude_y_mrad": 0.1},
         "line_of_sight": {"rms_x_mrad": 0.3, "rms_y_mrad": 0.15, "corner_Hz": 50,
                           "integration_time_s": 0.01},
+        "vignetting": {"measured": "polynomial", "against": "half_diagonal",
+                       "coefficients": [-0.4, -0.2]},
         "veiling_glare": {"share_percent": 15, "length_mrad": 20},
         "crosstalk": {"kernel": "0.02 0.05 0.02; 0.05 0.72 0.05; 0.02 0.05 0.02"},
         "charge_diffusion_mtf": {"absorption_per_um": 0.02, "diffusion_length_um": 100},

@@ -335,20 +335,10 @@ def combine_pixels(
             bands = _bands_of(delivered)
     else:
         how = {"factor_x": factor_x, "factor_y": factor_y, "mode": mode, "old": image.shape}
-        combined = Step.of(block_combine, recipe, node=node, **how)
+        combined = step = Step.of(block_combine, recipe, node=node, **how)
         if bands is not None:
             gain = factor_x * factor_y if mode == "sum" else 1.0
-            bands = SteppedBands(
-                bands.centres_um,
-                bands.widths_um,
-                bands,
-                block_combine,
-                tuple(sorted(how.items())),
-                gain,
-                node,
-                blocks=(factor_y, factor_x),
-                density=bands.density,
-            )
+            bands = SteppedBands.of(bands, step, gain=gain, blocks=(factor_y, factor_x))
     x, y = image.interval_x_mrad, image.interval_y_mrad
     return image.with_recipe(
         combined,

@@ -205,6 +205,20 @@ class SteppedBands(BandStack):
     node: str | None = field(default=None, compare=False)
     blocks: tuple[int, int] | None = field(default=None, compare=False)
 
+    @classmethod
+    def of(
+        cls,
+        before: BandStack,
+        step: Step,
+        *,
+        gain: float = 1.0,
+        blocks: tuple[int, int] | None = None,
+    ) -> SteppedBands:
+        """Bands behind the step that the sum of them passes."""
+        waves, made = (before.centres_um, before.widths_um), (step.function, step.parameters)
+        density = before.density
+        return cls(*waves, before, *made, gain, step.node, blocks, density=density)
+
     def _content(self) -> tuple[object, ...]:
         return self.before.key, self.function, self.parameters
 

@@ -22,17 +22,37 @@ def read_wavelengths(path: Path, *, what: str, low: float, high: float) -> Point
 
     `what` the values are is for people.
     """
-    columns = f"two columns, µm and {what}"
-    lines = table_lines(path, what=f"{what} against wavelength", wanted=f" of {columns}")
+    least = math.ulp(0.0), f"a wavelength above 0, at most {_LARGEST_UM:g} µm"
+    return _points(path, "wavelength", "µm", least, what, low, high)
+
+
+@read_once
+def read_heights(path: Path, *, unit: str, what: str, low: float, high: float) -> Points:
+    """Points (height in the field, value), rising from 0 or above; `unit` is that of heights."""
+    least = 0.0, f"a height from 0 to {_LARGEST_UM:g} {unit}"
+    return _points(path, "height", unit, least, what, low, high)
+
+
+def _points(
+    path: Path,
+    place_name: str,
+    unit: str,
+    least: tuple[float, str],
+    what: str,
+    low: float,
+    high: float,
+) -> Points:
+    columns = f"two columns, {unit} and {what}"
+    lines = table_lines(path, what=f"{what} against {place_name}", wanted=f" of {columns}")
     points: list[tuple[float, float]] = []
-    allowed = f"two numbers, µm and {what}"
+    allowed = f"two numbers, {unit} and {what}"
     for number, (place, value) in point_rows(path, lines, (2,), allowed, makes="curve"):
-        if not 0.0 < place <= _LARGEST_UM:
-            raise line_refused(path, number, f"a wavelength above 0, at most {_LARGEST_UM:g} µm")
+        if not least[0] <= place <= _LARGEST_UM:
+            raise line_refused(path, number, least[1])
         if not (math.isfinite(value) and low <= value <= high):
             raise line_refused(path, number, f"{what} from {low:g} to {high:g}")
         if points and place <= points[-1][0]:
-            allowed = f"a wavelength above the previous one, {points[-1][0]:g} µm"
+            allowed = f"a {place_name} above the previous one, {points[-1][0]:g} {unit}"
             raise line_refused(path, number, allowed)
         points.append((place, value))
     return tuple(points)

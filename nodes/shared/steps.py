@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.band_stack import BandStack, SteppedBands
 from core.chain.linear_change import Filtering
 from core.chain.step_lineage import AtStep, Noise, picture_step
-from core.evaluation.recipes import Recipe, ends_lineage, in_blocks, in_parts, pointwise
+from core.chain.wires import Image
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.physics.detector.quantization import rounding_variances
@@ -19,6 +21,14 @@ from core.transfer.line_filter import filter_lines
 
 Array = NDArray[Any]
 _STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
+
+
+def stepped(image: Image, step: Step, *, gain: float = 1.0, **changes: Any) -> Image:
+    """A picture behind a linear step, and each of its bands behind the same."""
+    bands: BandStack | None = image.bands
+    if bands is not None:
+        bands = SteppedBands.of(bands, step, gain=gain)
+    return image.with_recipe(step, bands=bands, **changes)
 
 
 @ends_lineage

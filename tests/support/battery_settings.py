@@ -53,6 +53,10 @@ EXAMPLES = Examples({
     "mtf_file": {"path": "mtf.csv", "focal_length_mm": 40},
     "psf_file": {"path": "psf.txt", "sample_pitch": 0.4, "pitch_unit": "mrad"},
     "poisson_noise": {"percent": 50},
+    "vignetting": {
+        "measured": "polynomial", "against": "height_mm", "coefficients": [-0.3],
+        "focal_length_mm": 50,
+    },
     "veiling_glare": {"share_percent": 10},
     "crosstalk": {"kernel": "0.01 0.03 0.01; 0.02 0.85 0.03; 0.01 0.03 0.01"},
     "charge_diffusion_mtf": {"absorption_per_um": 0.05, "diffusion_length_um": 300},
@@ -121,6 +125,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     ],
     "camera": [{}, {"pitch_um": 7, "focal_length_mm": 40}],
     "exit_pupil_mtf": [{"interpolation": "none"}],
+    "vignetting": [{"natural": False}, {"natural": False, "against": "height_mm"}],
     "gaussian_mtf": [{}, {"sigma_x_mrad": 0, "sigma_y_mrad": 0.0}],
     "mtf_file": [{}, {"direction": "x", "normalise": "at_zero"}],
     "psf_file": [{}, {"centroid": "removed", "sample_pitch": 3}],

@@ -1,0 +1,269 @@
+"""Vignetting: the light falls off from the middle of the field to its corners."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.engine import PlannedNode
+from core.chain.linear_change import Linear
+from core.chain.noise_power import NoisePower
+from core.chain.step_lineage import picture_step
+from core.chain.wires import Image
+from core.errors import ParameterError
+from core.evaluation.recipes import Recipe, Step, in_parts
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.modules.preview import Axis, Curve, Plot, Preview, brief
+from core.physics.optics.vignetting import relative_illumination
+from core.transfer.factors import Grid
+from nodes.files.spectrum_tables import read_heights
+from nodes.shared.module_ports import ImageOutput
+from nodes.shared.steps import stepped
+
+Array = NDArray[Any]
+Law = tuple[tuple[str, Any], ...]
+_BRIGHTEST = 2.0  # times the axis: some wide lenses gain a little before they fall
+_POINTS = 129
+_BLOCK_SAMPLES = 1 << 18
+_UNITS = {"field_deg": "deg", "height_mm": "mm", "half_diagonal": "half diagonals"}
+
+
+class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
+    """Darken the picture away from the optical axis, which is at its middle.
+
+    `natural` applies cos⁴ of the field angle; the tangent of the angle is the distance from the
+    middle times the sampling interval, which is pitch/f for a picture from Camera. `measured` adds
+    a curve of relative illumination: a CSV of height and value, or 1 + c₁h² + c₂h⁴ + …. `against`
+    says what the heights are: field angle, image height, or the share of the picture's half
+    diagonal. A lens maker's curve usually includes cos⁴: then switch `natural` off. Put the module
+    before Focal Plane, so that shot noise follows from the vignetted light. Transfer functions do
+    not change; NETD and SNR use the mean over the field. For a thermal picture of one band, Focal
+    Plane takes darker samples for colder ones: at half the light it counts 0.3 % too many photons
+    (3.7 to 4.8 µm); spectral pictures, and `photon_weighting` other than scene, do not have this
+    error. Source: Kingslake 1983, Optical System Design, chapter 6.
+    """
+
+    formulas = (
+        Formula(
+            r"L'=L\,\cos^4\theta\;V(h),\quad\tan\theta=\sqrt{x^2+y^2}",
+            where="x, y: distances from the picture's middle, rad on the axis; V: the measured "
+            "curve, 1 without one; h: height in the unit of `against`",
+        ),
+    )
+
+    natural: Annotated[bool, Param("apply the natural fall-off, cos⁴ of the field angle")] = True
+    measured: Annotated[
+        Literal["none", "file", "polynomial"], Param("measured relative illumination")
+    ] = "none"
+    against: Annotated[
+        Literal["field_deg", "height_mm", "half_diagonal"],
+        Param("heights of the curve: field angle, image height, or share of the half diagonal"),
+    ] = "field_deg"
+    path: Annotated[
+        Path | None, Param("CSV of height and relative illumination, 1 on the axis")
+    ] = None
+    coefficients: Annotated[
+        tuple[float, ...], Param("c₁, c₂, …: factors of h², h⁴, …", low=-1e9, high=1e9)
+    ] = ()
+    focal_length_mm: Annotated[
+        float | None,
+        Param("focal length, for image heights; empty: from Camera", unit="mm", low=0,
+              slider=(10, 1000)),
+    ] = None  # fmt: skip
+
+    panel = (
+        Section("", ("natural", "measured")),
+        Section("Curve", ("against",), shown_when=("measured", ("file", "polynomial"))),
+        Section("", ("path",), shown_when=("measured", ("file",))),
+        Section("", ("coefficients",), shown_when=("measured", ("polynomial",))),
+        Section("", ("focal_length_mm",), shown_when=("against", ("height_mm",))),
+    )
+
+    def check(self) -> None:
+        """Refuse a measured curve without its numbers."""
+        if self.measured == "file" and self.path is None:
+            raise ParameterError("path", None, "a CSV of height and relative illumination")
+        if self.measured == "polynomial" and not self.coefficients:
+            raise ParameterError("coefficients", (), "at least one number, such as -0.3")
+
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
+        if self._off:
+            return ImageOutput(image)
+        grid, law = image.grid(), self.law(image, here)
+        light = _profile(grid, law)
+        if not 0.0 <= light.min() <= light.max() <= _BRIGHTEST:
+            worst = float(light.min() if light.min() < 0.0 else light.max())
+            raise ParameterError(
+                "coefficients",
+                self.coefficients,
+                f"such that the relative illumination in the picture is from 0 to {_BRIGHTEST:g}; "
+                f"it reaches {worst:.3g}",
+            )
+        step = here.step(lit, image.recipe, grid=grid, law=law)
+        return ImageOutput(stepped(image, step, gain=_means(grid, law)[0]))
+
+    def law(self, image: Image, here: NodeContext) -> Law:
+        """Arguments of `relative_illumination`."""
+        law: dict[str, Any] = {"natural": self.natural, "scale": None}
+        if self.measured == "none":
+            return tuple(law.items())
+        if self.against == "half_diagonal":
+            law["scale"] = 1.0 / _corner(image.grid())
+        elif self.against == "height_mm":
+            of_camera = None if image.camera is None else image.camera.focal_length_mm
+            law["scale"] = self.focal_length_mm or of_camera
+            if law["scale"] is None:
+                raise ParameterError(
+                    "focal_length_mm", None, "give it here or on Camera", unit="mm"
+                )
+        if self.measured == "polynomial":
+            return (*law.items(), ("coefficients", self.coefficients))
+        heights, values = zip(*self._points(here), strict=True)
+        if heights[0] > 0.0:
+            heights, values = (0.0, *heights), (1.0, *values)
+        return (*law.items(), ("heights", heights), ("values", values))
+
+    def _points(self, here: NodeContext) -> tuple[tuple[float, float], ...]:
+        assert self.path is not None
+        file = (here.folder / self.path).absolute()
+        how: dict[str, Any] = {"what": "relative illumination", "low": 0.0, "high": _BRIGHTEST}
+        return read_heights(file, unit=_UNITS[self.against], **how)
+
+    def preview(self, planned: PlannedNode, _work: Work, here: NodeContext) -> Preview | None:
+        """Relative illumination from the middle to the corner."""
+        image = planned.sound().inputs["image"]
+        grid = image.grid()
+        light = _profile(grid, self.law(image, here))
+        angles = np.degrees(np.arctan(np.linspace(0.0, _corner(grid), _POINTS)))
+        across = Axis(0.0, float(angles[-1]), "field angle (deg)")
+        along = Axis(0.0, 1.1 * float(light.max()), "relative illumination")
+        words = f"{brief(100.0 * light[-1])} % of the light at the corner"
+        return Preview(words, (Plot(across, along, (Curve(angles, light),)),))
+
+    @warning
+    def short_table(self, outputs: ImageOutput) -> Caution | None:
+        """The curve in the file ends before the corner of the picture."""
+        if self.measured != "file":
+            return None
+        grid, how = self._planned(outputs)
+        corner, law = _corner(grid), dict(how)
+        reached = np.degrees(np.arctan(corner)) if law["scale"] is None else corner * law["scale"]
+        last = law["heights"][-1]
+        if reached <= last * (1.0 + 1e-6):
+            return None
+        unit = _UNITS[self.against]
+        return Caution(
+            f"the light may be wrong at the corners: the file ends at {last:.4g} {unit}, the "
+            f"picture at {reached:.4g} {unit}, and the last value holds from there",
+            "extend the file to the corner",
+        )
+
+    @readout("%")
+    def corner_percent(self, outputs: ImageOutput) -> float:
+        """Relative illumination at the corner of the picture."""
+        return 100.0 * float(_profile(*self._planned(outputs))[-1])
+
+    @readout("%")
+    def mean_percent(self, outputs: ImageOutput) -> float:
+        """Mean relative illumination of the picture."""
+        return 100.0 * _means(*self._planned(outputs))[0]
+
+    @property
+    def _off(self) -> bool:
+        return not self.natural and self.measured == "none"
+
+    def _planned(self, outputs: ImageOutput) -> tuple[Grid, Law]:
+        """Sampling and law, as the step has them."""
+        if self._off:
+            return Grid(1, 1, 1.0, 1.0), (("natural", False),)
+        assert isinstance(outputs.image.recipe, Step)
+        how = dict(outputs.image.recipe.parameters)
+        return how["grid"], how["law"]
+
+
+def _corner(grid: Grid) -> float:
+    """Tangent of the field angle at the corner of the frame."""
+    return math.hypot(*_half_sides(grid))
+
+
+def _half_sides(grid: Grid) -> tuple[float, float]:
+    x, y = grid.interval_x_mrad, grid.interval_y_mrad
+    return 0.5e-3 * grid.columns * x, 0.5e-3 * grid.rows * y
+
+
+def _profile(grid: Grid, law: Law) -> Array:
+    """Illumination from the middle to the corner."""
+    tangent = np.linspace(0.0, _corner(grid), _POINTS)
+    return relative_illumination(tangent=tangent, **dict(law))
+
+
+@lru_cache(maxsize=64)
+def _means(grid: Grid, law: Law) -> tuple[float, float]:
+    """Mean and root mean square over the frame, on at most 129 × 129 places."""
+    half_x, half_y = _half_sides(grid)
+    x, y = (
+        half * (2.0 * np.arange(count) + 1.0 - count) / count
+        for half, count in ((half_x, min(grid.columns, _POINTS)), (half_y, min(grid.rows, _POINTS)))
+    )
+    light = relative_illumination(tangent=np.hypot(x, y[:, np.newaxis]), **dict(law))
+    return float(light.mean()), math.sqrt(float(np.square(light).mean()))
+
+
+@dataclass(frozen=True)
+class Vignetted(Linear):
+    """The mean over the field of what a place gets; the contrast of a place stays."""
+
+    grid: Grid
+    law: Law
+
+    @property
+    def gain(self) -> float:
+        return _means(self.grid, self.law)[0]
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        return power.scaled(_means(self.grid, self.law)[1])
+
+
+def _vignetted(image: Recipe, *, grid: Grid, law: Law) -> Vignetted:
+    return Vignetted(grid, law)
+
+
+def _lit_part(work: Work, region: Region, image: Recipe, **how: Any) -> Array:
+    return _lit(work, work.part(image, region), region, **how)
+
+
+@picture_step(linear=_vignetted)
+@in_parts(_lit_part)
+def lit(work: Work, image: Array, **how: Any) -> Array:
+    return _lit(work, image, Region(0, 0, *image.shape), **how)
+
+
+def _lit(work: Work, image: Array, region: Region, *, grid: Grid, law: Law) -> Array:
+    """The samples of a region times the relative illumination of each."""
+    made = np.empty(image.shape, image.dtype)
+    x = 1e-3 * grid.interval_x_mrad * (region.left + np.arange(region.columns) - _middle(grid)[1])
+    y = 1e-3 * grid.interval_y_mrad * (region.top + np.arange(region.rows) - _middle(grid)[0])
+
+    def block(top: int) -> None:
+        rows = slice(top, top + step)
+        tangent = np.sqrt(np.square(x) + np.square(y[rows, np.newaxis]))
+        light = relative_illumination(tangent=tangent, **dict(law))
+        np.multiply(image[rows], light.astype(image.dtype), out=made[rows])
+
+    step = max(1, _BLOCK_SAMPLES // region.columns)
+    work.for_each(block, range(0, region.rows, step))
+    return made
+
+
+def _middle(grid: Grid) -> tuple[float, float]:
+    return 0.5 * (grid.rows - 1), 0.5 * (grid.columns - 1)

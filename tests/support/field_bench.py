@@ -1,0 +1,50 @@
+"""Pictures that are functions of the angle, in networks of one module over the field."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.chain.engine import Engine
+from core.evaluation.work import Work
+from core.scratch import BlockRun, ScratchDisk, is_on_disk
+from node_bench import NodeBench
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+
+
+def field_bench(folder, picture, key, params, *, step_mrad=1.0, camera=None, precision="double"):
+    """The module as `it` behind a picture of samples `step_mrad` apart."""
+    rows, columns = picture.shape
+    np.save(folder / "picture.npy", picture)
+    fov = {f"fov_{axis}_deg": np.degrees(step_mrad * n / 1000) for axis, n in
+           (("x", columns), ("y", rows))}  # fmt: skip
+    nodes = {"read": ("read_image", {"path": "picture.npy", **fov}), "it": (key, params)}
+    links = [("read.image", "it.image")]
+    if camera is not None:
+        nodes["camera"] = ("camera", camera)
+        links = [("read.image", "camera.image"), ("camera.image", "it.image")]
+    bench = NodeBench(LIBRARY, folder, nodes, links, precision=precision)
+    error = bench.error("it")
+    if error is not None:
+        raise error
+    return bench
+
+
+def angles(shape, step_mrad):
+    """Tangents of the angles from the axis of all samples, across and along."""
+    y, x = (1e-3 * step_mrad * (np.arange(n) - (n - 1) / 2) for n in shape)
+    return np.meshgrid(x, y)
+
+
+def assert_same_in_blocks(bench, port, folder, memory_bytes):
+    """With pictures on disk, the same to the bit; no slab of any is larger than its share."""
+    recipe = bench.port(port).recipe
+    shapes = {one.key: bench.port(port).shape for one in (recipe, *recipe.inputs)}
+    assert recipe.in_blocks
+    with ScratchDisk(folder, memory_bytes) as disk:
+        blocks = BlockRun(disk, shapes)
+        work = Work(bench.work.policy, Engine(LIBRARY).store, blocks=blocks)
+        made = work.value(recipe)
+        assert is_on_disk(made)
+        np.testing.assert_array_equal(made, bench.value(port))
