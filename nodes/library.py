@@ -31,6 +31,7 @@ _FILES = (
     "optics.exit_pupil",
     "optics.exit_pupil_mtf",
     "optics.vignetting",
+    "optics.distortion",
     "optics.veiling_glare",
     "optics.gaussian_mtf",
     "optics.mtf_file",

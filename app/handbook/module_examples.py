@@ -125,6 +125,7 @@ PARAMS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
                           "integration_time_s": 0.01},
         "vignetting": {"measured": "polynomial", "against": "half_diagonal",
                        "coefficients": [-0.4, -0.2]},
+        "distortion": {"k1": -400, "width": 160, "height": 120},
         "veiling_glare": {"share_percent": 15, "length_mrad": 20},
         "crosstalk": {"kernel": "0.02 0.05 0.02; 0.05 0.72 0.05; 0.02 0.05 0.02"},
         "charge_diffusion_mtf": {"absorption_per_um": 0.02, "diffusion_length_um": 100},

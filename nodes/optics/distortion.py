@@ -1,0 +1,284 @@
+"""Distortion: the lens displaces every point of the picture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.linear_change import Axis as AxisName
+from core.chain.linear_change import Linear
+from core.chain.noise_power import NoisePower, Operator
+from core.chain.step_lineage import picture_step
+from core.chain.wires import Image
+from core.errors import DataError, ParameterError
+from core.evaluation.recipes import Recipe, in_blocks
+from core.evaluation.work import Work
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Caution, Section
+from core.modules.parameters import Formula, Param
+from core.physics.optics.distortion import Distortion as Lens
+from core.physics.optics.distortion import samples_at
+from core.transfer.factors import Grid
+from nodes.shared.module_ports import ImageOutput
+from nodes.shared.steps import stepped
+
+Array = NDArray[Any]
+_TILE = 128  # samples on a side that are made at a time, of so many of the picture before
+_MOST_READ = 1 << 22
+_SURVEYED = 129  # rays along each axis, for the figures
+_COARSE = 1.5  # source samples from one ray to the next, above which detail is skipped
+_K = {"low": -1e6, "high": 1e6, "slider": (-0.5, 0.5)}
+
+
+class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
+    """Distort the picture as a lens does, by Brown–Conrady or fisheye coefficients.
+
+    The incoming picture is that of a lens without distortion: distances from the axis are tangents
+    of angles. Coefficients, centre and signs are those of OpenCV, for lengths divided by the focal
+    length. `fisheye` with all coefficients at 0 is an f-θ lens. For each sample the module finds
+    its ray (to 1e-11) and interpolates the picture there with 8 × 8 samples: waves of up to 0.2
+    cycles per sample move by less than 1e-3 sample from their true place. Nothing is filtered: if
+    `largest_step` is well above 1, sample the scene more finely. A lens with barrel distortion sees
+    beyond the frame: make the scene wider and set `width` and `height` to the camera's; where the
+    scene ends, its outermost samples continue. MTF and noise continue as on the axis, where nothing
+    is stretched. Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera calibration.
+    """
+
+    formulas = (
+        Formula(
+            r"x'=x\,(1+k_1r^2+k_2r^4+k_3r^6)+2p_1xy+p_2(r^2+2x^2)",
+            where="x, y: tangents of angles from the axis, to the right and down; r² = x² + y²; "
+            "the same for y with p₁ and p₂ exchanged",
+            when="brown",
+        ),
+        Formula(
+            r"r'=\theta\,(1+k_1\theta^2+k_2\theta^4+k_3\theta^6+k_4\theta^8)",
+            where="θ: angle from the axis; r': distance in the picture over the focal length",
+            when="fisheye",
+        ),
+    )
+
+    model: Annotated[Literal["brown", "fisheye"], Param("Brown–Conrady, or fisheye (f-θ)")] = (
+        "brown"
+    )
+    k1: Annotated[float, Param("radial coefficient of r² or θ²", **_K)] = 0.0
+    k2: Annotated[float, Param("radial coefficient of r⁴ or θ⁴", **_K)] = 0.0
+    k3: Annotated[float, Param("radial coefficient of r⁶ or θ⁶", **_K)] = 0.0
+    k4: Annotated[float, Param("radial coefficient of θ⁸", **_K)] = 0.0
+    p1: Annotated[float, Param("tangential coefficient, mostly along y", **_K)] = 0.0
+    p2: Annotated[float, Param("tangential coefficient, mostly along x", **_K)] = 0.0
+    centre_x_mrad: Annotated[
+        float, Param("optical axis to the right of the picture's middle", unit="mrad", low=-1e4,
+                     high=1e4, slider=(-20, 20)),
+    ] = 0.0  # fmt: skip
+    centre_y_mrad: Annotated[
+        float, Param("optical axis below the picture's middle", unit="mrad", low=-1e4, high=1e4,
+                     slider=(-20, 20)),
+    ] = 0.0  # fmt: skip
+    width: Annotated[
+        int | None, Param("samples per row; empty: as before", low=1, high=65536, slider=(16, 2048))
+    ] = None
+    height: Annotated[
+        int | None,
+        Param("samples per column; empty: as before", low=1, high=65536, slider=(16, 2048)),
+    ] = None
+
+    panel = (
+        Section("Lens", ("model", "k1", "k2", "k3")),
+        Section("", ("k4",), shown_when=("model", ("fisheye",))),
+        Section("", ("p1", "p2"), shown_when=("model", ("brown",))),
+        Section("Axis", ("centre_x_mrad", "centre_y_mrad")),
+        Section("Size", ("width", "height")),
+    )
+
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
+        rays = self.rays(image)
+        if rays.straight:
+            return ImageOutput(image)
+        if not np.isfinite(survey(rays).step):
+            raise ParameterError(
+                "k1",
+                self.k1,
+                "such that the picture does not fold back within its frame: make the field "
+                "smaller, or check the signs of the coefficients",
+            )
+        rows, columns = rays.new
+        step = here.step(distorted, image.recipe, rays=rays)
+        return ImageOutput(stepped(image, step, rows=rows, columns=columns, edges=None))
+
+    def rays(self, image: Image) -> Rays:
+        """Where the samples' rays come from."""
+        k = (self.k1, self.k2, self.k3, *((self.k4,) if self.model == "fisheye" else ()))
+        lens = Lens(self.model, k, (self.p1, self.p2))
+        centre = 1e-3 * self.centre_x_mrad, 1e-3 * self.centre_y_mrad
+        new = self.height or image.rows, self.width or image.columns
+        return Rays(lens, centre, image.grid(), new)
+
+    @warning
+    def beyond(self, image: Image) -> Caution | None:
+        """Rays come from beyond the picture."""
+        share = survey(self.rays(image)).beyond
+        if not share:
+            return None
+        return Caution(
+            f"{100 * share:.3g} % of the samples look beyond the scene and repeat its border",
+            "make the scene wider, and set width and height to the camera's samples",
+        )
+
+    @warning
+    def coarse(self, image: Image) -> Caution | None:
+        """Rays skip samples of the picture."""
+        step = survey(self.rays(image)).step
+        if step <= _COARSE:
+            return None
+        return Caution(
+            f"fine detail may alias: neighbouring rays are up to {step:.3g} scene samples apart",
+            "sample the scene more finely, and combine or sample pixels after this node",
+        )
+
+    @readout("%")
+    def corner_percent(self, image: Image) -> float:
+        """Distortion at the corner: distance from the axis over that without distortion, − 1."""
+        return 100.0 * survey(self.rays(image)).corner
+
+    @readout("%")
+    def beyond_percent(self, image: Image) -> float:
+        """Share of the samples that look beyond the scene."""
+        return 100.0 * survey(self.rays(image)).beyond
+
+    @readout("samples")
+    def largest_step(self, image: Image) -> float:
+        """Largest distance in the scene from one ray of a row or column to the next."""
+        return survey(self.rays(image)).step
+
+
+@dataclass(frozen=True)
+class Rays:
+    """Where in the picture before it each sample of a distorted picture comes from."""
+
+    lens: Lens
+    centre: tuple[float, float]
+    grid: Grid
+    new: tuple[int, int]
+
+    @property
+    def straight(self) -> bool:
+        """Whether every sample comes from its own place."""
+        bent = self.lens.model == "fisheye" or any(self.lens.k) or any(self.lens.p)
+        return not bent and self.new == self.grid.shape
+
+    def tangents(self, row: Array, column: Array) -> tuple[Array, Array]:
+        """x, y of the lens at samples of the new picture."""
+        rows, columns = self.new
+        x = 1e-3 * self.grid.interval_x_mrad * (column - 0.5 * (columns - 1)) - self.centre[0]
+        y = 1e-3 * self.grid.interval_y_mrad * (row - 0.5 * (rows - 1)) - self.centre[1]
+        return np.broadcast_arrays(x, y)  # type: ignore[return-value]
+
+    def of(self, row: Array, column: Array) -> tuple[Array, Array]:
+        """Column and row before, of samples of the new picture."""
+        x, y = self.lens.undistorted(*self.tangents(row, column))
+        grid = self.grid
+        return (
+            1e3 * (x + self.centre[0]) / grid.interval_x_mrad + 0.5 * (grid.columns - 1),
+            1e3 * (y + self.centre[1]) / grid.interval_y_mrad + 0.5 * (grid.rows - 1),
+        )
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Figures of some rays: at the corner, beyond the scene, from one to the next."""
+
+    corner: float
+    beyond: float
+    step: float
+
+
+@lru_cache(maxsize=64)
+def survey(rays: Rays) -> Survey:
+    rows, columns = (np.linspace(0, n - 1, min(n, _SURVEYED)) for n in rays.new)
+    row = rows[:, np.newaxis]
+    x, y = rays.of(row, columns)
+    steps = [np.hypot(*np.subtract(rays.of(r, c), (x, y))) for r, c in
+             ((row - np.sign(row - rows.mean()), columns),
+              (row, columns - np.sign(columns - columns.mean())))]  # fmt: skip
+    beyond = (np.abs(x - 0.5 * (rays.grid.columns - 1)) > 0.5 * rays.grid.columns) | (
+        np.abs(y - 0.5 * (rays.grid.rows - 1)) > 0.5 * rays.grid.rows
+    )
+    there = np.hypot(*rays.tangents(row, columns))
+    place = np.unravel_index(int(np.argmax(there)), there.shape)
+    before = rays.lens.undistorted(*(part[place] for part in rays.tangents(row, columns)))
+    corner = there[place] / float(np.hypot(*before)) - 1.0 if there[place] else 0.0
+    return Survey(float(corner), float(beyond.mean()), float(np.max(steps)))
+
+
+@dataclass(frozen=True)
+class Displaced(Linear):
+    """On the axis nothing changes but the size of the frame."""
+
+    rays: Rays
+
+    def size_before(self, rows: int, columns: int) -> tuple[int, int]:
+        return self.rays.grid.shape
+
+    def grid_before(self, grid: Grid) -> Grid:
+        """As fine as after it."""
+        return Grid(*self.rays.grid.shape, grid.interval_x_mrad, grid.interval_y_mrad)
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        along, across = (
+            _middle_of(old, new)
+            for old, new in zip(self.rays.grid.shape, self.rays.new, strict=True)
+        )
+        return power.resampled(self.rays.new, along, across)
+
+    def row(self, work: Work, row: Array, axis: AxisName) -> Array:
+        new = self.rays.new[1 if axis == "x" else 0]
+        return np.asarray(_middle_of(len(row), new)(row[:, np.newaxis])[:, 0], np.float64)
+
+
+def _middle_of(old: int, new: int) -> Operator:
+    """The middle of a line of samples; its ends continue."""
+    index = np.clip(np.arange(new) + (old - new) // 2, 0, old - 1)
+    return lambda waves: waves[index]
+
+
+def _displaced(image: Recipe, *, rays: Rays) -> Displaced:
+    return Displaced(rays)
+
+
+@picture_step(linear=_displaced)
+@in_blocks()
+def distorted(work: Work, image: Array, *, rays: Rays) -> Array:
+    """By tiles, each from the part of the picture that its rays come from."""
+    rows, columns = rays.new
+    made: Array = work.empty(rays.new, image.dtype)
+
+    def tile(place: tuple[int, int, int]) -> None:
+        top, left, side = place
+        row = np.arange(top, min(top + side, rows))
+        column = np.arange(left, min(left + side, columns))
+        if not (row.size and column.size):
+            return
+        x, y = rays.of(row[:, np.newaxis], column)
+        if not np.isfinite(x).all():
+            raise DataError("the picture folds back within its frame: check the coefficients")
+        spans = (
+            np.ptp(np.clip(part, 0, n)) for part, n in ((y, image.shape[0]), (x, image.shape[1]))
+        )
+        if math.prod(spans) > _MOST_READ and side > 1:  # the rays are far apart
+            half = side // 2
+            for down, right in ((0, 0), (0, half), (half, 0), (half, half)):
+                tile((top + down, left + right, half))
+            return
+        place_made = slice(top, top + side), slice(left, left + side)
+        made[place_made] = samples_at(picture=image, x=x, y=y)
+
+    tops, lefts = range(0, rows, _TILE), range(0, columns, _TILE)
+    places = [(top, left, _TILE) for top in tops for left in lefts]
+    work.for_each(tile, places)
+    return made
