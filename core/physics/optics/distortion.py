@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 _STEPS = 16  # of Newton; each doubles the digits, but for rays close to the fold
-_RESIDUAL = 1e-11
+_RESIDUAL, _ENOUGH = 1e-11, 1e-14
 _TAPS = np.arange(-3, 5)
 
 
@@ -69,11 +69,12 @@ class Distortion:
 
     def _by_two(self, x: Array, y: Array) -> tuple[Array, Array]:
         u, v = x, y
-        for step in range(_STEPS + 1):
+        for _ in range(_STEPS):
             found_x, found_y, jxx, jxy, jyy = self._landed(u, v)
             a, b, det = x - found_x, y - found_y, jxx * jyy - jxy * jxy
-            if step < _STEPS:
-                u, v = u + (jyy * a - jxy * b) / det, v + (jxx * b - jxy * a) / det
+            if max(np.abs(a).max(), np.abs(b).max()) < _ENOUGH:
+                break
+            u, v = u + (jyy * a - jxy * b) / det, v + (jxx * b - jxy * a) / det
         good = (np.hypot(a, b) < _RESIDUAL) & (np.hypot(u, v) < self.fold) & (det > 0.0)
         return np.where(good, u, np.nan), np.where(good, v, np.nan)
 
@@ -123,7 +124,7 @@ def samples_at(*, picture: Array, x: Array, y: Array) -> Array:
     for row, weight in enumerate(along):
         line = np.zeros_like(total)
         for column, share in enumerate(across):
-            line += share * part.take(start + row * part.shape[1] + column)
+            line += share * part.take(start + (row * part.shape[1] + column), mode="clip")
         total += weight * line
     return total
 
