@@ -32,6 +32,7 @@ _FILES = (
     "optics.exit_pupil_mtf",
     "optics.vignetting",
     "optics.distortion",
+    "optics.field_psf",
     "optics.veiling_glare",
     "optics.gaussian_mtf",
     "optics.mtf_file",

@@ -126,6 +126,8 @@ PARAMS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "vignetting": {"measured": "polynomial", "against": "half_diagonal",
                        "coefficients": [-0.4, -0.2]},
         "distortion": {"k1": -400, "width": 160, "height": 120},
+        "field_psf": {"tangential_mrad": [0.05, 0.1, 0.4], "sagittal_mrad": [0.05, 0.07, 0.15],
+                      "tile": 32},
         "veiling_glare": {"share_percent": 15, "length_mrad": 20},
         "crosstalk": {"kernel": "0.02 0.05 0.02; 0.05 0.72 0.05; 0.02 0.05 0.02"},
         "charge_diffusion_mtf": {"absorption_per_um": 0.02, "diffusion_length_um": 100},

@@ -1,0 +1,326 @@
+"""Field PSF: a blur that changes from the middle of the field to its corners."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from core.chain.linear_change import Filtering
+from core.chain.results import CameraSheet
+from core.chain.step_lineage import picture_step
+from core.chain.wires import Context, Image, Magnitude
+from core.errors import ParameterError
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
+from core.evaluation.work import Work
+from core.modules.declaration import Module, NodeContext, readout
+from core.modules.panel_sections import Section
+from core.modules.parameters import Formula, Param
+from core.physics.optics.distortion import samples_at
+from core.physics.optics.field_psf import Cell, blended, blending_error, cells_of, field_frequencies
+from core.physics.optics.gaussian import gaussian_mtf
+from core.transfer.factors import Factor, Grid, Separable, factor_at
+from nodes.optics.mtf_file import MtfFile
+from nodes.optics.psf_file import PsfFile
+from nodes.shared.factors import separable
+from nodes.shared.module_ports import ImageOutput
+from nodes.shared.steps import stepped
+
+Array = NDArray[Any]
+Row = tuple[float, ...]
+_TURNS = 0.25  # of a PSF's outermost wave, from one frequency of its table to the next
+_FIGURED = 6  # cells along each axis of a quadrant, of which the error is figured
+_Path = Annotated[Path | None, Param("MTF or PSF of one position, in the order of positions")]
+
+
+class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
+    """Blur the picture by a PSF that changes over the field.
+
+    `positions` are distances from the picture's middle, as shares of the half diagonal. At each you
+    give a Gaussian (rms tangential, along the radius, and sagittal, across it), or a file that MTF
+    File or PSF File reads: made for a point straight above the middle, with `mtf_y` the tangential
+    curve and the top of the PSF's picture away from the axis. A listing of Zemax in `path_1` alone
+    gives each position its own field. Between positions the widths of Gaussians, or the OTFs of
+    files, are interpolated linearly in the square of the position; beyond the last they stay.
+    Everything turns with the direction of the point.
+
+    The picture is blurred in overlapping tiles, with the PSFs of a tile's corners blended between
+    them. `error_percent` limits the error of any sample against a sum with its own PSF, as a share
+    of the picture's range; real scenes stay about ten times below it. Smaller tiles lower the error of
+    blending, larger ones make room for a wider PSF: half a tile on all sides, 16 samples at least.
+    Beyond the frame the picture is mirrored, or repeated if it came so from Back Transform.
+    Budgets, MTFs and figures use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM
+    J. Sci. Comput. 19, 1063.
+    """
+
+    formulas = (
+        Formula(
+            r"L'(x)=\sum_{c}w_c(x)\,(h_c*L)(x),\quad\sum_c w_c(x)=1",
+            where="c: the four corners of the tile around x; h_c: PSF there; w_c: bilinear weights",
+        ),
+    )
+
+    kind: Annotated[
+        Literal["gaussian", "mtf", "psf"], Param("Gaussians, or files of MTF or PSF")
+    ] = "gaussian"
+    positions: Annotated[
+        Row, Param("positions, as shares of the half diagonal; rising", low=0, high=10)
+    ] = (0.0, 0.5, 1.0)
+    tangential_mrad: Annotated[
+        Row, Param("rms width along the radius, at each position", unit="mrad", low=0, high=1e6)
+    ] = ()
+    sagittal_mrad: Annotated[
+        Row,
+        Param("rms width across the radius; empty: equal to tangential_mrad", unit="mrad", low=0,
+              high=1e6),
+    ] = ()  # fmt: skip
+    path_1: _Path = None
+    path_2: _Path = None
+    path_3: _Path = None
+    path_4: _Path = None
+    sample_pitch_um: Annotated[
+        float | None,
+        Param("sampling interval of PSF files; empty: from the file", unit="µm", low=0,
+              slider=(0.1, 20)),
+    ] = None  # fmt: skip
+    tile: Annotated[
+        int, Param("side of a tile", unit="samples", low=4, high=2048, slider=(16, 256))
+    ] = 64
+
+    panel = (
+        Section("Field", ("kind", "positions")),
+        Section("", ("tangential_mrad", "sagittal_mrad"), shown_when=("kind", ("gaussian",))),
+        Section(
+            "Files",
+            ("path_1", "path_2", "path_3", "path_4"),
+            shown_when=("kind", ("mtf", "psf")),
+        ),
+        Section("", ("sample_pitch_um",), shown_when=("kind", ("psf",))),
+        Section("Tiles", ("tile",)),
+    )
+
+    def check(self) -> None:
+        """Refuse positions that do not rise, and numbers that are not one for each."""
+        rising = all(low < high for low, high in pairwise(self.positions))
+        if not (self.positions and rising):
+            raise ParameterError("positions", self.positions, "numbers that rise, at least one")
+        for name in ("tangential_mrad", "sagittal_mrad"):
+            given = getattr(self, name)
+            if self.kind == "gaussian" and given and len(given) != len(self.positions):
+                allowed = f"{len(self.positions)} numbers, one for each position"
+                raise ParameterError(name, given, allowed)
+
+    def run(self, image: Image, here: NodeContext, context: Context | None = None) -> ImageOutput:
+        if self.kind == "gaussian" and not any(self.tangential_mrad + self.sagittal_mrad):
+            return ImageOutput(image)
+        spread = self._spread(image, here, context)
+        edges = image.edges or "reflect"
+        how = {"spread": spread, "grid": image.grid(), "edges": edges, "tile": self.tile}
+        return ImageOutput(stepped(image, here.step(blurred, image.recipe, **how)))
+
+    def _spread(self, image: Image, here: NodeContext, context: Context | None) -> FieldSpread:
+        if self.kind == "gaussian":
+            tangential = self.tangential_mrad or (0.0,) * len(self.positions)
+            pairs = zip(self.sagittal_mrad or tangential, tangential, strict=True)
+            return FieldSpread(self.positions, tuple(pairs), label=self.title, node=here.node)
+        sheet, grid = image.camera or CameraSheet(), image.grid()
+        pitch = sheet.pitch_x_um, sheet.pitch_y_um, sheet.focal_length_mm
+        known = context or Context(grid, "reflect", "array", *pitch, None, None, 1, 1, 0, 0)
+        paths: tuple[Path | None, ...] = (self.path_1, self.path_2, self.path_3, self.path_4)
+        if not any(paths[1:]) and self.kind == "mtf":
+            paths = (self.path_1,) * len(self.positions)
+        knots = []
+        for number in range(len(self.positions)):
+            path = paths[number] if number < len(paths) else None
+            if path is None:
+                name = f"path_{min(number, 3) + 1}"
+                allowed = f"a file for each of the {len(self.positions)} positions, at most 4"
+                raise ParameterError(name, None, allowed)
+            field = number if paths[0] is paths[-1] else 0
+            lens: Any = (
+                MtfFile(path=path, field=field)
+                if self.kind == "mtf"
+                else PsfFile(path=path, sample_pitch=self.sample_pitch_um)
+            )
+            made = lens.run(known, Magnitude(image, grid), here)
+            knots.append((*made.mtf.factors, *made.ptf.factors))
+        return FieldSpread(self.positions, (), tuple(knots), label=self.title, node=here.node)
+
+    @readout("%")
+    def error_percent(self, outputs: ImageOutput) -> Step | float:
+        """Limit of the tiles' error in any sample, as a share of the picture's range."""
+        recipe = outputs.image.recipe
+        how = dict(recipe.parameters) if isinstance(recipe, Step) else {}
+        return Step.of(_tile_error, **how) if "spread" in how else 0.0
+
+
+@dataclass(frozen=True)
+class FieldSpread:
+    """PSFs over the field: rms widths (across, along) at the positions, or OTFs as factors."""
+
+    positions: Row
+    sigmas: tuple[tuple[float, float], ...]
+    knots: tuple[tuple[Factor, ...], ...] = ()
+    label: str = ""
+    node: str | None = None
+
+    @property
+    def recipes(self) -> tuple[Recipe, ...]:
+        """Tables of the OTFs of PSF files, which take long to make at frequencies that turn."""
+        tabled = (knot for knot in self.knots if any(_is_of_psf(factor) for factor in knot))
+        return tuple(Step.of(_otf_table, factors=knot, node=self.node) for knot in tabled)
+
+    def shares(self, position: float) -> list[tuple[int, float]]:
+        """Numbers of the positions around one, and what they count."""
+        known = np.square(self.positions)  # aberrations are even functions of the field
+        place = float(np.interp(position**2, known, np.arange(len(known))))
+        number = min(int(place), max(len(self.positions) - 2, 0))
+        both = [(number, 1.0 - place + number), (number + 1, place - number)]
+        return [(end, share) for end, share in both if share > 0.0]
+
+    def widened(self, shares: list[tuple[int, float]]) -> tuple[Factor, ...]:
+        """The Gaussian between those of the positions."""
+        x, y = (sum(share * self.sigmas[end][axis] for end, share in shares) for axis in (0, 1))
+        sigma_x, sigma_y = {"sigma_mrad": x}, {"sigma_mrad": y}
+        return separable(gaussian_mtf, x=sigma_x, y=sigma_y, label=self.label, node=self.node)
+
+    def otf(self, work: Work, grid: Grid, side: int, row: float, column: float) -> Array:
+        """At the frequencies of `rfft2` of a patch, at a place of the picture."""
+        x = (column - 0.5 * (grid.columns - 1)) * grid.interval_x_mrad
+        y = (row - 0.5 * (grid.rows - 1)) * grid.interval_y_mrad
+        corner = 0.5 * math.hypot(
+            grid.columns * grid.interval_x_mrad, grid.rows * grid.interval_y_mrad
+        )
+        xi = scipy.fft.rfftfreq(side, grid.interval_x_mrad)[np.newaxis]
+        eta = scipy.fft.fftfreq(side, grid.interval_y_mrad)[:, np.newaxis]
+        across, along = field_frequencies(xi=xi, eta=eta, x=x, y=y)
+        shares, tables = self.shares(math.hypot(x, y) / corner), self.recipes
+        if self.sigmas:
+            return _product(work, self.widened(shares), across, along)
+        parts = [
+            share * (_tabled(work.value(tables[end]), across, along) if tables
+                     else _product(work, self.knots[end], across, along))
+            for end, share in shares
+        ]  # fmt: skip
+        return np.asarray(sum(parts[1:], start=parts[0]))
+
+
+def _is_of_psf(factor: Factor) -> bool:
+    return any(law.inputs for law in factor.laws)
+
+
+@ends_lineage
+def _otf_table(work: Work, *, factors: tuple[Factor, ...]) -> tuple[Array, float]:
+    """OTF of a PSF file up to its Nyquist frequency, finely enough to interpolate; and the step."""
+    bound = dict(factors[0].laws[0].parameters)
+    pitches = bound["pitch_y_mrad"], bound["pitch_x_mrad"]
+    extents = np.multiply(work.value(bound["psf"]).weights.shape, pitches)
+    step = _TURNS / float(max(extents))
+    count = math.ceil(0.5 / min(pitches) / step) + 8
+    frequency = step * np.arange(-count, count + 1)
+    return _product(work, factors, frequency[np.newaxis], frequency[:, np.newaxis]), step
+
+
+def _tabled(table: tuple[Array, float], xi: Array, eta: Array) -> Array:
+    values, step = table
+    x, y = xi / step + values.shape[0] // 2, eta / step + values.shape[0] // 2
+    real, imaginary = (samples_at(picture=part, x=x, y=y) for part in (values.real, values.imag))
+    return np.asarray(real + 1j * imaginary)
+
+
+def _product(work: Work, factors: tuple[Factor, ...], xi: Array, eta: Array) -> Array:
+    total: Any = np.ones(xi.shape)
+    for factor in factors:
+        if isinstance(factor, Separable):
+            value = factor_at(work, factor, xi, eta)
+            total = total * (value if factor.part == "mtf" else np.exp(1j * value))
+        else:
+            total = total * factor.transfer(work, xi, eta)
+    return np.asarray(total)
+
+
+def _sides(tile: int) -> tuple[int, int]:
+    """Samples around a tile that its blur takes, and the side of a patch with them."""
+    reach = max(16, tile // 2)
+    return reach, scipy.fft.next_fast_len(tile + 1 + 2 * reach, real=True)
+
+
+def _on_axis(image: Recipe, *, spread: FieldSpread, grid: Grid, edges: Any, tile: int) -> Filtering:
+    """As on the axis."""
+    factors = spread.widened([(0, 1.0)]) if spread.sigmas else spread.knots[0]
+    return Filtering(factors, grid, edges, label=spread.label)
+
+
+@picture_step(linear=_on_axis)
+@in_blocks()
+def blurred(
+    work: Work, image: Array, *, spread: FieldSpread, grid: Grid, edges: Any, tile: int
+) -> Array:
+    """By tiles, each from itself and what surrounds it."""
+    made: Array = work.empty(grid.shape, image.dtype)
+    reach, side = _sides(tile)
+    for recipe in spread.recipes:
+        work.value(recipe)
+    kind = np.result_type(image.dtype, np.complex64)
+
+    def cell(place: tuple[Cell, Cell]) -> None:
+        along, across = place
+        rows, columns = (
+            _within(np.arange(one.start - reach, one.start - reach + side), size, edges)
+            for one, size in ((along, grid.rows), (across, grid.columns))
+        )
+        otfs = [
+            spread.otf(work, grid, side, row, column).astype(kind)
+            for row in (along.low, along.high)
+            for column in (across.low, across.high)
+        ]
+        patch = image[np.ix_(rows, columns)]
+        made[along.start : along.stop, across.start : across.stop] = blended(
+            patch=patch, otfs=otfs, along=along, across=across, reach=reach
+        )
+
+    all_along, all_across = (cells_of(size=size, tile=tile) for size in grid.shape)
+    work.for_each(cell, [(along, across) for along in all_along for across in all_across])
+    return made
+
+
+def _within(index: NDArray[np.intp], size: int, edges: str) -> NDArray[np.intp]:
+    """The sample that stands for one beyond the frame."""
+    if edges == "periodic":
+        return index % size
+    folded = index % (2 * size)
+    return np.where(folded < size, folded, 2 * size - 1 - folded)
+
+
+@ends_lineage
+def _tile_error(work: Work, *, spread: FieldSpread, grid: Grid, edges: Any, tile: int) -> float:
+    """At the middles of cells and of their sides, in a quadrant."""
+    reach, side = _sides(tile)
+    cells = [one[len(one) // 2 :] for one in (cells_of(size=n, tile=tile) for n in grid.shape)]
+    few = [[one[i] for i in np.unique(np.linspace(0, len(one) - 1, _FIGURED).astype(int))]
+           for one in cells]  # fmt: skip
+    worst = 0.0
+    for along in few[0]:
+        work.check()
+        for across in few[1]:
+            at = {
+                (row, column): spread.otf(work, grid, side, row, column)
+                for row in (along.low, along.high, 0.5 * (along.low + along.high))
+                for column in (across.low, across.high, 0.5 * (across.low + across.high))
+            }
+            middle = 0.5 * (along.low + along.high), 0.5 * (across.low + across.high)
+            corners = [at[r, c] for r in (along.low, along.high) for c in (across.low, across.high)]
+            for own, ends in (
+                (at[middle], corners),
+                (at[along.high, middle[1]], corners[2:]),
+                (at[middle[0], across.high], corners[1::2]),
+            ):
+                found = blending_error(otfs=ends, own=own, side=side, reach=reach)
+                worst = max(worst, found)
+    return 100.0 * worst
