@@ -52,11 +52,11 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
 
     The picture is blurred in overlapping tiles, with the PSFs of a tile's corners blended between
     them. `error_percent` limits the error of any sample against a sum with its own PSF, as a share
-    of the picture's range; real scenes stay about ten times below it. Smaller tiles lower the error of
-    blending, larger ones make room for a wider PSF: half a tile on all sides, 16 samples at least.
-    Beyond the frame the picture is mirrored, or repeated if it came so from Back Transform.
-    Budgets, MTFs and figures use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM
-    J. Sci. Comput. 19, 1063.
+    of the picture's range; real scenes stay about ten times below it. Smaller tiles lower the error
+    of blending, larger ones make room for a wider PSF: half a tile on all sides, at least 16
+    samples. Beyond the frame the picture is mirrored, or repeated if it came so from Back
+    Transform. Budgets, MTFs and figures use the PSF of the first position. Source: Nagy and O'Leary
+    1998, SIAM J. Sci. Comput. 19, 1063.
     """
 
     formulas = (

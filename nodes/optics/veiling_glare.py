@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import NodeContext
+from core.modules.declaration import NodeContext, readout
 from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
-from core.physics.optics.veiling_glare import veiling_glare_mtf
+from core.physics.optics.veiling_glare import harvey_mtf, harvey_scatter, veiling_glare_mtf
 from nodes.shared.factors import radial
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 
@@ -21,16 +21,38 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
     1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail
     loses g of its contrast. Enter the veiling glare index of the lens, if no other is known; ISO
     9358 measures it in a small black area within an evenly bright field. Light that leaves the
-    frame is mirrored or repeated, as for all filters. Sources: ISO 9358:1994; the MTF is the Hankel
-    transform of the spread, Bracewell 2000, The Fourier Transform and Its Applications, table 13.
+    frame is mirrored or repeated, as for all filters.
+
+    `harvey` takes the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2), with
+    β − β₀ the difference of the sines of scattered and direct ray. Its integral over the half space
+    is the total scatter of a surface, which the direct light loses. The angles are those in front
+    of the lens, at the entrance pupil. For an ABg fit enter b = A/B, l = B^(1/g) and s = −g: it
+    agrees near the direct ray and far from it.
+
+    Sources: ISO 9358:1994; Bracewell 2000, The Fourier Transform and Its Applications, table 13
+    (Hankel transforms); Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical
+    Scattering, section 4.5.
     """
 
     formulas = (
         Formula(
             r"H(\rho)=1-g+g\,e^{-2\pi\ell\rho}",
             where="g: share of the light that is spread; ℓ: its length, mrad; ρ: radial frequency",
+            when="length",
+        ),
+        Formula(
+            r"H(\rho)=\left(1-T(0)+T(\rho)\right)^n,\quad T(\rho)=2\pi b\int_0^1\left(1+\frac{"
+            r"\beta^2}{l^2}\right)^{s/2}J_0(2\pi\rho\beta)\,\beta\,d\beta",
+            where="T(0): total scatter of a surface; n: surfaces; β: sine of the angle from the "
+            "direct ray; ρ in cycles/rad",
+            when="harvey",
         ),
     )
+
+    form: Annotated[
+        Literal["length", "harvey"],
+        Param("share and length of the spread, or Harvey's scatter of surfaces"),
+    ] = "length"
 
     share_percent: Annotated[
         float, Param("share of the light that is spread", unit="%", low=0, high=100, slider=(0, 20))
@@ -40,20 +62,42 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
         Param("length of the spread: half of it falls within 1.73 lengths", unit="mrad", low=0,
               high=1e6, above=True, slider=(0.1, 100)),
     ] = 10.0  # fmt: skip
+    b_per_sr: Annotated[
+        float, Param("BSDF of a surface at the direct ray", unit="1/sr", low=0, high=1e12,
+                     slider=(0, 10)),
+    ] = 0.0  # fmt: skip
+    s: Annotated[
+        float, Param("slope of the BSDF: its power of β far from the direct ray", low=-5, high=0)
+    ] = -1.5
+    l_mrad: Annotated[
+        float,
+        Param("shoulder of the BSDF, 1000 times Harvey's l", unit="mrad", low=1e-3, high=1000,
+              slider=(0.1, 50)),
+    ] = 10.0  # fmt: skip
+    surfaces: Annotated[int, Param("number of such surfaces", low=1, high=1000, slider=(1, 30))] = 1
 
     panel = (
-        Section("", ("apply",)),
-        Section("Stray light", ("share_percent", "length_mrad")),
+        Section("", ("apply", "form")),
+        Section("Stray light", ("share_percent", "length_mrad"), shown_when=("form", ("length",))),
+        Section("", ("b_per_sr", "s", "l_mrad", "surfaces"), shown_when=("form", ("harvey",))),
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        if not self.share_percent:
+        how: dict[str, Any] = {"label": self.title, "node": here.node}
+        if not self.scatter_percent():
             return self.mtf_outputs(magnitude)
-        factors = radial(
-            veiling_glare_mtf,
-            label=self.title,
-            node=here.node,
-            share=self.share_percent / 100.0,
-            length_mrad=self.length_mrad,
-        )
-        return self.mtf_outputs(magnitude, *factors)
+        if self.form == "harvey":
+            how |= {**self._surface(), "surfaces": self.surfaces}
+            return self.mtf_outputs(magnitude, *radial(harvey_mtf, **how))
+        how |= {"share": self.share_percent / 100.0, "length_mrad": self.length_mrad}
+        return self.mtf_outputs(magnitude, *radial(veiling_glare_mtf, **how))
+
+    def _surface(self) -> dict[str, float]:
+        return {"b_per_sr": self.b_per_sr, "s": self.s, "l_mrad": self.l_mrad}
+
+    @readout("%")
+    def scatter_percent(self) -> float:
+        """Share of the light that is spread by all surfaces."""
+        if self.form == "length":
+            return self.share_percent
+        return 100.0 * (1.0 - (1.0 - harvey_scatter(**self._surface())) ** self.surfaces)

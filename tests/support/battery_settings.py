@@ -130,6 +130,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "vignetting": [{"natural": False}, {"natural": False, "against": "height_mm"}],
     "distortion": [{}, {"centre_x_mrad": 3, "width": 15}],
     "field_psf": [{}, {"tangential_mrad": [0, 0, 0], "tile": 9}],
+    "veiling_glare": [{}, {"form": "harvey", "share_percent": 5}],
     "gaussian_mtf": [{}, {"sigma_x_mrad": 0, "sigma_y_mrad": 0.0}],
     "mtf_file": [{}, {"direction": "x", "normalise": "at_zero"}],
     "psf_file": [{}, {"centroid": "removed", "sample_pitch": 3}],
@@ -203,6 +204,9 @@ SETTINGS: dict[str, list[dict[str, Any]]] = {
         {"obscuration_ratio": 0.99, "defocus_waves": 2},
     ],
     "gaussian_mtf": [{"sigma_y_mrad": 1e9}, {"sigma_x_mrad": 1e-9}],
+    "veiling_glare": [
+        {"form": "harvey", "b_per_sr": 3, "s": s, "l_mrad": 2, "surfaces": 5} for s in (-2.3, -1)
+    ],
     "mtf_file": [
         {"path": "round.csv"}, {"path": "round.csv", "direction": "x"},
         {"path": "round.csv", "frequency_unit": "cyc/mrad", "direction": "y"},

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from core.physics.checks import all_from_zero, positive, within
+from core.errors import ParameterError
+from core.physics.checks import all_from_zero, non_negative, positive, within
+
+_MANY = 300.0  # 2π × cycles/rad, from which the part beyond the horizon is a short series
+_TERMS, _NODES = 4, 900
 
 
 def veiling_glare_mtf(*, rho: ArrayLike, share: float, length_mrad: float) -> NDArray[np.float64]:
@@ -32,3 +39,97 @@ def veiling_glare_mtf(*, rho: ArrayLike, share: float, length_mrad: float) -> ND
     length = positive("length_mrad", length_mrad, unit="mrad")
     with np.errstate(under="ignore"):
         return np.asarray(1.0 + spread * np.expm1(-2.0 * np.pi * length * frequency))
+
+
+def harvey_scatter(*, b_per_sr: float, s: float, l_mrad: float) -> float:
+    """Share of the light that a surface scatters into the half space.
+
+    Parameters
+    ----------
+    b_per_sr : float
+        BSDF at no angle, 0 or above.
+    s : float
+        Slope of the BSDF far from there, −5 to 0.
+    l_mrad : float
+        Shoulder: sine of the angle at which it begins to fall, above 0 and up to 1000.
+
+    Returns
+    -------
+    float
+        2π∫b·[1 + (β/l)²]^(s/2)·β dβ from 0 to 1.
+
+    Raises
+    ------
+    ParameterError
+        If it is above 1.
+
+    Source: Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical Scattering, section
+    4.5.
+    """
+    b = non_negative("b_per_sr", b_per_sr, unit="1/sr")
+    slope, length = within("s", s, -5.0, 0.0), positive("l_mrad", l_mrad, unit="mrad") / 1e3
+    within("l_mrad", l_mrad, 0.0, 1000.0, unit="mrad")
+    log, rest = math.log1p(length**-2), 0.5 * slope + 1.0
+    total = math.pi * b * length**2 * (math.expm1(rest * log) / rest if rest else log)
+    if total > 1.0:
+        raise ParameterError(
+            "b_per_sr", b, f"such that not more than all light is scattered; here {total:.3g} times"
+        )
+    return total
+
+
+def harvey_mtf(
+    *, rho: ArrayLike, b_per_sr: float, s: float, l_mrad: float, surfaces: int = 1
+) -> NDArray[np.float64]:
+    """MTF of surfaces that scatter by Harvey's law, between the direct light and its tail.
+
+    Parameters
+    ----------
+    rho : array_like
+        Radial frequency, cycles/mrad, 0 or above; angles and their sines are taken alike.
+    b_per_sr, s, l_mrad
+        As for `harvey_scatter`.
+    surfaces : int
+        Alike, one behind the other.
+
+    Returns
+    -------
+    ndarray
+        (1 − T + T·S)ⁿ: T is the scatter, S the Hankel transform of the BSDF up to the horizon over
+        its value at 0, within 1e-7.
+
+    Source: Harvey and Shack 1978; DLMF 10.22.46 (without the horizon); by parts beyond it.
+    """
+    share = harvey_scatter(b_per_sr=b_per_sr, s=s, l_mrad=l_mrad)
+    k = 2e3 * np.pi * all_from_zero("rho", rho)
+    length, near = l_mrad / 1e3, k < _MANY
+    spread = np.empty(k.shape)
+    spread[near] = _by_sum(k[near], s, length)
+    spread[~near] = _by_series(k[~near], s, length)
+    spread *= 2.0 * np.pi * b_per_sr
+    return np.asarray(np.where(k > 0.0, (1.0 - share + spread) ** surfaces, 1.0))
+
+
+def _by_sum(k: NDArray[np.float64], s: float, length: float) -> NDArray[np.float64]:
+    """∫[1 + (β/l)²]^(s/2)·J₀(kβ)·β dβ from 0 to 1, by Gauss and Legendre in asinh(β/l)."""
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    end = math.asinh(1.0 / length)
+    t = 0.5 * end * (nodes + 1.0)
+    beta = length * np.sinh(t)
+    parts = 0.5 * end * weights * beta * length * np.cosh(t) ** (s + 1.0)
+    return np.asarray(scipy.special.j0(np.multiply.outer(k, beta)) @ parts, np.float64)
+
+
+def _by_series(k: NDArray[np.float64], s: float, length: float) -> NDArray[np.float64]:
+    """The same of large k: the integral to infinity, less the part beyond the horizon."""
+    order = -0.5 * s - 1.0
+    with np.errstate(under="ignore"):
+        whole = scipy.special.kv(order, k * length) * (0.5 * k / length) ** order
+        whole *= length ** (-s) * scipy.special.rgamma(order + 1.0)
+    before, bessel = scipy.special.j0(k), scipy.special.j1(k)
+    height, beyond = (1.0 + length**-2) ** (0.5 * s), np.zeros(k.shape)
+    for n in range(_TERMS):
+        beyond += height * bessel / k ** (n + 1)
+        before, bessel = bessel, 2.0 * (n + 1) / k * bessel - before
+        height *= -(s - 2.0 * n) / (1.0 + length**2)
+    return np.asarray(whole + beyond, np.float64)
