@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from core.modules.parameters import Formula, Param
 from core.physics.optics.distortion import Distortion as Lens
 from core.physics.optics.distortion import samples_at
 from core.transfer.factors import Grid
-from nodes.shared.module_ports import ImageOutput
+from nodes.shared.module_ports import ImageOutput, NewHeight, NewWidth
 from nodes.shared.steps import stepped
 
 Array = NDArray[Any]
@@ -80,13 +80,8 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
         float, Param("optical axis below the picture's middle", unit="mrad", low=-1e4, high=1e4,
                      slider=(-20, 20)),
     ] = 0.0  # fmt: skip
-    width: Annotated[
-        int | None, Param("samples per row; empty: as before", low=1, high=65536, slider=(16, 2048))
-    ] = None
-    height: Annotated[
-        int | None,
-        Param("samples per column; empty: as before", low=1, high=65536, slider=(16, 2048)),
-    ] = None
+    width: NewWidth = None
+    height: NewHeight = None
 
     panel = (
         Section("Lens", ("model", "k1", "k2", "k3")),
@@ -189,9 +184,8 @@ class Rays:
         )
 
 
-@dataclass(frozen=True)
-class Survey:
-    """Figures of some rays: at the corner, beyond the scene, from one to the next."""
+class Survey(NamedTuple):
+    """Distortion at the corner, share of rays beyond the scene, largest step in scene samples."""
 
     corner: float
     beyond: float
@@ -200,19 +194,19 @@ class Survey:
 
 @lru_cache(maxsize=64)
 def survey(rays: Rays) -> Survey:
-    rows, columns = (np.linspace(0, n - 1, min(n, _SURVEYED)) for n in rays.new)
-    row = rows[:, np.newaxis]
-    x, y = rays.of(row, columns)
-    steps = [np.hypot(*np.subtract(rays.of(r, c), (x, y))) for r, c in
-             ((row - np.sign(row - rows.mean()), columns),
-              (row, columns - np.sign(columns - columns.mean())))]  # fmt: skip
-    beyond = (np.abs(x - 0.5 * (rays.grid.columns - 1)) > 0.5 * rays.grid.columns) | (
-        np.abs(y - 0.5 * (rays.grid.rows - 1)) > 0.5 * rays.grid.rows
-    )
-    there = np.hypot(*rays.tangents(row, columns))
-    place = np.unravel_index(int(np.argmax(there)), there.shape)
-    before = rays.lens.undistorted(*(part[place] for part in rays.tangents(row, columns)))
-    corner = there[place] / float(np.hypot(*before)) - 1.0 if there[place] else 0.0
+    """Of at most 129 × 129 rays."""
+    row, column = (np.linspace(0, n - 1, min(n, _SURVEYED)) for n in rays.new)
+    row = row[:, np.newaxis]
+    place = np.array(rays.of(row, column))
+    inward = row - np.sign(row - row.mean()), column - np.sign(column - column.mean())
+    steps = [np.hypot(*(rays.of(*next_to) - place)) for next_to in
+             ((inward[0], column), (row, inward[1]))]  # fmt: skip
+    half = 0.5 * np.array([[[rays.grid.columns]], [[rays.grid.rows]]])
+    beyond = (np.abs(place + 0.5 - half) > half).any(axis=0)
+    there = np.array(rays.tangents(row, column)).reshape(2, -1)
+    furthest = there[:, np.argmax(np.hypot(*there))]
+    before = np.hypot(*rays.lens.undistorted(*furthest))
+    corner = np.hypot(*furthest) / before - 1.0 if before else 0.0
     return Survey(float(corner), float(beyond.mean()), float(np.max(steps)))
 
 

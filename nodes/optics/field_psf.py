@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -31,6 +32,7 @@ from nodes.optics.psf_file import PsfFile
 from nodes.shared.factors import separable
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.steps import stepped
+from nodes.transform.interpolate import within_frame
 
 Array = NDArray[Any]
 Row = tuple[float, ...]
@@ -117,7 +119,7 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
                 raise ParameterError(name, given, allowed)
 
     def run(self, image: Image, here: NodeContext, context: Context | None = None) -> ImageOutput:
-        if self.kind == "gaussian" and not any(self.tangential_mrad + self.sagittal_mrad):
+        if self._off:
             return ImageOutput(image)
         spread = self._spread(image, here, context)
         edges = image.edges or "reflect"
@@ -142,9 +144,9 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
                 name = f"path_{min(number, 3) + 1}"
                 allowed = f"a file for each of the {len(self.positions)} positions, at most 4"
                 raise ParameterError(name, None, allowed)
-            field = number if paths[0] is paths[-1] else 0
+            of_listing = number if paths[0] is paths[-1] else 0
             lens: Any = (
-                MtfFile(path=path, field=field)
+                MtfFile(path=path, field=of_listing)
                 if self.kind == "mtf"
                 else PsfFile(path=path, sample_pitch=self.sample_pitch_um)
             )
@@ -155,9 +157,14 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     @readout("%")
     def error_percent(self, outputs: ImageOutput) -> Step | float:
         """Limit of the tiles' error in any sample, as a share of the picture's range."""
-        recipe = outputs.image.recipe
-        how = dict(recipe.parameters) if isinstance(recipe, Step) else {}
-        return Step.of(_tile_error, **how) if "spread" in how else 0.0
+        if self._off:
+            return 0.0
+        assert isinstance(outputs.image.recipe, Step)
+        return Step.of(_tile_error, **dict(outputs.image.recipe.parameters))
+
+    @property
+    def _off(self) -> bool:
+        return self.kind == "gaussian" and not any(self.tangential_mrad + self.sagittal_mrad)
 
 
 @dataclass(frozen=True)
@@ -167,13 +174,13 @@ class FieldSpread:
     positions: Row
     sigmas: tuple[tuple[float, float], ...]
     knots: tuple[tuple[Factor, ...], ...] = ()
-    label: str = ""
-    node: str | None = None
+    label: str = field(default="", compare=False)
+    node: str | None = field(default=None, compare=False)
 
-    @property
+    @cached_property
     def recipes(self) -> tuple[Recipe, ...]:
         """Tables of the OTFs of PSF files, which take long to make at frequencies that turn."""
-        tabled = (knot for knot in self.knots if any(_is_of_psf(factor) for factor in knot))
+        tabled = (knot for knot in self.knots if any(law.inputs for f in knot for law in f.laws))
         return tuple(Step.of(_otf_table, factors=knot, node=self.node) for knot in tabled)
 
     def shares(self, position: float) -> list[tuple[int, float]]:
@@ -194,13 +201,11 @@ class FieldSpread:
         """At the frequencies of `rfft2` of a patch, at a place of the picture."""
         x = (column - 0.5 * (grid.columns - 1)) * grid.interval_x_mrad
         y = (row - 0.5 * (grid.rows - 1)) * grid.interval_y_mrad
-        corner = 0.5 * math.hypot(
-            grid.columns * grid.interval_x_mrad, grid.rows * grid.interval_y_mrad
-        )
+        sides = grid.columns * grid.interval_x_mrad, grid.rows * grid.interval_y_mrad
         xi = scipy.fft.rfftfreq(side, grid.interval_x_mrad)[np.newaxis]
         eta = scipy.fft.fftfreq(side, grid.interval_y_mrad)[:, np.newaxis]
         across, along = field_frequencies(xi=xi, eta=eta, x=x, y=y)
-        shares, tables = self.shares(math.hypot(x, y) / corner), self.recipes
+        shares, tables = self.shares(2.0 * math.hypot(x, y) / math.hypot(*sides)), self.recipes
         if self.sigmas:
             return _product(work, self.widened(shares), across, along)
         parts = [
@@ -209,10 +214,6 @@ class FieldSpread:
             for end, share in shares
         ]  # fmt: skip
         return np.asarray(sum(parts[1:], start=parts[0]))
-
-
-def _is_of_psf(factor: Factor) -> bool:
-    return any(law.inputs for law in factor.laws)
 
 
 @ends_lineage
@@ -272,7 +273,7 @@ def blurred(
     def cell(place: tuple[Cell, Cell]) -> None:
         along, across = place
         rows, columns = (
-            _within(np.arange(one.start - reach, one.start - reach + side), size, edges)
+            within_frame(np.arange(one.start - reach, one.start - reach + side), size, edges)
             for one, size in ((along, grid.rows), (across, grid.columns))
         )
         otfs = [
@@ -288,14 +289,6 @@ def blurred(
     all_along, all_across = (cells_of(size=size, tile=tile) for size in grid.shape)
     work.for_each(cell, [(along, across) for along in all_along for across in all_across])
     return made
-
-
-def _within(index: NDArray[np.intp], size: int, edges: str) -> NDArray[np.intp]:
-    """The sample that stands for one beyond the frame."""
-    if edges == "periodic":
-        return index % size
-    folded = index % (2 * size)
-    return np.where(folded < size, folded, 2 * size - 1 - folded)
 
 
 @ends_lineage

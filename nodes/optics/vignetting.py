@@ -11,7 +11,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.engine import PlannedNode
 from core.chain.linear_change import Linear
 from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import picture_step
@@ -23,7 +22,6 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
-from core.modules.preview import Axis, Curve, Plot, Preview, brief
 from core.physics.optics.vignetting import relative_illumination
 from core.transfer.factors import Grid
 from nodes.files.spectrum_tables import read_heights
@@ -128,27 +126,13 @@ class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
                 )
         if self.measured == "polynomial":
             return (*law.items(), ("coefficients", self.coefficients))
-        heights, values = zip(*self._points(here), strict=True)
+        assert self.path is not None
+        file, unit = (here.folder / self.path).absolute(), _UNITS[self.against]
+        how: dict[str, Any] = {"what": "relative illumination", "low": 0.0, "high": _BRIGHTEST}
+        heights, values = zip(*read_heights(file, unit=unit, **how), strict=True)
         if heights[0] > 0.0:
             heights, values = (0.0, *heights), (1.0, *values)
         return (*law.items(), ("heights", heights), ("values", values))
-
-    def _points(self, here: NodeContext) -> tuple[tuple[float, float], ...]:
-        assert self.path is not None
-        file = (here.folder / self.path).absolute()
-        how: dict[str, Any] = {"what": "relative illumination", "low": 0.0, "high": _BRIGHTEST}
-        return read_heights(file, unit=_UNITS[self.against], **how)
-
-    def preview(self, planned: PlannedNode, _work: Work, here: NodeContext) -> Preview | None:
-        """Relative illumination from the middle to the corner."""
-        image = planned.sound().inputs["image"]
-        grid = image.grid()
-        light = _profile(grid, self.law(image, here))
-        angles = np.degrees(np.arctan(np.linspace(0.0, _corner(grid), _POINTS)))
-        across = Axis(0.0, float(angles[-1]), "field angle (deg)")
-        along = Axis(0.0, 1.1 * float(light.max()), "relative illumination")
-        words = f"{brief(100.0 * light[-1])} % of the light at the corner"
-        return Preview(words, (Plot(across, along, (Curve(angles, light),)),))
 
     @warning
     def short_table(self, outputs: ImageOutput) -> Caution | None:
@@ -251,8 +235,13 @@ def lit(work: Work, image: Array, **how: Any) -> Array:
 def _lit(work: Work, image: Array, region: Region, *, grid: Grid, law: Law) -> Array:
     """The samples of a region times the relative illumination of each."""
     made = np.empty(image.shape, image.dtype)
-    x = 1e-3 * grid.interval_x_mrad * (region.left + np.arange(region.columns) - _middle(grid)[1])
-    y = 1e-3 * grid.interval_y_mrad * (region.top + np.arange(region.rows) - _middle(grid)[0])
+    x, y = (
+        1e-3 * interval * (np.arange(first, last) - 0.5 * (size - 1))
+        for interval, first, last, size in (
+            (grid.interval_x_mrad, region.left, region.right, grid.columns),
+            (grid.interval_y_mrad, region.top, region.bottom, grid.rows),
+        )
+    )
 
     def block(top: int) -> None:
         rows = slice(top, top + step)
@@ -263,7 +252,3 @@ def _lit(work: Work, image: Array, region: Region, *, grid: Grid, law: Law) -> A
     step = max(1, _BLOCK_SAMPLES // region.columns)
     work.for_each(block, range(0, region.rows, step))
     return made
-
-
-def _middle(grid: Grid) -> tuple[float, float]:
-    return 0.5 * (grid.rows - 1), 0.5 * (grid.columns - 1)

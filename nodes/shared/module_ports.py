@@ -133,6 +133,12 @@ CutOn = Annotated[
 CutOff = Annotated[
     float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
 ]
+NewWidth = Annotated[
+    int | None, Param("samples per row; empty: as before", low=1, high=65536, slider=(16, 2048))
+]
+NewHeight = Annotated[
+    int | None, Param("samples per column; empty: as before", low=1, high=65536, slider=(16, 2048))
+]
 LongestPeriod = Annotated[
     float,
     Param(

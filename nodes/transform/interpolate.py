@@ -25,7 +25,7 @@ from core.physics.sampling.interpolation import (
 )
 from core.transfer.factors import Edges, Factor, Grid, Law
 from nodes.shared.factors import separable
-from nodes.shared.module_ports import ImageOutput
+from nodes.shared.module_ports import ImageOutput, NewHeight, NewWidth
 
 Array = NDArray[Any]
 Vector = NDArray[np.float64]
@@ -56,13 +56,8 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
         Formula(r"w(d)=-\frac{1}{2}|d|^3+\frac{5}{2}|d|^2-4|d|+2", when="order 3, 1 < |d| < 2"),
     )
 
-    width: Annotated[
-        int | None, Param("samples per row; empty: as before", low=1, high=65536, slider=(16, 2048))
-    ] = None
-    height: Annotated[
-        int | None,
-        Param("samples per column; empty: as before", low=1, high=65536, slider=(16, 2048)),
-    ] = None
+    width: NewWidth = None
+    height: NewHeight = None
     order: Annotated[Literal[0, 1, 3], Param("0 nearest, 1 bilinear, 3 cubic")] = 1
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
@@ -198,7 +193,7 @@ def taps(old: int, new: int, order: int, edges: Edges | None) -> Taps:
     t = rest / (2 * new)
 
     def sample(offset: int) -> NDArray[np.intp]:
-        return _within(whole + offset, old, edges)
+        return within_frame(whole + offset, old, edges)
 
     if order == 1:
         return sample(0), [(sample(1), t)]
@@ -209,7 +204,7 @@ def taps(old: int, new: int, order: int, edges: Edges | None) -> Taps:
     ]
 
 
-def _within(index: NDArray[np.int64], size: int, edges: Edges | None) -> NDArray[np.intp]:
+def within_frame(index: NDArray[np.int64], size: int, edges: Edges | None) -> NDArray[np.intp]:
     """The sample that stands for one beyond the frame's edges."""
     if edges is None:
         return np.asarray(np.clip(index, 0, size - 1), np.intp)
