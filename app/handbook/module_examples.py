@@ -125,7 +125,7 @@ PARAMS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
                           "integration_time_s": 0.01},
         "vignetting": {"measured": "polynomial", "against": "half_diagonal",
                        "coefficients": [-0.4, -0.2]},
-        "distortion": {"k1": -400, "width": 160, "height": 120},
+        "distortion": {"k1": -900, "width": 144, "height": 108},
         "field_psf": {"tangential_mrad": [0.05, 0.1, 0.4], "sagittal_mrad": [0.05, 0.07, 0.15],
                       "tile": 32},
         "veiling_glare": {"share_percent": 15, "length_mrad": 20},

@@ -113,6 +113,25 @@ def test_files_of_mtf_within_the_stated_error(tmp_path, scene):
     assert 100 * error < 1.0 < bench.readouts("it")["error_percent"] < 20
 
 
+def test_a_listing_of_zemax_has_all_positions(tmp_path):
+    """Its tangential column is the one along the radius, at the axis along y."""
+    fields = "".join(
+        f"Field: {n} (deg)\nSpatial frequency    Tangential    Sagittal\n"
+        f"0 1 1\n10 {t} {s}\n20 0.1 0.1\n"
+        for n, (t, s) in enumerate(((0.8, 0.7), (0.3, 0.5)))
+    )
+    text = f"Spatial frequency units are cycles per mm\n{fields}"
+    (tmp_path / "lens.txt").write_text(text)
+    params = {"kind": "mtf", "path_1": "lens.txt", "positions": [0, 1], "tile": 16}
+    camera = {"pitch_um": 10, "focal_length_mm": 100}
+    picture = np.random.default_rng(0).random((40, 40))
+    bench = field_bench(tmp_path, picture, "field_psf", params, step_mrad=STEP, camera=camera)
+    spread = dict(bench.port("it.image").recipe.parameters)["spread"]
+    f = np.array([1.0, 0.0]), np.array([0.0, 1.0])  # 10 cyc/mm are 1 cyc/mrad
+    for knot, (t, s) in zip(spread.knots, ((0.8, 0.7), (0.3, 0.5)), strict=True):
+        np.testing.assert_allclose(factor_at(bench.work, knot[0], *f), [s, t], rtol=1e-12)
+
+
 def test_files_of_psf_turn_with_the_field(tmp_path, scene):
     """A spot with a tail away from the axis: up in the file, outwards in the picture."""
 
