@@ -75,8 +75,10 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     (`middle`); the table shows the signal for each choice. For a spectral picture, each band is
     converted to photons with the response at its wavelength. A band that begins below 2.5 µm has no
     thermal scene: there `scene` means `source`. NETD, SNR and well fill refer to the picture's
-    mean; if the mean is clipped, there is no NETD, SNR or NEI. `frames_averaged` reduces shot and
-    read noise with the square root of the number of frames, and the average is rounded once. Noise,
+    mean; if the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a
+    uniform scene of `reference_radiance`, as Landsat and Sentinel-2 specify it: W/m²/sr/µm at the
+    aperture, equal at all wavelengths of the band. `frames_averaged` reduces shot and read noise
+    with the square root of the number of frames, and the average is rounded once. Noise,
     responsivity and SNR include the nonlinearity; signal and well fill count the electrons
     collected. `saturated` is 1 where the well is full or the converter has clipped.
 
@@ -138,7 +140,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         seen = here.step(picture_range, light)
         levels = here.step(electron_levels, seen, *known, collection=collection)
         table = here.step(
-            figures, levels, collection=collection, reading=reading, area_cm2=self.area_cm2(context)
+            figures,
+            levels,
+            collection=collection,
+            reading=reading,
+            area_cm2=self.area_cm2(context),
+            reference_radiance=self.reference_radiance,
         )
 
         mean = here.step(steps.expected_electrons, light, levels)
@@ -409,6 +416,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     )
     netd_K = _figure("netd_K", "K", "Temporal noise over responsivity, for a thermal scene.")
     snr = _figure("snr", "", "Signal over temporal noise.")
+    snr_at_reference = _figure(
+        "snr_at_reference", "", "Signal over temporal noise at reference_radiance."
+    )
     nei_photons_per_cm2 = _figure(
         "nei_photons_per_cm2",
         "1/cm²",

@@ -275,12 +275,19 @@ def clipping_level(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> L
 
 @ends_lineage
 def figures(
-    work: Work, levels: ElectronLevels, *, collection: Collection, reading: ReadOut, area_cm2: float
+    work: Work,
+    levels: ElectronLevels,
+    *,
+    collection: Collection,
+    reading: ReadOut,
+    area_cm2: float,
+    reference_radiance: float | None = None,
 ) -> TableData:
     """All figures at the mean of the picture, in the order of the panel.
 
-    Signal, well fill and dark current are of the electrons collected. What the nonlinearity bends
-    is bent: shot noise, fixed pattern and responsivity are those behind it.
+    Those at the reference radiance, W/m²/sr/µm, are of a picture with that mean. Signal, well fill
+    and dark current are of the electrons collected. What the nonlinearity bends is bent: shot
+    noise, fixed pattern and responsivity are those behind it.
     """
     total, frames = levels.total_e, reading.frames
     slope = _bent_slope(total, reading)
@@ -336,6 +343,7 @@ def figures(
         ),
         ("netd_K", netd, "K", "temporal noise as a temperature difference", why),
         ("snr", snr, "", "signal over temporal noise", why),
+        *_at_reference(levels, collection, reading, reference_radiance),
         ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure that equal the noise", why),
         ("dynamic_range_dB", decibels, "dB", "saturation over the noise in the dark", too_dark),
         *_emva(levels, reading, (dark_noise + 0.5 / frames) / efficiency if efficiency else None),
@@ -369,6 +377,22 @@ def _snr(levels: ElectronLevels, reading: ReadOut) -> float | None:
     if reading.nonlinearity_percent:
         signal = _bent(levels.total_e, reading) - _bent(levels.pedestal_e, reading)
     return signal / temporal if temporal and mean_clipped(levels, reading) is None else None
+
+
+def _at_reference(
+    levels: ElectronLevels, collection: Collection, reading: ReadOut, radiance: float | None
+) -> Iterator[tuple[str, float | None, str, str, str]]:
+    """Signal and SNR of a uniform scene of a spectral radiance, W/m²/sr/µm; empty without one."""
+    signal, snr, why = None, None, ""
+    if radiance is not None:
+        signal = collection.per_photon * collection.weights.flat_photons * radiance
+        there = replace(levels, signal_e=signal)
+        snr, clipped = _snr(there, reading), mean_clipped(there, reading)
+        if clipped is not None:
+            why = clipped.message.replace("the picture's mean", "reference_radiance")
+    yield "reference_e", signal, "e-", "signal at reference_radiance", ""
+    what = "signal over temporal noise at reference_radiance"
+    yield "snr_at_reference", snr, "", what, why
 
 
 def _emva(

@@ -194,6 +194,15 @@ class FocalPlanePanel(SeededModule):
             slider=(0, 1000),
         ),
     ] = 0.0
+    reference_radiance: Annotated[
+        float | None,
+        Param(
+            "spectral radiance at which snr_at_reference is given; empty: none",
+            unit="W/m²/sr/µm",
+            low=0,
+            slider=(0, 300),
+        ),
+    ] = None
     units: Annotated[
         Literal["dn", "electrons", "radiance"],
         Param("unit of the output; the picture is digitized in any case"),
@@ -207,6 +216,7 @@ class FocalPlanePanel(SeededModule):
             page="Light",
         ),
         Section("Radiance to photons", ("photon_weighting", "source_K"), page="Light"),
+        Section("SNR", ("reference_radiance",), page="Light"),
         Section("Optics", ("optics_transmission", "optics_K"), page="Warmth"),
         Section("Housing", ("cold_shield_efficiency", "housing_K"), page="Warmth"),
         Section(

@@ -49,6 +49,11 @@ class FilteredBody:
         """Derivative of `photons` by the temperature."""
         return self._sum(temperature_K, self._counting, slope=True)
 
+    @property
+    def flat_photons(self) -> float:
+        """∫ QE·R·λ/(hc) dλ: photons counted of 1 W/m²/sr/µm at all wavelengths."""
+        return float(self._counting[1].sum())
+
     def radiance(self, temperature_K: ArrayLike) -> FloatArray:
         """∫ R·L dλ, W/m²/sr."""
         return self._sum(temperature_K, self._passing, slope=False)

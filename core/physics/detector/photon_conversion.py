@@ -60,6 +60,8 @@ class PhotonWeights:
         Temperature of the source.
     responses : tuple of ResponseCurve
         What has dimmed the radiance before: that of a black body has come through these.
+    windows : tuple of (float, float)
+        Where a known spectrum has gaps, the parts of the band in which it is known; empty: all.
     """
 
     weighting: Weighting
@@ -67,6 +69,7 @@ class PhotonWeights:
     efficiency: QuantumEfficiency
     source_K: float
     responses: tuple[ResponseCurve, ...] = ()
+    windows: tuple[tuple[float, float], ...] = ()
 
     @property
     def is_thermal(self) -> bool:
@@ -77,6 +80,16 @@ class PhotonWeights:
     def used(self) -> Weighting:
         """The weighting that is used."""
         return "source" if self.weighting == "scene" and not self.is_thermal else self.weighting
+
+    @property
+    def flat_photons(self) -> float:
+        """Photons counted of a spectral radiance of 1 W/m²/sr/µm all over the band."""
+        low = max(self.band_um[0], self.efficiency.cut_on_um)
+        high = min(self.band_um[1], self.efficiency.cut_off_um)
+        if not low < high:
+            return 0.0
+        windows = self.windows or ((low, high),)
+        return FilteredBody(windows, self.efficiency, self.responses).flat_photons
 
     @property
     def _band(self) -> dict[str, float]:
@@ -169,15 +182,7 @@ class PhotonWeights:
 
 @dataclass(frozen=True)
 class CountedPhotons(PhotonWeights):
-    """Light whose spectrum is known: it comes as the photons that the detector counts already.
-
-    Parameters
-    ----------
-    windows : tuple of (float, float)
-        Where that spectrum has gaps, the parts of the band in which it is known; empty: all of it.
-    """
-
-    windows: tuple[tuple[float, float], ...] = ()
+    """Light whose spectrum is known: it comes as the photons that the detector counts already."""
 
     @property
     def used(self) -> Weighting:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -50,7 +51,7 @@ def electrons(law, kelvin, *, parts=((LOW, HIGH),)):
     return PER_PHOTON * total / PHOTON_J_UM
 
 
-def figures(folder, read, response, plane=()):
+def figures(folder, read, response, plane=(), *, warm=True):
     (folder / "r.csv").write_text("3.5,0.1\n4,1\n5,0.3\n")
     nodes = {
         "read": ("read_image", {"fov_x_deg": 0.1, "fov_y_deg": 0.1, **read}),
@@ -83,7 +84,7 @@ def figures(folder, read, response, plane=()):
         ("init.context", "merit.context"),
     ]
     there = NodeBench(LIBRARY, folder, nodes, links)
-    return there.readouts("plane"), there.readouts("merit")
+    return there.readouts("plane"), there.readouts("merit") if warm else {}
 
 
 def cube(folder, parts, *, kelvin=300.0, width=0.01):
@@ -158,3 +159,47 @@ def test_reflected_light_behind_a_response_is_counted_by_its_source(tmp_path):
     made = NodeBench(LIBRARY, tmp_path, nodes, links).readouts("plane")["signal_e"]
     want = PER_PHOTON * 20.0 * np.mean(law * light * um) / np.mean(light) / PHOTON_J_UM
     assert made == pytest.approx(want, rel=2e-6)
+
+
+SHEET = {"read_noise_e": 20.0, "full_well_e": 1e6, "bits": 12, "tdi_stages": 8}
+
+
+def snr_by_hand(law, parts, radiance, pedestal_e=0.0):
+    """Of a flat spectrum: electrons by quadrature between the places where the law bends."""
+    exposure = 8 * TIME_S * (PITCH_UM * 1e-6) ** 2 * mpmath.pi / (4 * F_NUMBER**2 + 1)
+    photons = sum(mpmath.quad(lambda um: law(um) * um, part) for part in parts) / PHOTON_J_UM
+    electrons = radiance * exposure * photons
+    rounding = SHEET["full_well_e"] / 4095 / mpmath.sqrt(12)
+    noise = mpmath.sqrt(electrons + pedestal_e + 20**2 + rounding**2)
+    return float(electrons / noise)
+
+
+@pytest.mark.parametrize("gap", [False, True])
+def test_the_snr_at_a_reference_radiance_is_that_of_its_photons(tmp_path, gap):
+    """A response, then a QE within a filter, of one band or of a cube with a gap."""
+    (tmp_path / "q.csv").write_text("0.4,0.2\n0.7,0.9\n1.0,0.3\n")
+    plane = {**SHEET, "response": "q.csv", "cut_on_um": 0.5, "cut_off_um": 0.85}
+    plane |= {"reference_radiance": 3.0, "dark_current_e_per_s": 1e4}
+    filtered = {"shape": "rectangle", "centre_um": 0.7, "width_um": 0.3, "peak": 0.6}
+    read = {"path": "scene.npy", "cut_on_um": 0.45, "cut_off_um": 0.9}
+    np.save(tmp_path / "scene.npy", np.full(SIZE, 1.0))
+    parts = [(0.55, 0.7), (0.7, 0.85)]
+    if gap:
+        read = cube(tmp_path, [(0.5, 0.6), (0.7, 0.85)], kelvin=3000.0)
+        parts = [(0.55, 0.6), (0.7, 0.85)]
+    made, _ = figures(tmp_path, read, filtered, plane, warm=False)
+
+    def law(um):
+        return 0.6 * (0.2 + (um - 0.4) / 0.3 * 0.7 if um < 0.7 else 0.9 - (um - 0.7) / 0.3 * 0.6)
+
+    expected = snr_by_hand(law, parts, 3.0, pedestal_e=1e4 * TIME_S * 8)
+    assert made["snr_at_reference"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_reference_radiance_that_clips_has_no_snr(tmp_path):
+    np.save(tmp_path / "scene.npy", np.full(SIZE, 1e-3))
+    read = {"path": "scene.npy", "cut_on_um": 0.45, "cut_off_um": 0.9}
+    plane = {**SHEET, "reference_radiance": 1e6}
+    made, _ = figures(tmp_path, read, {}, plane, warm=False)
+    assert made["snr"] > 0.0
+    assert made["snr_at_reference"] is None

@@ -209,8 +209,9 @@ def test_twenty_four_bits_are_whole_numbers_in_single_precision(tmp_path):
 
 def test_a_response_file_takes_the_place_of_the_number(tmp_path):
     (tmp_path / "qe.csv").write_text("um,QE\n3.0,0.7\n5.2,0.7\n")
-    number = focal_plane_bench(tmp_path, CAMERA_SHEET).readouts("it")
-    params = {**CAMERA_SHEET, "response": "qe.csv", "quantum_efficiency": 0.1}
+    sheet = {**CAMERA_SHEET, "reference_radiance": 2.0}
+    number = focal_plane_bench(tmp_path, sheet).readouts("it")
+    params = {**sheet, "response": "qe.csv", "quantum_efficiency": 0.1}
     for name, value in focal_plane_bench(tmp_path, params).readouts("it").items():
         if name == "photon_weighting":
             continue
