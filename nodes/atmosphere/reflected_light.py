@@ -32,6 +32,8 @@ from nodes.shared.shared_warnings import Band, is_radiance, is_temperature
 
 _SHARES = {"": 1.0, "1": 1.0, "-": 1.0, "reflectance": 1.0, "albedo": 1.0, "%": 0.01}
 _BRIGHTEST = 1e30  # W/m²/µm
+_MOONLIT_LUX = 0.005  # below it there is starlight alone
+_AIRGLOW_UM = 0.8  # beyond it the night sky is brighter than the stars
 
 
 class LightOutputs(NamedTuple):
@@ -49,9 +51,17 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     The sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
     reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths; with
     `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
-    Atmospheric Path for the path from the surface to the camera. Sources: Lambert 1760; Kasten and
-    Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar Energy 76, 423); nominal solar radius
-    of the IAU, 2015 (black body).
+    Atmospheric Path for the path from the surface to the camera.
+
+    `illuminance_lux` scales sun and sky until they light the ground with so many lux: 100 000 in
+    sunlight, 1000 under an overcast sky, 0.1 at full moon, 0.01 at quarter moon, 0.001 in
+    starlight. The spectrum keeps its shape. Moonlight is close to sunlight, starlight is not:
+    airglow makes the night sky a thousand times brighter at 1.6 µm than at 0.4 µm. Give the
+    spectrum of the night sky in `path`.
+
+    Sources: Lambert 1760; Kasten and Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar
+    Energy 76, 423); nominal solar radius of the IAU, 2015 (black body); CIE 018:2019, V(λ); RCA
+    1974, Electro-Optics Handbook (illuminance); Ellis et al. 2011 (airglow).
     """
 
     formulas = (
@@ -64,6 +74,12 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         Formula(
             r"m=\frac{1}{\sin h+0.50572\,(h+6.07995)^{-1.6364}}",
             where="h in degrees in the power term (Kasten and Young)",
+        ),
+        Formula(
+            r"L'=L\;\frac{E_v}{683\int V(\lambda)\,E(\lambda)\,d\lambda}",
+            where="E_v: illuminance_lux; V: sensitivity of the light-adapted eye; E: irradiance "
+            "of the ground, W/m²/µm",
+            when="illuminance_lux is given",
         ),
     )
 
@@ -97,6 +113,11 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     sky: Annotated[
         float, Param("radiance of the sky", unit="W/m²/sr/µm", low=0, high=1e12, slider=(0, 200))
     ] = 0.0
+    illuminance_lux: Annotated[
+        float | None,
+        Param("illuminance of the ground to which sun and sky are scaled; empty: as they are",
+              unit="lx", low=0, high=1e9, above=True, slider=(0.001, 100000)),
+    ] = None  # fmt: skip
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None
     bands: Annotated[
@@ -106,6 +127,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     panel = (
         Section("Sun", ("sun", "solar_irradiance", "path", "sun_elevation_deg", "optical_depth")),
         Section("Sky", ("sky",)),
+        Section("Illuminance", ("illuminance_lux",)),
         Section("Band", ("cut_on_um", "cut_off_um", "bands")),
     )
 
@@ -160,6 +182,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
             standard=self.sun == "standard",
             sky=self.sky,
             optical_depth=self.optical_depth,
+            illuminance_lux=self.illuminance_lux,
         )
 
     @warning
@@ -181,6 +204,20 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         )
 
     @warning
+    def starlight(self, outputs: LightOutputs) -> Caution | None:
+        """It is as dark as in starlight, but the spectrum is the Sun's."""
+        lux, band = self.illuminance_lux, outputs.image.band_um
+        if lux is None or lux >= _MOONLIT_LUX or self.path is not None:
+            return None
+        if band is None or band[1] <= _AIRGLOW_UM:
+            return None
+        return Caution(
+            f"the light beyond {_AIRGLOW_UM:g} µm is too weak: {lux:g} lx is starlight, whose "
+            "airglow is stronger there than sunlight of that illuminance",
+            "give the spectrum of the night sky in path",
+        )
+
+    @warning
     def brightness(self, image: Image) -> Recipe | None:
         """Some reflectances are above 1."""
         share = _SHARES.get(image.unit.strip().lower())
@@ -194,6 +231,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     irradiance = table_figure(
         "irradiance", "W/m²", "Irradiance of sun and sky on a horizontal surface, in the band."
     )
+    illuminance = table_figure("illuminance", "lx", "Illuminance of a horizontal surface.")
 
 
 def _white(
@@ -333,6 +371,12 @@ def light_table(work: Work, *, light: Sunlight, band_um: tuple[float, float]) ->
         TableRow("irradiance", total, "W/m²", "irradiance of sun and sky on a horizontal surface"),
         TableRow(
             "white_radiance", total / math.pi, "W/m²/sr", "radiance of a surface of reflectance 1"
+        ),
+        TableRow(
+            "illuminance",
+            light.unscaled_lux if light.illuminance_lux is None else light.illuminance_lux,
+            "lx",
+            "illuminance of a horizontal surface",
         ),
         TableRow(
             "air_mass",

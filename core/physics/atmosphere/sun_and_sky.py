@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +69,32 @@ def standard_sun_irradiance(wavelength_um: ArrayLike) -> FloatArray:
     return np.asarray(np.where(wavelength > known[-1], beyond, inside))
 
 
+LUMENS_PER_WATT = 683.0
+EYE_UM = 0.38, 0.78
+"""Wavelengths that the photopic eye sees."""
+
+# Times 10⁻⁶, every 5 nm from 380 nm.
+_EYE = (
+    39, 64, 120, 217, 396, 640, 1210, 2180, 4000, 7300, 11600, 16840, 23000, 29800, 38000, 48000,
+    60000, 73900, 90980, 112600, 139020, 169300, 208020, 258600, 323000, 407300, 503000, 608200,
+    710000, 793200, 862000, 914850, 954000, 980300, 994950, 1000000, 995000, 978600, 952000,
+    915400, 870000, 816300, 757000, 694900, 631000, 566800, 503000, 441200, 381000, 321000, 265000,
+    217000, 175000, 138200, 107000, 81600, 61000, 44580, 32000, 23200, 17000, 11920, 8210, 5723,
+    4102, 2929, 2091, 1484, 1047, 740, 520, 361, 249, 172, 120, 85, 60, 42, 30, 21, 15,
+)  # fmt: skip
+
+
+def luminous_efficiency(wavelength_um: ArrayLike) -> FloatArray:
+    """V(λ): sensitivity of the light-adapted eye, 1 at 0.555 µm, 0 outside 0.38 to 0.78 µm.
+
+    Source: CIE 018 (2019), table of V(λ), straight between its points.
+    """
+    known = np.linspace(*EYE_UM, len(_EYE))
+    wavelength = np.asarray(wavelength_um, np.float64)
+    values = np.interp(wavelength, known, np.array(_EYE) * 1e-6, left=0.0, right=0.0)
+    return np.asarray(values)
+
+
 def relative_air_mass(*, elevation_deg: float) -> float:
     """Length of the sun's way through the air over that from the zenith.
 
@@ -107,6 +133,8 @@ class Sunlight:
         Radiance of the sky, the same all over, W/m²/sr/µm.
     optical_depth : float
         Of the air from the zenith, in the way of the sun alone.
+    illuminance_lux : float, optional
+        To which all this light is scaled: 683 lm/W·∫V(λ)·E(λ) dλ.
 
     Source: Lambert 1760: L = ρ·(E_sun·e^{−τm}·sin h + E_sky)/π, E_sky = π·L_sky of an even sky.
     """
@@ -117,6 +145,7 @@ class Sunlight:
     standard: bool = True
     sky: float = 0.0
     optical_depth: float = 0.0
+    illuminance_lux: float | None = None
 
     def __post_init__(self) -> None:
         within("sun_elevation_deg", self.elevation_deg, 0.0, 90.0, unit="deg")
@@ -129,6 +158,26 @@ class Sunlight:
 
     def on_surface(self, wavelength_um: ArrayLike) -> FloatArray:
         """Irradiance of a horizontal surface at wavelengths, W/m²/µm."""
+        scale = 1.0
+        if self.illuminance_lux is not None:
+            if not self.unscaled_lux:
+                allowed = "only for a spectrum with light from 0.38 to 0.78 µm"
+                raise ParameterError("illuminance_lux", self.illuminance_lux, allowed, unit="lx")
+            scale = self.illuminance_lux / self.unscaled_lux
+        return scale * self._unscaled(wavelength_um)
+
+    @cached_property
+    def unscaled_lux(self) -> float | None:
+        """Illuminance before it is scaled; None if the table does not cover what the eye sees."""
+        places = [place for place, _ in self.points]
+        if places and (places[0] > EYE_UM[0] or places[-1] < EYE_UM[1]):
+            return None
+        places = [*np.linspace(*EYE_UM, len(_EYE)).tolist(), *self._places()]
+        wavelength, width = band_nodes(*EYE_UM, sorted(set(places)))
+        seen = luminous_efficiency(wavelength) * self._unscaled(wavelength)
+        return LUMENS_PER_WATT * float(width @ seen)
+
+    def _unscaled(self, wavelength_um: ArrayLike) -> FloatArray:
         wavelength = np.asarray(wavelength_um, np.float64)
         if self.points:
             known, values = np.array(self.points).T
@@ -153,8 +202,11 @@ class Sunlight:
             For a table, or a standard spectrum, that does not cover the band.
         """
         require_covered(self.points, cut_on_um, cut_off_um)
-        places: Sequence[float] = [place for place, _ in self.points]
-        if self.standard and self.irradiance is None and not self.points:
-            places = standard_sun()[0].tolist()
-        wavelength, width = band_nodes(cut_on_um, cut_off_um, places)
+        wavelength, width = band_nodes(cut_on_um, cut_off_um, self._places())
         return float(width @ self.on_surface(wavelength))
+
+    def _places(self) -> Sequence[float]:
+        """Where the spectrum may bend."""
+        if self.standard and self.irradiance is None and not self.points:
+            return list(map(float, standard_sun()[0]))
+        return [place for place, _ in self.points]

@@ -137,3 +137,20 @@ def test_reflectances_that_are_none(lit):
     assert "reflectances go up to 100" in text
     assert "look like percent" in text
     assert warned(lit({})) == []
+
+
+def test_an_illuminance_scales_the_light_and_starlight_is_warned_of(lit):
+    """ρ·E·0.4 µm/π of a flat spectrum, whose lux are 683·0.106857 µm·E."""
+    flat = {"solar_irradiance": 900, "sun_elevation_deg": 90}
+    bench = lit({**flat, "illuminance_lux": 0.1})
+    spectral = 0.1 / (683 * 0.106857)
+    np.testing.assert_allclose(
+        bench.value("light.image"), SHARES * spectral * 0.4 / math.pi, rtol=1e-5
+    )
+    assert bench.readouts("light")["illuminance"] == 0.1
+    assert lit(flat).readouts("light")["illuminance"] == pytest.approx(
+        900 * 683 * 0.106857, rel=1e-5
+    )
+    assert warned(bench) == []
+    (said,) = warned(lit({"illuminance_lux": 0.001}))
+    assert "0.001 lx is starlight" in said

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 
 import mpmath
+import numpy as np
 import pytest
 
 from core.errors import ParameterError
 from core.physics.atmosphere.sun_and_sky import (
     SUN_SR,
     Sunlight,
+    luminous_efficiency,
     relative_air_mass,
     standard_sun_irradiance,
 )
@@ -94,3 +96,28 @@ def test_values_out_of_range(values, words):
 def test_a_table_that_ends_before_the_band():
     with pytest.raises(ParameterError, match=r"0.5 to 0.8 µm.*covers the band, 0.4 to 0.7 µm"):
         Sunlight(9, points=((0.5, 1.0), (0.8, 1.0))).over_band(0.4, 0.7)
+
+
+def test_the_eye_sees_the_published_sum_peak_and_freezing_platinum():
+    """ΣV·5 nm is 106.857 nm; at 2042.15 K (IPTS-68) platinum has 60 cd/cm²: 683 comes from it."""
+    places = np.arange(380, 781, 5) / 1000
+    assert luminous_efficiency(places).sum() * 5 == pytest.approx(106.857, abs=1e-3)
+    assert luminous_efficiency([0.3799, 0.555, 0.7801]).tolist() == [0.0, 1.0, 0.0]
+    fine = np.linspace(0.38, 0.78, 4001)
+    light = 119104297.2 / fine**5 / np.expm1(14387.7688 / fine / 2042.15)  # W/m²/sr/µm
+    candela = 683 * np.trapezoid(light * luminous_efficiency(fine), fine)
+    assert candela == pytest.approx(60e4, rel=3e-3)
+
+
+def test_the_solar_illuminance_and_what_it_is_scaled_to():
+    """133.1 klx above the air (Darula, Kittler, Gueymard 2005); the spectrum keeps its shape."""
+    assert Sunlight(90).unscaled_lux == pytest.approx(133.1e3, rel=3e-3)
+    full, moon = Sunlight(40, sky=7.0), Sunlight(40, sky=7.0, illuminance_lux=0.1)
+    scale = 0.1 / full.unscaled_lux
+    assert moon.over_band(0.9, 1.7) == pytest.approx(scale * full.over_band(0.9, 1.7), rel=1e-13)
+    flat = Sunlight(90, irradiance=2.0, illuminance_lux=1000.0)  # ∫V dλ = 0.106857 µm
+    assert flat.over_band(1.0, 2.0) == pytest.approx(1000 / 683 / 0.106857, rel=1e-5)
+    infrared = ((0.9, 1.0), (1.7, 1.0))
+    for dark in (Sunlight(0, illuminance_lux=1), Sunlight(9, points=infrared, illuminance_lux=1)):
+        with pytest.raises(ParameterError, match=r"illuminance_lux = 1 lx is not allowed: only"):
+            dark.over_band(0.9, 1.7)
