@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,9 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Formula, Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.size_limits import oversized
+from nodes.input_output.sample_unit import DEFAULT_UNIT
 from nodes.scenes.draw import (
+    DRAWN,
     GEOMETRY,
     Kind,
     Shares,
@@ -57,7 +59,8 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     temperature, and reflect the sky and, with `sun_elevation_deg`, sunlight: a scene from 0.4 to
     2.5 µm is lit by day. Targets are black in all bands. With `emissivity` grey every surface keeps
     its single emissivity; the sum of all bands is then the picture without bands, except for
-    sunlight.
+    sunlight. `quantity` reflectance gives what the surfaces reflect instead of their radiance, for
+    Reflected Light; shade and sky have the reflectance that looks as bright in the Sun.
     """
 
     formulas = (
@@ -97,6 +100,10 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         Emissivity,
         Param("spectra of the surfaces, if there are bands: from their materials, or grey"),
     ] = "spectra"
+    quantity: Annotated[
+        Literal["radiance", "reflectance"],
+        Param("what the samples are, if there are bands: radiance, or reflectance to be lit"),
+    ] = "radiance"
     sun_elevation_deg: Annotated[
         float,
         Param("elevation of the Sun, if there are bands; 0: no Sun", unit="deg", low=0, high=90),
@@ -123,7 +130,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
         Section("Band", ("cut_on_um", "cut_off_um", "bands")),
         Section(
             "Spectral bands",
-            ("emissivity", "sun_elevation_deg"),
+            ("emissivity", "quantity", "sun_elevation_deg"),
             shown_when=("kind", ("dormitory", "airfield")),
         ),
     )
@@ -138,6 +145,12 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
             raise ParameterError(
                 "delta_K", self.delta_K, f"above −temperature_K = −{self.temperature_K:g}", unit="K"
             )
+        if self.quantity == "reflectance" and not (self.bands and self.kind in DRAWN):
+            raise ParameterError(
+                "quantity",
+                self.quantity,
+                f"only for a scene with bands that is {' or '.join(DRAWN)}",
+            )
 
     def run(self, here: NodeContext) -> ImageOutput:
         x, y = self.fov_x_deg, self.fov_y_deg
@@ -149,6 +162,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
                 self.width,
                 _interval("fov_x_deg", x, self.width),
                 _interval("fov_y_deg", y, self.height),
+                unit="1" if self.quantity == "reflectance" else DEFAULT_UNIT,
                 band_um=(self.cut_on_um, self.cut_off_um),
                 header=Header(fov_x_deg=x, fov_y_deg=y),
                 bands=stack,
@@ -167,7 +181,7 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
             shares=self._shares(here),
             drawing=self._named(*DRAWING),
             bands=self.bands,
-            sources=self._named(*SOURCES, "emissivity", "sun_elevation_deg"),
+            sources=self._named(*SOURCES, "emissivity", "sun_elevation_deg", "quantity"),
             node=here.node,
         )
 
@@ -262,6 +276,7 @@ class SceneBands(BandStack):
             shares,
             tuple(sorted(drawing.items())) if shares is None else (),
             node,
+            density=sources["quantity"] == "radiance",
         )
 
     def _content(self) -> tuple[object, ...]:

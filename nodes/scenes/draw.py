@@ -156,19 +156,24 @@ def scene_spectra(
     delta_K: float,
     emissivity: Emissivity,
     sun_elevation_deg: float,
+    quantity: str = "radiance",
 ) -> dict[str, FloatArray]:
     """Spectra of all that a scene is made of, in so many bands of equal width.
 
     A texture's strength follows in every band from the radiances there, as it does without bands
     from those of the whole band. `emissivity` and `sun_elevation_deg`, as for `surface_spectra`,
-    change nothing in the scenes of black targets.
+    change nothing in the scenes of black targets. `quantity` may be `reflectance` for `DRAWN`.
     """
     kelvins = {"temperature_K": temperature_K, "delta_K": delta_K}
     edges = band_edges(cut_on_um=cut_on_um, cut_off_um=cut_off_um, bands=bands)
     rows: list[Radiances] = []
     if kind in DRAWN:
         spectra = surface_spectra(
-            edges_um=edges, emissivity=emissivity, sun_elevation_deg=sun_elevation_deg, **kelvins
+            edges_um=edges,
+            emissivity=emissivity,
+            sun_elevation_deg=sun_elevation_deg,
+            reflectance=quantity == "reflectance",
+            **kelvins,
         )
         textures = DRAWN[kind]().textures
         for band in range(bands):

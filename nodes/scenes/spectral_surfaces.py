@@ -30,6 +30,7 @@ def surface_spectra(
     delta_K: float,
     emissivity: Emissivity,
     sun_elevation_deg: float,
+    reflectance: bool = False,
 ) -> dict[str, FloatArray]:
     """Spectral radiance of every surface, the mean over each band, (bands,) [W m⁻² sr⁻¹ µm⁻¹].
 
@@ -37,7 +38,8 @@ def surface_spectra(
     white, matt surface in the Sun (`sun_elevation_deg` 0: none). Every surface is lit as level
     ground is; those in the shade see the sky alone. ε is the mean over the band by the light in
     question: of `MATERIALS`, or grey, one number a surface, as without bands. `edges_um` (bands +
-    1,) ascend.
+    1,) ascend. With `reflectance`, what a level, white, matt surface in the Sun would have to
+    reflect to look as bright in sunlight alone: (1 − ε)·(1 + ρ_sky), in the shade (1 − ε)·ρ_sky.
     """
     kelvins = surface_temperatures(temperature_K=temperature_K, delta_K=delta_K)
     names = list(SURFACES)
@@ -60,6 +62,9 @@ def surface_spectra(
             once[0, places], once[1:, places] = means[:-2], means[-2:, None]
             means = mean_by_planck(spectrum, zenith, temperature_K=lights[-2:], **ends)
             twice[:, places] = means[:, None]
+        if reflectance:
+            spectra[:, band] = once[2] * lit + twice[1] * mirrors
+            continue
         light = (1.0 - once[0]) * own[:-1] + once[2] * sun * lit
         light += ((once[1] - twice[0]) * own[-1] + twice[1] * sun) * mirrors
         spectra[:, band] = light / (high - low)

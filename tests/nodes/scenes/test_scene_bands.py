@@ -137,3 +137,33 @@ def test_optics_filter_each_band_at_its_wavelength(tmp_path):
     )
     made = bench.engine.value(bench.plan, "back.image", work)
     assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
+
+
+@pytest.mark.parametrize("kind", ["dormitory", "airfield"])
+def test_reflectances_lit_by_the_sun_are_the_scene_in_the_sun(tmp_path, kind):
+    """From 0.5 to 0.9 µm nothing of 300 K emits; 5800 K and 35° are lit here and there."""
+    values = {"kind": kind, "cut_on_um": 0.5, "cut_off_um": 0.9, "bands": 4, **SIZE, **LIGHT}
+    nodes = {
+        "sunny": ("test_scene", {**values, "sun_elevation_deg": 35.0}),
+        "share": ("test_scene", {**values, "quantity": "reflectance"}),
+        "light": ("reflected_light", {"sun": "black_body", "sun_elevation_deg": 35.0}),
+    }
+    bench = NodeBench(LIBRARY, tmp_path, nodes, [("share.image", "light.image")])
+    assert bench.port("share.image").unit == "1"
+    assert 0.0 < bench.value("share.image").min() < bench.value("share.image").max() < 1.0
+    lit, sunny = bench.port("light.image"), bench.port("sunny.image")
+    for band in range(4):
+        np.testing.assert_allclose(
+            bench.work.value(lit.bands.band(band)),
+            bench.work.value(sunny.bands.band(band)),
+            rtol=1e-11,
+        )
+
+
+def test_targets_and_scenes_without_bands_have_no_reflectance(tmp_path):
+    for params in ({"kind": "sine", "bands": 3}, {"kind": "dormitory"}):
+        values = {"scene": ("test_scene", {**params, "quantity": "reflectance"})}
+        bench = NodeBench(LIBRARY, tmp_path, values, [])
+        assert "only for a scene with bands that is dormitory or airfield" in str(
+            bench.error("scene")
+        )
