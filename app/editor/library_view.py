@@ -24,7 +24,7 @@ from app.run.preset_files import KEY, Difference, Preset, told_apart
 from core.modules.declaration import Declaration, Library
 from nodes.files.formats import readable_formats
 
-PRESETS, OWN_PRESETS = "Presets", "Own presets"
+OWN_PRESETS = "Own presets"
 MIME_TYPE = "application/x-imagechain-module"
 _MARGIN = 4
 _KEY = Qt.ItemDataRole.UserRole
@@ -76,7 +76,8 @@ class ModuleTree(QTreeWidget):
             self._texts.pop(key)
             item.parent().removeChild(item)
         for preset in presets:
-            group = self._group(PRESETS if not preset.own else OWN_PRESETS)
+            kind = f"{preset.kind.capitalize()} presets"
+            group = self._group(OWN_PRESETS if preset.own else kind)
             item = QTreeWidgetItem(group, [preset.title])
             item.setData(0, _KEY, preset.key)
             item.setToolTip(0, tip(about_preset(preset, apart.get(preset.key, ()))))
@@ -84,9 +85,9 @@ class ModuleTree(QTreeWidget):
             if not preset.problem:
                 item.setFlags(_ENABLED | _SELECTABLE | Qt.ItemFlag.ItemIsDragEnabled)
             self._texts[preset.key] = (
-                f"{preset.title} {PRESETS}".casefold(),
+                f"{preset.title} presets".casefold(),
                 preset.text.casefold(),
-                "",
+                " ".join(preset.modules).replace("_", " "),
             )
             self.modules[preset.key] = item
             group.setExpanded(True)
@@ -136,8 +137,9 @@ def about_preset(preset: Preset, apart: Sequence[Difference]) -> str:
     values = " · ".join(
         f"{label_of(one.name)} {shown_value(one, value)} {one.param.unit}".strip()
         for _, one, value in apart
+        if value is not None
     )
-    differs = f"Differs from the other presets of this module: {values}" if values else ""
+    differs = f"Differs from the other presets of its kind: {values}" if values else ""
     return "\n\n".join(filter(None, (preset.title, preset.text, differs)))
 
 

@@ -1,13 +1,13 @@
-"""Macros to begin with: those that come with the program, and one's own.
+"""Parts to begin with: those that come with the program, and one's own.
 
-A preset is a network file with one macro in it. Put into a network it is a copy: the file is not
-looked at again.
+A preset is a network file with one node in it, a macro or a module with its values. Put into a
+network it is a copy: the file is not looked at again.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,13 +15,20 @@ from typing import Any
 import networks
 from core.atomic import write_text
 from core.editing.clipboard import as_new, pasted
+from core.editing.document import rebased
 from core.editing.layout import Point
 from core.editing.operations import ABSENT, Operation, Together, check_plain, set_parameter
 from core.errors import FileError, ImagechainError, NetworkError
 from core.modules.declaration import Declaration, Library, declaration
 from core.modules.parameters import Parameter
 from core.names import shown, thaw
-from core.network.file import read_text, read_unchanged, save_network
+from core.network.file import (
+    format_network,
+    read_network,
+    read_text,
+    read_unchanged,
+    save_network,
+)
 from core.network.linked_values import expression_text
 from core.network.macro import face_of_macro
 from core.network.network import Network, Node
@@ -42,7 +49,19 @@ class Preset:
     text: str = ""
     own: bool = False  # whether the person saved it, and it does not come with the program
     problem: str = ""  # why it cannot be used; empty if it can
-    body: Network | None = None  # the macro's inside; None where it cannot be used
+    body: Network | None = None  # its module, or the macro's inside; None where it cannot be used
+    is_macro: bool = False
+
+    @property
+    def kind(self) -> str:
+        """What part of a chain a shipped one is: its file's name begins with it."""
+        return self.path.stem.partition("_")[0]
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Keys of its module, or of those in the macro."""
+        nodes = () if self.body is None else self.body.nodes.values()
+        return tuple(dict.fromkeys(node.module for node in nodes))
 
     @property
     def key(self) -> str:
@@ -69,13 +88,23 @@ def own_presets(folder: Path, library: Library) -> tuple[Preset, ...]:
 
 
 def placed(
-    preset: Preset, network: Network, library: Library, at: Point | None
+    preset: Preset,
+    network: Network,
+    library: Library,
+    at: Point | None,
+    folder: Path | None = None,
 ) -> tuple[str, Operation]:
-    """What puts a preset into a network, under a name that is free; and that name."""
+    """What puts a preset into a network, under a name that is free; and that name.
+
+    `folder` is the network's: names of the preset's files become relative to it.
+    """
     problem = _preset(preset.path, library, own=preset.own).problem  # it may have changed
     if problem:
         raise NetworkError(problem)
-    (name,), operation = pasted(read_text(preset.path), network, library, at)
+    one = read_network(preset.path, library=library)
+    moved = rebased(one, library, preset.path.parent, folder or preset.path.parent)
+    text = format_network(moved.apply(one) if moved else one, library=library)
+    (name,), operation = pasted(text, network, library, at)
     return name, operation
 
 
@@ -118,14 +147,17 @@ Difference = tuple[str, Parameter, Any]
 def told_apart(presets: Iterable[Preset], library: Library) -> dict[str, list[Difference]]:
     """In what each preset differs from its siblings, by its key.
 
-    Siblings take the same inputs. Compared are parameters that one of them sets, where another has
-    a node of that name and module, too.
+    Siblings are of one module, or macros that take the same inputs. Compared are parameters that
+    one of them sets, where another has a node of that name and module, too.
     """
     found: dict[str, list[Difference]] = {}
-    kinds: dict[frozenset[str], list[Preset]] = {}
+    kinds: dict[Collection[str], list[Preset]] = {}
     for preset in presets:
         if preset.body is not None:
-            kinds.setdefault(frozenset(face_of_macro(preset.body).inputs), []).append(preset)
+            alike = (
+                frozenset(face_of_macro(preset.body).inputs) if preset.is_macro else preset.modules
+            )
+            kinds.setdefault(alike, []).append(preset)
     for siblings in kinds.values():
         inside = {preset.key: preset.body.nodes for preset in siblings if preset.body is not None}
         used = [
@@ -155,13 +187,15 @@ def preset_of(key: str, presets: Iterable[Preset]) -> Preset | None:
 
 def _preset(path: Path, library: Library, *, own: bool) -> Preset:
     try:
-        nodes = tuple(read_unchanged(path, library=library).nodes.values())
-        if len(nodes) != 1 or nodes[0].macro is None:
-            raise NetworkError(f"{path}: not a preset; a preset is a network of one macro")
+        network = read_unchanged(path, library=library)
+        nodes = tuple(network.nodes.values())
+        if len(nodes) != 1:
+            raise NetworkError(f"{path}: not a preset; a preset is a network of one node")
     except ImagechainError as error:
         return Preset(path, path.stem, error.message, own, error.message)
-    body = nodes[0].macro
-    return Preset(path, body.name or nodes[0].id, body.description, own, body=body)
+    body = nodes[0].macro or network
+    is_macro = nodes[0].macro is not None
+    return Preset(path, body.name or nodes[0].id, body.description, own, "", body, is_macro)
 
 
 # Named sets of a module's parameters, kept in the person's folder: one file a module.

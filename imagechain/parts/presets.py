@@ -1,4 +1,4 @@
-"""Built-in lenses, detectors and whole cameras, each a macro that states its source."""
+"""Built-in lenses, detectors, cameras and light, each with its source."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def presets() -> dict[str, str]:
 
 @plain_errors
 def preset(name: str, **values: Any) -> Part:
-    """Make a lens, a detector or a camera, to add to a chain as one node.
+    """Make a lens, a detector, a camera or light, to add to a chain as one node.
 
     Parameters
     ----------
@@ -43,5 +43,10 @@ def preset(name: str, **values: Any) -> Part:
     (node,) = read_network(places[name], library=library).nodes.values()
     declared = declared_node(node, library)
     assert declared is not None
-    params = {**node.params, **file_values(declared, values)}
+    own = {
+        parameter.name: str(places[name].parent / node.params[parameter.name])
+        for parameter in declared.parameters
+        if parameter.kind == "path" and parameter.name in node.params
+    }
+    params = {**node.params, **own, **file_values(declared, values)}
     return Part(node.module, params, None, node.id, node.macro)

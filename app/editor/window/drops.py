@@ -172,7 +172,7 @@ class PresetShelf(QObject):
         try:
             if preset is None:
                 return
-            name, operation = placed(preset, level.network, level.library, at)
+            name, operation = placed(preset, level.network, level.library, at, level.folder)
         except ImagechainError as error:
             level.message.emit("error", str(error))
             return

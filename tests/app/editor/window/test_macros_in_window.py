@@ -243,7 +243,7 @@ def click_twice(window, item):
 
 def test_presets_stand_in_the_library_and_come_by_a_double_click(hands, window, idle):
     item = library_item(window, "Kodak KIR-310")
-    assert item.parent().text(0) == "Presets"
+    assert item.parent().text(0) == "Camera presets"
     assert "Tantalo 1996" in item.toolTip(0)
     click_twice(window, item)
     assert window.session.selection == ("camera",)
@@ -254,6 +254,16 @@ def test_presets_stand_in_the_library_and_come_by_a_double_click(hands, window, 
     window.library_view.filter.setText("tau germanium 50")
     shown = [i.text(0) for i in window.library_view.tree.modules.values() if not i.isHidden()]
     assert shown == ["FLIR Tau 2 lens, 50 mm F/1.2"]
+
+
+def test_a_material_comes_with_its_file_and_is_found_by_its_module(hands, window):
+    window.library_view.filter.setText("focal plane insb")
+    item = library_item(window, "InSb")
+    assert (item.isHidden(), item.parent().text(0)) == (False, "Detector presets")
+    click_twice(window, item)
+    params = window.level.network.nodes["focal_plane"].params
+    file = (window.level.folder / params["response"]).resolve()
+    assert (file.name, file.is_file()) == ("detector_insb.csv", True)
 
 
 def test_a_preset_is_dragged_to_the_canvas(hands, window):
