@@ -420,6 +420,12 @@ def _modules_words(parser: Parser) -> None:
     )  # fmt: skip
 
 
+def _presets_words(parser: Parser) -> None:
+    _add(parser, "word", "WORD", "only presets with this word in their name, text or module",
+         nargs="?",
+    )  # fmt: skip
+
+
 def _handbook_words(parser: Parser) -> None:
     _add(parser, "word", "WORD", "a module, a page, or a word on a page", nargs="?")
     _add(parser, "--html", "DIR",
@@ -463,6 +469,7 @@ COMMANDS: dict[str, tuple[str, Callable[[Parser], None]]] = {
     "netd": ("measure SiTF, NETD and 3-D noise from frames of black bodies", _netd_words),
     "networks": ("list the example networks", _no_words),
     "modules": ("list the modules", _modules_words),
+    "presets": ("list the built-in cameras, lenses, detectors and light", _presets_words),
     "bench": ("measure run time against error", _bench_words),
     "handbook": ("open the handbook at any page", _handbook_words),
 }  # fmt: skip

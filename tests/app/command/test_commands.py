@@ -164,6 +164,19 @@ def test_one_module(capsys):
     assert [each["key"] for each in json.loads(capsys.readouterr().out)] == ["jitter_mtf"]
 
 
+def test_presets_are_listed_by_a_word_of_name_module_or_text(capsys):
+    assert main(["presets", "sentinel-2", "--json"]) == 0
+    found = {each["preset"]: each for each in json.loads(capsys.readouterr().out)}
+    assert list(found) == ["satellite_sentinel2_b2", "satellite_sentinel2_b8"]
+    assert found["satellite_sentinel2_b2"]["source"].startswith("ESA 2015")
+    assert main(["presets", "reflected_light"]) == 0
+    text = capsys.readouterr().out
+    assert "light_full_moon · Full moon, 0.1 lx (reflected_light)\n" in text
+    assert "camera_" not in text
+    assert main(["presets", "nosuch"]) == 2
+    assert "there is no preset with nosuch" in capsys.readouterr().err
+
+
 def test_networks_are_listed(capsys):
     assert main(["networks"]) == 0
     text = capsys.readouterr().out
