@@ -55,6 +55,7 @@ _FOCAL_PLANE: Rows = (
     ("TDI stages", "tdi_stages", ""),
     ("Frames averaged", "frames_averaged", ""),
     ("Quantum efficiency", "quantum_efficiency", ""),
+    ("Quantum efficiency from", "response", ""),
     ("Transmission of the optics", "optics_transmission", ""),
     ("Read noise", "read_noise_e", "e-"),
     ("PRNU", "prnu_percent", "%"),
@@ -74,6 +75,8 @@ _FOCAL_PLANE: Rows = (
     ("Absolute sensitivity threshold", "sensitivity_threshold_photons", "photons"),
     ("Radiance at saturation", "saturation_radiance", "W/m²/sr"),
     *((f"SNR at {p} % of it", f"snr_at_{p}_percent", "") for p in SNR_AT_PERCENT),
+    ("Reference radiance", "reference_radiance", "W/m²/sr/µm"),
+    ("SNR at the reference radiance", "snr_at_reference", ""),
     ("NETD", "netd_K", "K"),
     ("NEI", "nei_photons_per_cm2", "photons/cm²"),
 )
@@ -90,6 +93,10 @@ _MICROBOLOMETER: Rows = (
     ("Fixed pattern", "fixed_pattern_K", "K"),
     ("Lag after one frame", "lag_percent", "%"),
     ("SNR", "snr", ""),
+)
+_LIGHT: Rows = (
+    ("Illuminance of the ground", "illuminance", "lx"),
+    ("Irradiance of the ground, in the band", "irradiance", "W/m²"),
 )
 _AIR: Rows = (("Transmission", "transmission", ""), ("Optical depth", "optical_depth", ""))
 _RANGES: Rows = (
@@ -114,6 +121,7 @@ _GROUPS: Mapping[str, tuple[str, Rows]] = {
     "camera": ("Camera", _CAMERA),
     "focal_plane": ("Focal plane", _FOCAL_PLANE),
     "microbolometer": ("Microbolometer", _MICROBOLOMETER),
+    "reflected_light": ("Light", _LIGHT),
     "atmospheric_path": ("Air", _AIR),
     "figures_of_merit": ("Range", _RANGES),
     "image_quality": ("Image quality", _QUALITY),
@@ -141,6 +149,8 @@ def data_sheet_facts(evaluation: Evaluation, nodes: Fact) -> Fact | None:
         for name, node in working.items():
             if node["module"] == module:
                 figures = {**_figures(node), BAND: _band(evaluation, name, node)}
+                if module == "focal_plane" and figures["response"]:
+                    figures["quantum_efficiency"] = None  # the file takes its place
                 if _has_own_air(evaluation, name):
                     figures[EXTINCTION] = None  # the ranges take the transmission of the path
                 rows = list(_rows(figures, wanted))
