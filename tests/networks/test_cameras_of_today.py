@@ -5,6 +5,7 @@ import re
 from functools import lru_cache
 
 import mpmath
+import numpy as np
 import pytest
 from scipy import constants
 
@@ -13,6 +14,7 @@ from command_line import run_here
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.file import load_network
+from core.physics.atmosphere.sun_and_sky import luminous_efficiency, standard_sun_irradiance
 from nodes.library import standard_library
 
 MWIR = {"pitch": 15e-6, "fill": 0.95**2, "f_number": 4, "transmission": 0.765, "efficiency": 0.7}
@@ -22,6 +24,8 @@ BANDS_UM = {
     "microbolometer": [8.0, 14.0],
     "satellite_tdi": [0.5, 0.8],
     "dirsig_cube": [3.0, 5.0],
+    "visible_camera": [0.4, 0.7],
+    "swir_camera": [0.9, 1.7],
 }
 
 
@@ -145,7 +149,7 @@ def test_the_satellite_is_compared_by_the_figures_of_emva_1288(shipped_report):
     assert both == pytest.approx(facts["nodes"]["quality"]["readouts"]["rer"]["value"], rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["mwir_camera", "microbolometer", "satellite_tdi", "dirsig_cube"])
+@pytest.mark.parametrize("name", BANDS_UM)
 def test_the_report_reads_as_a_data_sheet(name, shipped_report):
     page = shipped_report(name).page
     for words in (
@@ -164,7 +168,40 @@ def test_the_report_reads_as_a_data_sheet(name, shipped_report):
         row = re.sub(r"<[^>]+>", " ", page[page.index("Focal length") :][:200])
         assert " ".join(row.split()).startswith("Focal length 10 m ")
     assert ("NIIRS" in page) == (name == "satellite_tdi")
-    assert ("Johnson" in page) == (name != "satellite_tdi")
+    assert ("Johnson" in page) == (name in ("mwir_camera", "microbolometer", "dirsig_cube"))
+
+
+@pytest.mark.parametrize("name", ["visible_camera", "swir_camera"])
+def test_a_camera_in_lux_counts_the_photons_that_its_surfaces_reflect(name):
+    """Each band's mean reflectance, lit by the Sun scaled to lux: summed up on a fine grid."""
+    engine, plan, work = opened(name)
+    assert engine.warnings(plan, work) == []
+    params = {node: plan.network.nodes[node].params for node in ("light", "camera", "focal_plane")}
+    plane, camera = params["focal_plane"], params["camera"]
+    eye = np.linspace(0.38, 0.78, 8001)
+    seen = 683 * np.trapezoid(luminous_efficiency(eye) * standard_sun_irradiance(eye), eye)
+    bands = plan.output("scene.image").bands
+    per_photon = (
+        plane["integration_time_s"] * plane["optics_transmission"]
+        * (camera["pitch_um"] * 1e-6) ** 2 * math.pi / (4 * camera["f_number"] ** 2 + 1)
+    )  # fmt: skip
+    electrons = 0.0
+    for share, centre, width in zip(
+        work.value(bands.means()), bands.centres_um, bands.widths_um, strict=True
+    ):
+        um = np.linspace(centre - width / 2, centre + width / 2, 4001)
+        light = params["light"]["illuminance_lux"] / seen * standard_sun_irradiance(um).mean()
+        efficiency = plane.get("quantum_efficiency", 1.0)
+        if "response" in plane:
+            efficiency = np.interp(um, [0.9, 1.5, 1.6, 1.7], [0.85, 0.85, 0.65, 0.0]).mean()
+        photon_J = constants.h * constants.c / (centre * 1e-6)
+        electrons += share * light / math.pi * width * efficiency / photon_J
+    found = engine.readouts(plan, "focal_plane", work)
+    assert found["signal_e"] == pytest.approx(per_photon * electrons, rel=1e-3)
+    dark = plane.get("dark_current_e_per_s", 0.0) * plane["integration_time_s"]
+    rounding = plane["full_well_e"] / (2 ** plane["bits"] - 1) / math.sqrt(12)
+    noise = math.sqrt(found["signal_e"] + dark + plane["read_noise_e"] ** 2 + rounding**2)
+    assert found["snr"] == pytest.approx(found["signal_e"] / noise, rel=1e-6)
 
 
 def test_the_ranges_of_a_picture_through_air_name_no_extinction_of_their_own(shipped_report):

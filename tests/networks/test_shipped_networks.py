@@ -35,6 +35,8 @@ EXPECTED = {
     "pushbroom_banding",
     "satellite_tdi",
     "spatial_blur",
+    "swir_camera",
+    "visible_camera",
 }
 
 
