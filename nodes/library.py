@@ -53,6 +53,7 @@ _FILES = (
     "detector.focal_plane",
     "detector.microbolometer",
     "detector.nuc",
+    "detector.rolling_shutter",
     "electronics.poisson_noise",
     "electronics.electronics_noise",
     "electronics.periodic_noise",

@@ -134,6 +134,7 @@ PARAMS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "charge_eff_mtf": {"efficiency": 0.9985},
         "charge_eff_phase": {"efficiency": 0.9985},
         "tdi_mtf": {"stages": 32, "phases": 4, "velocity_mismatch_percent": 3},
+        "rolling_shutter": {"image_velocity_x": 8000, "image_velocity_y": -2000},
         "spectral_response": {"shape": "gaussian", "peak": 0.8},
         "focal_plane": {"integration_time_s": 1e-3, "full_well_e": 4e6, "read_noise_e": 2000,
                         "prnu_percent": 1, "dsnu_e": 8000, "bad_pixel_percent": 0.2, "bits": 12},

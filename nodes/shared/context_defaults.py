@@ -30,6 +30,13 @@ def of_context(name: str, context: Context, *, unit: str) -> float:
     return float(value)
 
 
+def pitch_in_samples(axis: str, image: Image) -> float | None:
+    """Detector pitch over the image's sampling interval, where both are known."""
+    pitch = image.pixel_mrad[0 if axis == "x" else 1]
+    interval = image.interval_x_mrad if axis == "x" else image.interval_y_mrad
+    return pitch / interval if pitch and interval else None
+
+
 @dataclass(frozen=True)
 class Lens:
     """The light of a lens: transmission times the solid angle of this cone.

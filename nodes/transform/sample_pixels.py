@@ -13,6 +13,7 @@ from core.modules.parameters import Formula, Param
 from core.physics.detector.detector_mtf import aperture_mtf
 from core.physics.optics.tabulated_mtf import radial_tabulated_mtf, tabulated_mtf
 from core.transfer.factors import Separable
+from nodes.shared.context_defaults import pitch_in_samples
 from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import apart_caution, first
@@ -98,7 +99,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         own: float | None = getattr(self, f"factor_{axis}")
         if own is not None:
             return own
-        known = _pitch_in_samples(axis, image)
+        known = pitch_in_samples(axis, image)
         if known is None:
             raise ParameterError(
                 f"factor_{axis}",
@@ -120,7 +121,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
                 apart_caution(
                     f"factor_{axis}",
                     getattr(self, f"factor_{axis}"),
-                    _pitch_in_samples(axis, image),
+                    pitch_in_samples(axis, image),
                     unit="samples",
                     where="from the detector's pitch",
                 )
@@ -155,13 +156,6 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
     def nyquist_y(self, outputs: ImageOutput) -> float | None:
         """Vertical Nyquist frequency of the pixels."""
         return _nyquist(outputs.image.interval_y_mrad)
-
-
-def _pitch_in_samples(axis: str, image: Image) -> float | None:
-    """Detector pitch over the image's sampling interval, where both are known."""
-    pitch = image.pixel_mrad[0 if axis == "x" else 1]
-    interval = image.interval_x_mrad if axis == "x" else image.interval_y_mrad
-    return pitch / interval if pitch and interval else None
 
 
 def _nyquist(interval_mrad: float | None) -> float | None:

@@ -148,6 +148,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "charge_eff_mtf": [{"efficiency": 1}, {"detectors_per_line": 0}],
     "charge_eff_phase": [{"efficiency": 1}, {"detectors_per_line": 0, "model": "published"}],
     "tdi_mtf": [{"phases": 0}, {"phases": 0, "stages": 9, "direction": "x"}],
+    "rolling_shutter": [{}, {"image_velocity_x": 9, "line_time_s": 0}],
     "nuc": [{}, {"method": "none", "low_K": 400}],
     "periodic_noise": [{"amplitude": 0}],
     "noise_file": [{"path": "noise.npy", "scale": 0}],
