@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import scipy
@@ -217,3 +217,20 @@ class PlaceDependent(Separable, ABC):
     @abstractmethod
     def mean_over(self, law: Law, frequency: Vector, share: float) -> Vector:
         """Modulus of the mean over the samples in this share of an axis, about its middle."""
+
+
+@dataclass(frozen=True)
+class LineOperator(Linear, ABC):
+    """A linear operator along every row (axis x) or every column (axis y), the same on each."""
+
+    axis: Axis
+
+    @abstractmethod
+    def applied(self, lines: NDArray[Any]) -> NDArray[Any]:
+        """Along the first axis of lines, shape (samples, lines), that may be complex."""
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        return power.operated(0 if self.axis == "y" else 1, self.applied)
+
+    def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
+        return row if axis != self.axis else np.asarray(self.applied(row[:, np.newaxis])[:, 0])

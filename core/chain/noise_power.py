@@ -150,7 +150,7 @@ class NoisePower:
         changed = self
         for axis, operator in ((0, along), (1, across)):
             if new[axis] != (self.rows, self.columns)[axis]:
-                changed = changed._changed(axis, operator, new[axis])
+                changed = changed.operated(axis, operator, new[axis])
         return changed
 
     def on(self, axes: Axes) -> NoisePower:
@@ -161,7 +161,7 @@ class NoisePower:
             return replace(self, axes=axes, variances=None)
         changed = self
         for axis in (0, 1):
-            changed = changed._changed(axis, lambda waves: waves, axes=axes)
+            changed = changed.operated(axis, lambda waves: waves, axes=axes)
         return replace(changed, axes=axes)
 
     @property
@@ -192,7 +192,7 @@ class NoisePower:
         size, matrix = self._size(axis), self._matrix(axis)
         new = size // factor
         if size % factor or matrix is not None:
-            return self._changed(axis, _block_mean(factor), new)
+            return self.operated(axis, _block_mean(factor), new)
         return self._folded(axis, factor, average=True)
 
     def _folded(self, axis: int, factor: int, *, average: bool) -> NoisePower:
@@ -220,7 +220,7 @@ class NoisePower:
         made = replace(self, power=np.moveaxis(folded[:new], 0, axis))
         return made._with(axis, new, None)
 
-    def _changed(
+    def operated(
         self, axis: int, operator: Operator, new: int | None = None, axes: Axes | None = None
     ) -> NoisePower:
         """Behind an operator on the samples of an axis, taken to the waves of these edges."""

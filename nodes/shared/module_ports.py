@@ -10,10 +10,14 @@ from core.chain.results import TableData
 from core.chain.wires import Context, Image, Magnitude, Phase, Transfer
 from core.evaluation.recipes import Recipe, Step, ends_lineage, with_reason
 from core.evaluation.work import Work
-from core.modules.declaration import Module, readout
+from core.modules.declaration import Module, readout, warning
+from core.modules.panel_sections import Caution
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import ifov_mrad
 from core.transfer.factors import Factor
+from nodes.shared.context_defaults import pitch_in_samples
+
+_FINER = 1.05  # samples per pixel
 
 # MTF at both Nyquist frequencies: of the samples that are computed, and of the pixels.
 
@@ -62,6 +66,21 @@ class NyquistReadouts(Module):
     def mtf_at_pixel_nyquist_y(self, context: Context, outputs: Any) -> TransferAt | None:
         """MTF at the pixels' vertical Nyquist frequency, half a cycle per detector pitch."""
         return at_pixel_nyquist(outputs.mtf, context, "y")
+
+
+class OfPixels(Module):
+    """Base of modules that count every sample as a pixel."""
+
+    @warning
+    def samples(self, image: Image) -> Caution | None:
+        """The picture has several samples per pixel."""
+        samples = max(pitch_in_samples(axis, image) or 1.0 for axis in ("x", "y"))
+        if samples < _FINER:
+            return None
+        return Caution(
+            f"the picture has {samples:.3g} samples per pixel, but every sample counts as a pixel",
+            "put this node after Sample Pixels or Combine Pixels",
+        )
 
 
 Apply = Annotated[

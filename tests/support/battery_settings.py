@@ -89,6 +89,11 @@ EXAMPLES = Examples({
         "offset_mK": 300,
     },
     "nuc": {},
+    "blooming": {"full_well": 42},
+    "charge_trails": {
+        "serial_efficiency": 0.999, "parallel_efficiency": 0.99, "amplifier": "top_right",
+        "extra_serial": 20,
+    },
     "electronics_noise": {
         "region": "LWIR", "scan_mirror_rate_Hz": 1, "amplifier_snr": 30, "gain_percent": 1,
         "bias_percent": 1, "noise_variability_percent": 10, "use_mtf": True,
@@ -149,6 +154,9 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "charge_eff_phase": [{"efficiency": 1}, {"detectors_per_line": 0, "model": "published"}],
     "tdi_mtf": [{"phases": 0}, {"phases": 0, "stages": 9, "direction": "x"}],
     "rolling_shutter": [{}, {"image_velocity_x": 9, "line_time_s": 0}],
+    "frame_transfer_smear": [{}, {"passed": "above"}],
+    "blooming": [{}, {"anti_blooming_percent": 50}],
+    "charge_trails": [{}, {"extra_serial": 9, "extra_parallel": 7}],
     "nuc": [{}, {"method": "none", "low_K": 400}],
     "periodic_noise": [{"amplitude": 0}],
     "noise_file": [{"path": "noise.npy", "scale": 0}],

@@ -89,6 +89,28 @@ def test_geometry_convolution_and_measurements(imagechain, write, tmp_path):
         assert a.read_bytes() == b.read_bytes()
 
 
+def test_read_out_artefacts(imagechain, write, tmp_path):
+    """Lines from elsewhere, sums of whole columns, spills along them, and trails both ways."""
+    artefacts = {
+        "rolling_shutter": {"image_velocity_x": 9000, "image_velocity_y": -4000},
+        "frame_transfer_smear": {"line_transfer_time_s": 5e-6},
+        "blooming": {"full_well": 40},
+        "charge_trails": {"serial_efficiency": 0.999, "parallel_efficiency": 0.99},
+    }
+    scene = {"test_scene": {"width": 150, "height": 331}}
+    nodes = {key: {"module": key, "params": params} for key, params in (scene | artefacts).items()}
+    chain = [[f"{a}.image", f"{b}.image"] for a, b in zip(nodes, artefacts, strict=False)]
+    network = write({"format": "imagechain-network", "version": 1, "nodes": nodes, "links": chain})
+    for folder, memory in (("a", "8GB"), ("b", "100kB")):
+        saves = [f"--save={key}.image={folder}_{key}.npy" for key in artefacts]
+        done = imagechain("run", network, *saves, "--memory", memory, "--output-dir", folder)
+        assert done.returncode == 0, done.stderr
+        assert ("in blocks: " in done.stdout) == (folder == "b")
+    for key in artefacts:
+        a, b = (np.load(tmp_path / f"{folder}_{key}.npy") for folder in "ab")
+        np.testing.assert_array_equal(a, b)
+
+
 def test_photons_counted_behind_the_optics(imagechain, write, tmp_path):
     """Poisson deviates of every sample's own mean and digital numbers; figures of their noise."""
     document = json.loads(find_network("mwir_camera").path.read_text())

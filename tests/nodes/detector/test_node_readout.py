@@ -3,14 +3,29 @@
 import numpy as np
 import pytest
 
+from core.chain.noise_power import NoisePower
 from core.errors import ParameterError
+from core.transfer.product import Product
 from linked_network import linked_network
+from nodes.analysis.lineage.line_transfer import transfer_of
 from nodes.library import standard_library
 from region_checks import assert_parts
 from short_chain import short_chain
 
 SIZE, INTERVAL = 160, 0.1
 ONE_SAMPLE = {"detector_x_um": 10, "detector_y_um": 10, "focal_length_mm": 100}
+CHAIN = {
+    "rolling_shutter": {"image_velocity_x": 9000, "image_velocity_y": -4000},
+    "frame_transfer_smear": {"line_transfer_time_s": 5e-6, "passed": "above"},
+    "blooming": {"full_well": 40, "anti_blooming_percent": 20},
+    "charge_trails": {"serial_efficiency": 0.999, "parallel_efficiency": 0.99, "extra_serial": 30},
+}
+OPERATORS = [
+    ("frame_transfer_smear", {"line_transfer_time_s": 5e-4}),
+    ("frame_transfer_smear", {"line_transfer_time_s": 5e-4, "passed": "below"}),
+    ("charge_trails", {"parallel_efficiency": 0.98, "extra_parallel": 5}),
+    ("charge_trails", {"parallel_efficiency": 0.98, "amplifier": "top_right"}),
+]
 
 
 def made(folder, picture, module, params, **init):
@@ -45,14 +60,50 @@ def test_each_line_shows_the_scene_where_it_was_when_exposed(tmp_path, samples, 
 
 
 def test_regions_are_those_of_the_whole(tmp_path):
-    nodes = {
-        "scene": ("test_scene", {"width": 90, "height": 131}),
-        "it": ("rolling_shutter", {"image_velocity_x": 9000, "image_velocity_y": -4000}),
-    }
-    network = linked_network(nodes, [("scene.image", "it.image")])
-    assert_parts(network, ["it.image"], tmp_path)
+    nodes = {"scene": ("test_scene", {"width": 90, "height": 131})}
+    nodes |= {key: (key, params) for key, params in CHAIN.items()}
+    links = [(f"{a}.image", f"{b}.image") for a, b in zip(nodes, CHAIN, strict=False)]
+    assert_parts(linked_network(nodes, links), [f"{key}.image" for key in CHAIN], tmp_path)
 
 
-def test_what_no_detector_has_is_refused():
-    with pytest.raises(ParameterError, match="line_time_s"):
-        standard_library()["rolling_shutter"].build({"line_time_s": -1})
+@pytest.mark.parametrize(("module", "params"), OPERATORS)
+def test_noise_and_mean_are_those_of_the_pictures_of_single_rows(tmp_path, module, params):
+    size = 24
+    bench, image, matrix = made(tmp_path, np.eye(size), module, params)
+    change = image.recipe.lineage.linear
+    power = change.noise(bench.work, NoisePower.white(size, size, 1.0))
+    assert power.moments().sample == pytest.approx((matrix**2).sum() / size, rel=1e-9)
+    assert change.gain == pytest.approx(matrix.sum() / size, rel=1e-9)
+    np.testing.assert_allclose(change.row(bench.work, matrix[3], "y"), matrix @ matrix[3])
+
+
+@pytest.mark.parametrize(("module", "params"), OPERATORS[2:])
+def test_the_predicted_transfer_is_that_of_the_middle_pixel(tmp_path, module, params):
+    size = 81
+    bench, image, matrix = made(tmp_path, np.eye(size), module, params)
+    place, eta = np.arange(size) - size // 2, np.array([0.0, 0.7, 2.1, 4.4])
+    expected = np.exp(-2j * np.pi * INTERVAL * np.outer(eta, place)) @ matrix[:, size // 2]
+    stages = transfer_of(image).stages
+    factors = tuple(factor for stage in stages for factor in stage.factors)
+    found = Product(factors).total(bench.work, np.zeros(1), eta)[:, 0]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+
+
+def test_finer_samples_are_no_pixels(tmp_path):
+    bench, _, _ = made(tmp_path, np.eye(9), "blooming", {}, focal_length_mm=25)
+    (caution,) = bench.engine.warnings(bench.plan, bench.work)
+    assert "4 samples per pixel" in str(caution)
+
+
+@pytest.mark.parametrize(
+    ("module", "params"),
+    [
+        ("rolling_shutter", {"line_time_s": -1}),
+        ("frame_transfer_smear", {"integration_time_s": 0}),
+        ("blooming", {"full_well": -1}),
+        ("charge_trails", {"serial_efficiency": 0.4}),
+    ],
+)
+def test_what_no_detector_has_is_refused(module, params):
+    with pytest.raises(ParameterError, match=next(iter(params))):
+        standard_library()[module].build(params)

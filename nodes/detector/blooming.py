@@ -1,0 +1,80 @@
+"""Blooming: full pixels spill charge along their column."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.step_lineage import picture_step
+from core.chain.wires import Image
+from core.evaluation.recipes import in_blocks
+from core.evaluation.work import Work
+from core.modules.declaration import NodeContext
+from core.modules.parameters import Formula, Param
+from core.physics.detector.readout import bloomed
+from nodes.shared.module_ports import ImageOutput, OfPixels
+
+Array = NDArray[Any]
+
+
+class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
+    """Spill charge above the full well to the neighbours along the column.
+
+    A full pixel passes its excess to the pixels above and below, half each, until every pixel holds
+    its charge. What reaches the top or the bottom leaves the detector. The anti-blooming drain
+    removes its share of the excess first. The picture may have any unit proportional to electrons.
+    Put this module after Sample Pixels or Combine Pixels and before Focal Plane, with the value
+    that fills its well. Predicted MTFs and budgets ignore blooming. Sources: Janesick 2001,
+    Scientific Charge-Coupled Devices, chapter 4; Levine and Peres 2009, Potential Analysis 30, 1.
+    """
+
+    formulas = (
+        Formula(
+            r"L'_r=L_r-a\max(L_r-w,0)+\frac{u_{r-1}-2u_r+u_{r+1}}{2}\leq w",
+            where="w: full_well; a: share that the drain removes; u: charge that each row passes "
+            "on, the smallest of 0 or above for which no pixel has more than w",
+        ),
+    )
+
+    full_well: Annotated[
+        float | None,
+        Param("sample value of a full pixel, in the picture's unit; empty: no blooming",
+              low=1e-12, high=1e12, slider=(1, 1e5)),
+    ] = None  # fmt: skip
+    anti_blooming_percent: Annotated[
+        float,
+        Param("share of the excess that the anti-blooming drain takes", unit="%", low=0, high=100),
+    ] = 0.0
+
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
+        if self.full_well is None:
+            return ImageOutput(image)
+        how = {"full_well": self.full_well, "drained": self.anti_blooming_percent / 100.0}
+        return ImageOutput(image.with_recipe(here.step(spilled, image.recipe, **how)))
+
+
+@in_blocks()
+@picture_step()
+def spilled(work: Work, picture: Array, **how: float) -> Array:
+    """Columns with an overfull pixel are taken out, each in one piece, and put back."""
+    slabs, made = work.row_slabs(picture), work.empty(picture.shape)
+    over = np.zeros(picture.shape[1], bool)
+    for rows in slabs:
+        work.check()
+        over |= (picture[rows] > how["full_well"]).any(axis=0)
+    places = np.flatnonzero(over)
+    columns: Array = work.empty((len(places), len(picture)))
+    for rows in slabs:
+        work.check()
+        made[rows] = picture[rows]
+        columns[:, rows] = picture[rows][:, places].T
+
+    def one(place: int) -> None:
+        columns[place] = bloomed(charge=columns[place], **how)
+
+    work.for_each(one, range(len(places)))
+    for rows in slabs:
+        made[rows, places] = columns[:, rows].T
+    return np.asarray(made)

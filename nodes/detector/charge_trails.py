@@ -1,0 +1,167 @@
+"""Charge Trails: incomplete charge transfer, pixel by pixel."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.linear_change import LineOperator
+from core.chain.step_lineage import picture_step
+from core.chain.wires import Image
+from core.evaluation.recipes import Recipe, in_parts
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from core.modules.declaration import NodeContext, readout
+from core.modules.parameters import Formula, Param
+from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
+from core.physics.detector.readout import trail_length, trailed
+from core.transfer.factors import Factor, Grid
+from nodes.shared.factors import separable
+from nodes.shared.module_ports import ImageOutput, OfPixels
+
+Array = NDArray[Any]
+_BLOCK_SAMPLES = 1 << 18
+
+
+class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="Detector"):
+    """Draw the trails of incomplete charge transfer, which grow with the distance to the amplifier.
+
+    Each transfer leaves a share of the charge to the next packet. Columns are shifted to the
+    amplifier's row, which is then read pixel by pixel. A pixel n transfers away loses about n·(1 −
+    efficiency) of its charge to its trail. Charge that trails out of the picture is lost. Charge
+    Transfer MTF blurs all pixels alike instead: use one of the two. Put this module after Sample
+    Pixels or Combine Pixels. Predicted MTFs are those of the middle pixel. Source: Janesick 2001,
+    Scientific Charge-Coupled Devices, chapter 5.
+    """
+
+    formulas = (
+        Formula(
+            r"L'_t=\sum_{k\geq0}\binom{n+k-1}{k}\,\varepsilon^n(1-\varepsilon)^k\,L_{t-k},\quad "
+            r"n=t-k+1+m",
+            where="t: pixels from the amplifier, counted from 0; ε: efficiency; m: extra "
+            "transfers; along columns, then along rows",
+        ),
+    )
+
+    serial_efficiency: Annotated[
+        float, Param("share of the charge that a transfer along a row passes on", low=0.5, high=1)
+    ] = 1.0
+    parallel_efficiency: Annotated[
+        float,
+        Param("share of the charge that a transfer along a column passes on", low=0.5, high=1),
+    ] = 1.0
+    amplifier: Annotated[
+        Literal["bottom_left", "bottom_right", "top_left", "top_right"],
+        Param("corner with the amplifier"),
+    ] = "bottom_left"
+    extra_serial: Annotated[
+        int,
+        Param("transfers along a row, outside the picture", low=0, high=10**6, slider=(0, 4096)),
+    ] = 0
+    extra_parallel: Annotated[
+        int,
+        Param("transfers along a column, outside the picture", low=0, high=10**6, slider=(0, 4096)),
+    ] = 0
+
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
+        for change in self._changes(image):
+            if change.efficiency < 1.0:
+                image = image.with_recipe(here.step(with_trails, image.recipe, change=change))
+        return ImageOutput(image)
+
+    def _changes(self, image: Image) -> tuple[Trails, Trails]:
+        far_y, far_x = (side in self.amplifier for side in ("bottom", "right"))
+        return (
+            Trails("y", self.parallel_efficiency, self.extra_parallel, image.rows, far_y),
+            Trails("x", self.serial_efficiency, self.extra_serial, image.columns, far_x),
+        )
+
+    @readout("%")
+    def trail_percent(self, image: Image) -> float:
+        """Charge that the pixel farthest from the amplifier loses to its trails."""
+        return 100.0 * (1.0 - math.prod(c.efficiency**c.transfers for c in self._changes(image)))
+
+
+@dataclass(frozen=True)
+class Trails(LineOperator):
+    efficiency: float
+    extra: int
+    pixels: int
+    far: bool  # whether the amplifier is at the end of the axis
+
+    @property
+    def transfers(self) -> int:
+        """Of the last pixel."""
+        return self.extra + self.pixels
+
+    @property
+    def gain(self) -> float:
+        return float(self.applied(np.ones((self.pixels, 1))).mean())
+
+    def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
+        law = {"efficiency": self.efficiency, "transfers": self.extra + 0.5 * (self.pixels + 1)}
+        interval = before.interval_x_mrad if self.axis == "x" else before.interval_y_mrad
+        how: dict[str, Any] = {
+            self.axis: law,
+            f"scale_{self.axis}": 2.0 * math.pi * (-interval if self.far else interval),
+            "argument": "phase_per_transfer",
+            "label": "Charge trails",
+            "node": node,
+        }
+        ptf = separable(charge_transfer_ptf, part="ptf", **how)
+        return (*separable(charge_transfer_mtf, **how), *ptf)
+
+    @property
+    def length(self) -> int:
+        return trail_length(transfers=self.transfers, efficiency=self.efficiency)
+
+    def applied(self, lines: Array, nearest: int = 0, skip: int = 0) -> Array:
+        """Of lines that begin `nearest` pixels from the end of the picture at the amplifier."""
+        step = -1 if self.far else 1
+        how = {"nearest": self.extra + nearest, "skip": skip, "length": self.length}
+        return trailed(charge=lines[::step], efficiency=self.efficiency, **how)[::step]
+
+    def needed(self, region: Region) -> tuple[Region, int, int]:
+        """The region and what trails into it; pixels up to the amplifier; those that trail."""
+        down = self.axis == "y"
+        first, size = (region.top, region.rows) if down else (region.left, region.columns)
+        nearest = self.pixels - first - size if self.far else first
+        skip = min(self.length, nearest)
+        first, size = first if self.far else first - skip, size + skip
+        if down:
+            return Region(first, region.left, size, region.columns), nearest - skip, skip
+        return Region(region.top, first, region.rows, size), nearest - skip, skip
+
+
+def _trailed_part(work: Work, region: Region, picture: Recipe, *, change: Trails) -> Array:
+    needed = change.needed(region)[0]
+    return _trailed(work, work.part(picture, needed), needed, region, change)
+
+
+@picture_step(linear=lambda *_, change: change)
+@in_parts(_trailed_part)
+def with_trails(work: Work, picture: Array, *, change: Trails) -> Array:
+    """The picture as it is read along an axis."""
+    whole = Region(0, 0, *picture.shape)
+    return _trailed(work, picture, whole, whole, change)
+
+
+def _trailed(work: Work, charge: Array, given: Region, region: Region, change: Trails) -> Array:
+    """By blocks of rows, which lie in one piece."""
+    made: Array = np.empty(region.shape, work.policy.dtype)
+    rows = max(1, _BLOCK_SAMPLES // given.columns)
+
+    def block(top: int) -> None:
+        here = Region(top, region.left, min(rows, region.bottom - top), region.columns)
+        needed, *before = change.needed(here)
+        lines, read = charge[needed.seen_from(given)], made[here.seen_from(region)]
+        if change.axis == "x":
+            lines, read = lines.T, read.T
+        read[:] = change.applied(lines, *before)
+
+    work.for_each(block, range(region.top, region.bottom, rows))
+    return made

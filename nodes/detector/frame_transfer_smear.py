@@ -1,0 +1,111 @@
+"""Frame Transfer Smear: columns collect light while they move under the picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.linear_change import LineOperator
+from core.chain.step_lineage import picture_step
+from core.chain.wires import Image
+from core.evaluation.recipes import in_blocks
+from core.evaluation.work import Work
+from core.modules.declaration import NodeContext, readout
+from core.modules.parameters import Formula, Param
+from core.physics.detector.readout import smear, smear_mtf
+from core.transfer.factors import Factor, Grid, Law, Separable
+from nodes.shared.module_ports import ImageOutput, OfPixels
+
+Array = NDArray[Any]
+_BLOCK = 256  # rows
+
+
+class FrameTransferSmear(
+    OfPixels, key="frame_transfer_smear", title="Frame Transfer Smear", group="Detector"
+):
+    """Smear bright objects along their columns, as a frame-transfer CCD without a shutter does.
+
+    A packet of charge stays under every row that it passes for the time of one transfer. After the
+    exposure it passes the rows between it and the storage area; before, it passed the others. If
+    the detector is cleared just before the exposure, choose the side of the storage area. Put this
+    module after Sample Pixels or Combine Pixels and before Focal Plane, which then adds the shot
+    noise of the smear. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 1.
+    """
+
+    formulas = (
+        Formula(
+            r"L'_r=L_r+\frac{t_l}{t}\sum_{k\neq r}L_k",
+            where="r, k: rows of a column, or k on one side of r alone; t_l: line_transfer_time_s; "
+            "t: integration_time_s",
+        ),
+    )
+
+    line_transfer_time_s: Annotated[
+        float, Param("time of one transfer", unit="s", low=0, high=1, slider=(0, 1e-5))
+    ] = 0.0
+    integration_time_s: Annotated[
+        float, Param("exposure time", unit="s", low=1e-9, high=1e6, slider=(1e-4, 0.05))
+    ] = 0.01
+    passed: Annotated[
+        Literal["both", "above", "below"], Param("rows that a packet passes in the light")
+    ] = "both"
+
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
+        change = self._change(image)
+        if not change.ratio:
+            return ImageOutput(image)
+        return ImageOutput(image.with_recipe(here.step(smeared, image.recipe, change=change)))
+
+    def _change(self, image: Image) -> Smearing:
+        sides = [self.passed in ("both", side) for side in ("above", "below")]
+        return Smearing(
+            "y", image.rows, self.line_transfer_time_s / self.integration_time_s, *sides
+        )
+
+    @readout("%")
+    def smear_percent(self, image: Image) -> float:
+        """Smear of a uniform picture, mean over the rows."""
+        return 100.0 * (self._change(image).gain - 1.0)
+
+
+@dataclass(frozen=True)
+class Smearing(LineOperator):
+    rows: int
+    ratio: float
+    above: bool
+    below: bool
+
+    @property
+    def gain(self) -> float:
+        return 1.0 + 0.5 * (self.above + self.below) * self.ratio * (self.rows - 1)
+
+    def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
+        how = {"rows": self.rows, "ratio": self.ratio, "sides": self.above + self.below}
+        law = Law.of(smear_mtf, interval_mrad=before.interval_y_mrad, **how)
+        return (Separable(None, law, label="Smear", node=node),)
+
+    def applied(self, lines: Array) -> Array:
+        return self.added(lines, np.zeros(lines.shape[1]), lines.sum(axis=0)) + lines
+
+    def added(self, rows: Array, passed: Array, total: Array) -> Array:
+        sides: dict[str, bool] = {"above": self.above, "below": self.below}
+        return smear(charge=rows, passed=passed, total=total, ratio=self.ratio, **sides)
+
+
+@in_blocks()
+@picture_step(linear=lambda *_, change: change)
+def smeared(work: Work, picture: Array, *, change: Smearing) -> Array:
+    """The columns' sums in a first pass over the rows, what each row passes in a second."""
+    made: Array = work.empty(picture.shape)
+    passed, total = np.zeros((2, picture.shape[1]))
+    for sums in (total, passed):
+        for start in range(0, len(picture), _BLOCK):
+            work.check()
+            rows = picture[start : start + _BLOCK]
+            if sums is passed:
+                made[start : start + _BLOCK] = rows + change.added(rows, passed, total)
+            np.add(sums, rows.sum(axis=0, dtype=np.float64), out=sums)
+    return made
