@@ -57,6 +57,7 @@ _FILES = (
     "detector.frame_transfer_smear",
     "detector.blooming",
     "detector.charge_trails",
+    "detector.persistence",
     "electronics.poisson_noise",
     "electronics.electronics_noise",
     "electronics.periodic_noise",

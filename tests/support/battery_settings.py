@@ -157,6 +157,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "frame_transfer_smear": [{}, {"passed": "above"}],
     "blooming": [{}, {"anti_blooming_percent": 50}],
     "charge_trails": [{}, {"extra_serial": 9, "extra_parallel": 7}],
+    "persistence": [{}, {"delay_s": 3}],
     "nuc": [{}, {"method": "none", "low_K": 400}],
     "periodic_noise": [{"amplitude": 0}],
     "noise_file": [{"path": "noise.npy", "scale": 0}],

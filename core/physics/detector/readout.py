@@ -1,4 +1,4 @@
-"""What reading a detector does to its picture: skew, smear, blooming and trails.
+"""What reading a detector does to its picture: skew, smear, blooming, trails and lag.
 
 Charges have any unit that is proportional to electrons.
 """
@@ -12,7 +12,14 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from core.physics.checks import all_finite, non_negative, positive, within
+from core.physics.checks import (
+    all_above_zero,
+    all_finite,
+    all_from_zero,
+    non_negative,
+    positive,
+    within,
+)
 
 Array = NDArray[Any]
 Vector = NDArray[np.float64]
@@ -142,3 +149,14 @@ def trailed(
         weights = trail_weights(transfers=transfers, lag=lag, efficiency=efficiency)
         made[first - skip :] += weights[:, np.newaxis] * charge[first - lag : pixels - lag]
     return made
+
+
+def persistence(*, shares: ArrayLike, time_constants_s: ArrayLike, delay_s: float) -> float:
+    """Share of an earlier exposure that is left after a delay: Σ share·e^(−delay/time constant).
+
+    Source: Smith, Zavodny, Rahmer and Bonati 2008, Proc. SPIE 7021, 70210J (traps that release
+    their charge).
+    """
+    constants = all_above_zero("time_constants_s", time_constants_s, unit="s")
+    decay = np.exp(-non_negative("delay_s", delay_s, unit="s") / constants)
+    return float(np.sum(all_from_zero("shares", shares) * decay))

@@ -7,6 +7,7 @@ from core.chain.noise_power import NoisePower
 from core.errors import ParameterError
 from core.transfer.product import Product
 from linked_network import linked_network
+from node_bench import NodeBench
 from nodes.analysis.lineage.line_transfer import transfer_of
 from nodes.library import standard_library
 from region_checks import assert_parts
@@ -93,6 +94,24 @@ def test_finer_samples_are_no_pixels(tmp_path):
     bench, _, _ = made(tmp_path, np.eye(9), "blooming", {}, focal_length_mm=25)
     (caution,) = bench.engine.warnings(bench.plan, bench.work)
     assert "4 samples per pixel" in str(caution)
+
+
+def test_what_is_left_of_an_earlier_picture(tmp_path):
+    scene = {"width": 33, "height": 21}
+    nodes = {
+        "now": ("test_scene", scene),
+        "before": ("test_scene", {**scene, "kind": "sine"}),
+        "small": ("test_scene", {**scene, "width": 32}),
+        "it": ("persistence", {"fast_percent": 5, "delay_s": 2}),
+        "wrong": ("persistence", {}),
+    }
+    links = [("now.image", "it.image"), ("before.image", "it.earlier"),
+             ("now.image", "wrong.image"), ("small.image", "wrong.earlier")]  # fmt: skip
+    bench = NodeBench(standard_library(), tmp_path, nodes, links)
+    expected = bench.value("now.image") + 0.05 * np.exp(-2) * bench.value("before.image")
+    np.testing.assert_allclose(bench.value("it.image"), expected, rtol=1e-14)
+    assert bench.readouts("it")["lag_percent"] == pytest.approx(5 * np.exp(-2))
+    assert "32 × 21" in str(bench.error("wrong"))
 
 
 @pytest.mark.parametrize(

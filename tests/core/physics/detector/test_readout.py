@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.detector.readout import bloomed, smear, smear_mtf, trail_length, trailed
+from core.physics.detector.readout import (
+    bloomed,
+    persistence,
+    smear,
+    smear_mtf,
+    trail_length,
+    trailed,
+)
 
 
 def frames_transferred(light, ratio):
@@ -126,6 +133,13 @@ def test_trails_are_those_of_a_register_clocked_pixel_by_pixel(efficiency, neare
 def test_trails_are_no_longer_than_they_need_to_be():
     """By Poisson's law: 0.7 lost transfers on average, 1e-13 of a packet beyond 13 pixels."""
     assert trail_length(transfers=70_000, efficiency=0.99999) in (13, 14)
+
+
+def test_lag_by_hand():
+    left = persistence(
+        shares=(0.02, 0.01), time_constants_s=(1 / np.log(2), 3 / np.log(2)), delay_s=3
+    )
+    assert left == pytest.approx(0.02 / 8 + 0.01 / 2, rel=1e-14)
 
 
 def test_what_cannot_be_is_refused():

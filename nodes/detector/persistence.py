@@ -1,0 +1,85 @@
+"""Persistence: the image lag of an earlier exposure."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.step_lineage import AtStep, Noise, picture_step
+from core.chain.wires import Image
+from core.errors import DataError
+from core.evaluation.recipes import Recipe, pointwise
+from core.evaluation.work import Work
+from core.modules.declaration import Module, NodeContext, readout
+from core.modules.parameters import Formula, Param
+from core.physics.detector.readout import persistence
+from nodes.shared.module_ports import ImageOutput
+
+Array = NDArray[Any]
+
+
+class Persistence(Module, key="persistence", title="Persistence", group="Detector"):
+    """Add what is left of an earlier exposure: image lag that decays with two time constants.
+
+    Connect the picture of that exposure to `earlier`, with the same size and unit. The shares are
+    those at the end of that exposure. Budgets count the lag as a fixed pattern. Source: Smith,
+    Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE 7021, 70210J (infrared detectors).
+    """
+
+    formulas = (
+        Formula(
+            r"L'=L+L_e\left(a_1e^{-t/\tau_1}+a_2e^{-t/\tau_2}\right)",
+            where="L_e: earlier; a, τ: share and time constant, fast and slow; t: delay_s",
+        ),
+    )
+
+    fast_percent: Annotated[
+        float, Param("share that decays fast", unit="%", low=0, high=100, slider=(0, 5))
+    ] = 0.0
+    fast_time_constant_s: Annotated[
+        float, Param("time constant of that share", unit="s", low=1e-9, high=1e9, slider=(0.1, 60))
+    ] = 1.0
+    slow_percent: Annotated[
+        float, Param("share that decays slowly", unit="%", low=0, high=100, slider=(0, 5))
+    ] = 0.0
+    slow_time_constant_s: Annotated[
+        float, Param("time constant of that share", unit="s", low=1e-9, high=1e9, slider=(1, 3600))
+    ] = 100.0
+    delay_s: Annotated[
+        float, Param("time since the earlier exposure", unit="s", low=0, high=1e9, slider=(0, 600))
+    ] = 0.0
+
+    def run(self, image: Image, earlier: Image, here: NodeContext) -> ImageOutput:
+        if image.shape != earlier.shape:
+            raise DataError(
+                f"the earlier picture has {earlier.columns} × {earlier.rows} samples and the image "
+                f"{image.columns} × {image.rows}: both must have the same size"
+            )
+        if not self._share():
+            return ImageOutput(image)
+        lagging = here.step(with_lag, image.recipe, earlier.recipe, share=self._share())
+        return ImageOutput(image.with_recipe(lagging))
+
+    def _share(self) -> float:
+        return persistence(
+            shares=(self.fast_percent / 100.0, self.slow_percent / 100.0),
+            time_constants_s=(self.fast_time_constant_s, self.slow_time_constant_s),
+            delay_s=self.delay_s,
+        )
+
+    @readout("%")
+    def lag_percent(self) -> float:
+        """Share of the earlier picture that is left."""
+        return 100.0 * self._share()
+
+
+def _lag(at: AtStep, picture: Recipe, earlier: Recipe, *, share: float) -> list[Noise]:
+    return [at.known("persistence")]
+
+
+@picture_step(noise=_lag)
+@pointwise
+def with_lag(work: Work, picture: Array, earlier: Array, *, share: float) -> Array:
+    return np.asarray(picture + earlier * earlier.dtype.type(share))
