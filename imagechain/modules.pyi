@@ -91,6 +91,7 @@ def test_scene(
     cut_off_um: float | Expression = 12.0,
     bands: int | Expression = 0,
     emissivity: Literal['spectra', 'grey'] = 'spectra',
+    quantity: Literal['radiance', 'reflectance'] = 'radiance',
     sun_elevation_deg: float | Expression = 0.0,
     temperature_K: float | Expression = 303.15,
     delta_K: float | Expression = 10.0,
@@ -109,7 +110,8 @@ def test_scene(
     temperature, and reflect the sky and, with `sun_elevation_deg`, sunlight: a scene from 0.4 to
     2.5 µm is lit by day. Targets are black in all bands. With `emissivity` grey every surface keeps
     its single emissivity; the sum of all bands is then the picture without bands, except for
-    sunlight.
+    sunlight. `quantity` reflectance gives what the surfaces reflect instead of their radiance, for
+    Reflected Light; shade and sky have the reflectance that looks as bright in the Sun.
 
     Parameters
     ----------
@@ -133,6 +135,9 @@ def test_scene(
     emissivity : Literal['spectra', 'grey']
         spectra of the surfaces, if there are bands: from their materials, or grey: one of spectra,
         grey; default 'spectra'
+    quantity : Literal['radiance', 'reflectance']
+        what the samples are, if there are bands: radiance, or reflectance to be lit: one of
+        radiance, reflectance; default 'radiance'
     sun_elevation_deg : float | Expression
         elevation of the Sun, if there are bands; 0: no Sun [deg]: a number from 0 to 90; default
         0.0
@@ -297,7 +302,8 @@ def init_trans(
         how the detectors collect the picture: line scanner, pushbroom line or staring array: one of
         line, push, array; default 'line'
     velocity_m_per_s : float | Expression
-        velocity of the platform or object [m/s]: a number; default 0.0
+        velocity of the platform or object; 0: from Camera's orbit, or none [m/s]: a number; default
+        0.0
     scan_velocity_mrad_per_s : float | Expression
         scan velocity [mrad/s]: a number of at least 0; default 0.0
     edges : Literal['reflect', 'periodic']
@@ -540,6 +546,7 @@ def reflected_light(
     sun_elevation_deg: float | Expression = 45.0,
     optical_depth: float | Expression = 0.0,
     sky: float | Expression = 0.0,
+    illuminance_lux: float | Expression | None = None,
     cut_on_um: float | Expression | None = None,
     cut_off_um: float | Expression | None = None,
     bands: int | Expression = 1,
@@ -553,9 +560,17 @@ def reflected_light(
     The sky has the same radiance everywhere. The picture's unit must be a reflectance (1, %,
     reflectance, albedo), set on Read Image. A reflectance applies to all wavelengths; with
     `bands` above 1 the radiance has that many bands, and a cube of reflectances keeps its own. Add
-    Atmospheric Path for the path from the surface to the camera. Sources: Lambert 1760; Kasten and
-    Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar Energy 76, 423); nominal solar radius
-    of the IAU, 2015 (black body).
+    Atmospheric Path for the path from the surface to the camera.
+
+    `illuminance_lux` scales sun and sky until they light the ground with so many lux: 100 000 in
+    sunlight, 1000 under an overcast sky, 0.1 at full moon, 0.01 at quarter moon, 0.001 in
+    starlight. The spectrum keeps its shape. Moonlight is close to sunlight, starlight is not:
+    airglow makes the night sky a thousand times brighter at 1.6 µm than at 0.4 µm. Give the
+    spectrum of the night sky in `path`.
+
+    Sources: Lambert 1760; Kasten and Young 1989 (air mass); ASTM G173-03 (Gueymard 2004, Solar
+    Energy 76, 423); nominal solar radius of the IAU, 2015 (black body); CIE 018:2019, V(λ); RCA
+    1974, Electro-Optics Handbook (illuminance); Ellis et al. 2011 (airglow).
 
     Parameters
     ----------
@@ -575,6 +590,9 @@ def reflected_light(
         default 0.0
     sky : float | Expression
         radiance of the sky [W/m²/sr/µm]: a number from 0 to 1e+12; default 0.0
+    illuminance_lux : float | Expression | None
+        illuminance of the ground to which sun and sky are scaled; empty: as they are [lx]: a number
+        above 0 to 1e+09 or empty; default empty
     cut_on_um : float | Expression | None
         shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
         empty
@@ -589,17 +607,19 @@ def reflected_light(
     Reflected Light, in the group Atmosphere.
     Inputs: image.
     Outputs: image, table.
-    Read-outs: air_mass, irradiance (W/m²).
+    Read-outs: air_mass, irradiance (W/m²), illuminance (lx).
     """
 
 def atmospheric_path(
     *,
-    model: Literal['transmission', 'extinction_per_km', 'visibility_km', 'modtran'] = 'transmission',
+    model: Literal['transmission', 'extinction_per_km', 'visibility_km', 'modtran', 'modtran_tables'] = 'transmission',
     transmission: float | Expression = 1.0,
     path: str | PathLike[str] | None = None,
     extinction_per_km: float | Expression = 0.2,
     visibility_km: float | Expression = 23.0,
     angstrom_q: float | Expression = 0.0,
+    haze: Literal['rural_23_km', 'rural_5_km'] = 'rural_23_km',
+    altitude_m: float | Expression | None = None,
     range_m: float | Expression | None = None,
     air_K: float | Expression | None = None,
     source_K: float | Expression | None = None,
@@ -607,10 +627,16 @@ def atmospheric_path(
     """Attenuate a picture's radiance by the atmosphere, and add the path radiance: τ·L + L_path.
 
     `transmission`: a number, or a CSV of µm and transmission. `extinction_per_km`: exp(−β·R).
-    `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 of
-    MODTRAN (FREQ, TOT TRANS, PTH THRML and SOL SCAT, by name; W/cm²/sr per cm⁻¹ become W/m²/sr/µm
-    by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance (W/m²/sr/µm). The path
-    radiance is the file's, or (1 − τ)·L of a black body at `air_K`.
+    `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 or
+    the JSON output of MODTRAN (FREQ, TOT TRANS and the path's radiances, by name; W/cm²/sr per cm⁻¹
+    become W/m²/sr/µm by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance
+    (W/m²/sr/µm). The path radiance is the file's, or (1 − τ)·L of a black body at `air_K`.
+
+    `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground,
+    mid-latitude summer, the sun at 40°. Between the tables −ln τ/R and L/(1 − τ) are interpolated
+    over height and ground range. With every second table left out, a band's transmission is off by
+    0.007 rms, at most 0.06. A camera above 24.5 km sees the air below that: at nadir, from 0.5 to
+    0.8 µm, 0.688 instead of 0.681. Install the extra `atmosphere` for it.
 
     A picture with one band is multiplied by the band's mean transmission. The mean weights
     wavelengths by the radiance of a black body: at the picture's mean brightness temperature, at
@@ -624,13 +650,14 @@ def atmospheric_path(
 
     Parameters
     ----------
-    model : Literal['transmission', 'extinction_per_km', 'visibility_km', 'modtran']
-        what describes the air: a transmission, an extinction, a visibility or a file: one of
-        transmission, extinction_per_km, visibility_km, modtran; default 'transmission'
+    model : Literal['transmission', 'extinction_per_km', 'visibility_km', 'modtran', 'modtran_tables']
+        what describes the air: a transmission, an extinction, a visibility, a file, or MODTRAN's
+        tables in pyBSM: one of transmission, extinction_per_km, visibility_km, modtran,
+        modtran_tables; default 'transmission'
     transmission : float | Expression
         transmission of the path: a number from 0 to 1; default 1.0
     path : str | PathLike[str] | None
-        CSV of µm and transmission, used instead of the number; for modtran: a tape7 or a CSV: a
+        CSV of µm and transmission, used instead of the number; for modtran: a tape7, JSON or CSV: a
         file name or empty; default empty
     extinction_per_km : float | Expression
         extinction: the sum of absorption and scattering [1/km]: a number from 0 to 1e+06; default
@@ -639,6 +666,12 @@ def atmospheric_path(
         visibility (2 % contrast) [km]: a number above 0 to 1e+06; default 23.0
     angstrom_q : float | Expression
         exponent with which the extinction falls with wavelength: a number from -5 to 5; default 0.0
+    haze : Literal['rural_23_km', 'rural_5_km']
+        haze and visibility of MODTRAN's tables: one of rural_23_km, rural_5_km; default
+        'rural_23_km'
+    altitude_m : float | Expression | None
+        height of the camera above the ground, for MODTRAN's tables; empty: from Camera's orbit [m]:
+        a number from 0 to 1e+08 or empty; default empty
     range_m : float | Expression | None
         length of the path; empty: from Camera, or from Init & Trans through its context [m]: a
         number from 0 to 1e+09 or empty; default empty
@@ -762,6 +795,9 @@ def camera(
     t_number: float | Expression | None = None,
     irradiance: Literal['disc', 'sine'] = 'disc',
     range_m: float | Expression | None = None,
+    altitude_km: float | Expression | None = None,
+    look_angle_deg: float | Expression = 0.0,
+    look_direction: Literal['across', 'along'] = 'across',
 ) -> Part:
     """Enter a camera's data once, for Init & Trans and all modules after it.
 
@@ -773,6 +809,10 @@ def camera(
     lens, 2·atan(Np/2f); otherwise a wide field would be divided into equal angles. A warning names
     values that disagree; nothing is corrected.
 
+    On a satellite, altitude and look angle give range, elevation and the velocity of the scene
+    across the line of sight. The orbit is circular and the Earth a sphere. Its rotation is left
+    out: it changes the speed by up to 7 % or the direction by up to 4° (`yaw_deg` of TDI MTF).
+
     The obscuration blocks light: electrons, NETD and SNR use 1 − ε² of the aperture, its open
     share, with the F-number of the full aperture. A T-number replaces F-number, obscuration and
     transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how light depends
@@ -780,7 +820,8 @@ def camera(
     infrared work, `sine` (π/(4F²)) for a lens corrected for coma, as fast photographic and infrared
     lenses are. They differ by 25 % at F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical
     Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983,
-    Optical System Design, chapter 6 (sine condition, T-number).
+    Optical System Design, chapter 6 (sine condition, T-number);
+    Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5 (orbit).
 
     Parameters
     ----------
@@ -817,6 +858,14 @@ def camera(
         π/(4F²): one of disc, sine; default 'disc'
     range_m : float | Expression | None
         distance of the scene [m]: a number of at least 0 or empty; default empty
+    altitude_km : float | Expression | None
+        altitude of a circular orbit; empty: not on a satellite [km]: a number from 0 to 100000 or
+        empty; default empty
+    look_angle_deg : float | Expression
+        angle of the line of sight off nadir [deg]: a number from 0 to 89; default 0.0
+    look_direction : Literal['across', 'along']
+        direction of the look angle: beside the track, or ahead on it: one of across, along; default
+        'across'
 
     Notes
     -----
@@ -825,7 +874,9 @@ def camera(
     Outputs: image, camera.
     Read-outs: pixel_x_mrad (mrad), pixel_y_mrad (mrad), fov_x_deg (deg), fov_y_deg (deg), nyquist_x
     (cyc/mrad), nyquist_y (cyc/mrad), f_number, aperture_mm (mm), samples_per_pixel_x (samples),
-    samples_per_pixel_y (samples), cutoff (cyc/mrad), q, gsd_x_m (m), gsd_y_m (m).
+    samples_per_pixel_y (samples), cutoff (cyc/mrad), q, gsd_x_m (m), gsd_y_m (m), elevation_deg
+    (deg), ground_speed_m_per_s (m/s), velocity_m_per_s (m/s), gsd_ground_x_m (m), gsd_ground_y_m
+    (m), line_rate_Hz (Hz).
     """
 
 def diffraction_mtf(
@@ -1058,11 +1109,189 @@ def exit_pupil_mtf(
     image_interval_y (cyc/mrad), cutoff_x (cyc/mrad), cutoff_y (cyc/mrad), estimated_error.
     """
 
+def vignetting(
+    *,
+    natural: bool = True,
+    measured: Literal['none', 'file', 'polynomial'] = 'none',
+    against: Literal['field_deg', 'height_mm', 'half_diagonal'] = 'field_deg',
+    path: str | PathLike[str] | None = None,
+    coefficients: Sequence[float] = (),
+    focal_length_mm: float | Expression | None = None,
+) -> Part:
+    """Darken the picture away from the optical axis, which is at its middle.
+
+    `natural` applies cos⁴ of the field angle; the tangent of the angle is the distance from the
+    middle times the sampling interval, which is pitch/f for a picture from Camera. `measured` adds
+    a curve of relative illumination: a CSV of height and value, or 1 + c₁h² + c₂h⁴ + …. `against`
+    says what the heights are: field angle, image height, or the share of the picture's half
+    diagonal. A lens maker's curve usually includes cos⁴: then switch `natural` off. Put the module
+    before Focal Plane, so that shot noise follows from the vignetted light. Transfer functions do
+    not change; NETD and SNR use the mean over the field. For a thermal picture of one band, Focal
+    Plane takes darker samples for colder ones: at half the light it counts 0.3 % too many photons
+    (3.7 to 4.8 µm); spectral pictures, and `photon_weighting` other than scene, do not have this
+    error. Source: Kingslake 1983, Optical System Design, chapter 6.
+
+    Parameters
+    ----------
+    natural : bool
+        apply the natural fall-off, cos⁴ of the field angle: true or false; default True
+    measured : Literal['none', 'file', 'polynomial']
+        measured relative illumination: one of none, file, polynomial; default 'none'
+    against : Literal['field_deg', 'height_mm', 'half_diagonal']
+        heights of the curve: field angle, image height, or share of the half diagonal: one of
+        field_deg, height_mm, half_diagonal; default 'field_deg'
+    path : str | PathLike[str] | None
+        CSV of height and relative illumination, 1 on the axis: a file name or empty; default empty
+    coefficients : Sequence[float]
+        c₁, c₂, …: factors of h², h⁴, …: a list of numbers from -1e+09 to 1e+09; default ()
+    focal_length_mm : float | Expression | None
+        focal length, for image heights; empty: from Camera [mm]: a number of at least 0 or empty;
+        default empty
+
+    Notes
+    -----
+    Vignetting, in the group Optics.
+    Inputs: image.
+    Outputs: image.
+    Read-outs: corner_percent (%), mean_percent (%).
+    """
+
+def distortion(
+    *,
+    model: Literal['brown', 'fisheye'] = 'brown',
+    k1: float | Expression = 0.0,
+    k2: float | Expression = 0.0,
+    k3: float | Expression = 0.0,
+    k4: float | Expression = 0.0,
+    p1: float | Expression = 0.0,
+    p2: float | Expression = 0.0,
+    centre_x_mrad: float | Expression = 0.0,
+    centre_y_mrad: float | Expression = 0.0,
+    width: int | Expression | None = None,
+    height: int | Expression | None = None,
+) -> Part:
+    """Distort the picture as a lens does, by Brown–Conrady or fisheye coefficients.
+
+    The incoming picture is that of a lens without distortion: distances from the axis are tangents
+    of angles. Coefficients, centre and signs are those of OpenCV, for lengths divided by the focal
+    length. `fisheye` with all coefficients at 0 is an f-θ lens. For each sample the module finds
+    its ray (to 1e-11) and interpolates the picture there with 8 × 8 samples: waves of up to 0.2
+    cycles per sample move by less than 1e-3 sample from their true place. Nothing is filtered: if
+    `largest_step` is well above 1, sample the scene more finely. A lens with barrel distortion sees
+    beyond the frame: make the scene wider and set `width` and `height` to the camera's; where the
+    scene ends, its outermost samples continue. MTF and noise continue as on the axis, where nothing
+    is stretched. Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera calibration.
+
+    Parameters
+    ----------
+    model : Literal['brown', 'fisheye']
+        Brown–Conrady, or fisheye (f-θ): one of brown, fisheye; default 'brown'
+    k1 : float | Expression
+        radial coefficient of r² or θ²: a number from -1e+06 to 1e+06; default 0.0
+    k2 : float | Expression
+        radial coefficient of r⁴ or θ⁴: a number from -1e+06 to 1e+06; default 0.0
+    k3 : float | Expression
+        radial coefficient of r⁶ or θ⁶: a number from -1e+06 to 1e+06; default 0.0
+    k4 : float | Expression
+        radial coefficient of θ⁸: a number from -1e+06 to 1e+06; default 0.0
+    p1 : float | Expression
+        tangential coefficient, mostly along y: a number from -1e+06 to 1e+06; default 0.0
+    p2 : float | Expression
+        tangential coefficient, mostly along x: a number from -1e+06 to 1e+06; default 0.0
+    centre_x_mrad : float | Expression
+        optical axis to the right of the picture's middle [mrad]: a number from -10000 to 10000;
+        default 0.0
+    centre_y_mrad : float | Expression
+        optical axis below the picture's middle [mrad]: a number from -10000 to 10000; default 0.0
+    width : int | Expression | None
+        samples per row; empty: as before: a whole number from 1 to 65536 or empty; default empty
+    height : int | Expression | None
+        samples per column; empty: as before: a whole number from 1 to 65536 or empty; default empty
+
+    Notes
+    -----
+    Distortion, in the group Optics.
+    Inputs: image.
+    Outputs: image.
+    Read-outs: corner_percent (%), beyond_percent (%), largest_step (samples).
+    """
+
+def field_psf(
+    *,
+    kind: Literal['gaussian', 'mtf', 'psf'] = 'gaussian',
+    positions: Sequence[float] = [0.0, 0.5, 1.0],
+    tangential_mrad: Sequence[float] = (),
+    sagittal_mrad: Sequence[float] = (),
+    path_1: str | PathLike[str] | None = None,
+    path_2: str | PathLike[str] | None = None,
+    path_3: str | PathLike[str] | None = None,
+    path_4: str | PathLike[str] | None = None,
+    sample_pitch_um: float | Expression | None = None,
+    tile: int | Expression = 64,
+) -> Part:
+    """Blur the picture by a PSF that changes over the field.
+
+    `positions` are distances from the picture's middle, as shares of the half diagonal. At each you
+    give a Gaussian (rms tangential, along the radius, and sagittal, across it), or a file that MTF
+    File or PSF File reads: made for a point straight above the middle, with `mtf_y` the tangential
+    curve and the top of the PSF's picture away from the axis. A listing of Zemax in `path_1` alone
+    gives each position its own field. Between positions the widths of Gaussians, or the OTFs of
+    files, are interpolated linearly in the square of the position; beyond the last they stay.
+    Everything turns with the direction of the point.
+
+    The picture is blurred in overlapping tiles, with the PSFs of a tile's corners blended between
+    them. `error_percent` limits the error of any sample against a sum with its own PSF, as a share
+    of the picture's range; real scenes stay about ten times below it. Smaller tiles lower the error
+    of blending, larger ones make room for a wider PSF: half a tile on all sides, at least 16
+    samples. Beyond the frame the picture is mirrored, or repeated if it came so from Back
+    Transform. Budgets, MTFs and figures use the PSF of the first position. Source: Nagy and O'Leary
+    1998, SIAM J. Sci. Comput. 19, 1063.
+
+    Parameters
+    ----------
+    kind : Literal['gaussian', 'mtf', 'psf']
+        Gaussians, or files of MTF or PSF: one of gaussian, mtf, psf; default 'gaussian'
+    positions : Sequence[float]
+        positions, as shares of the half diagonal; rising: a list of numbers from 0 to 10; default
+        [0.0, 0.5, 1.0]
+    tangential_mrad : Sequence[float]
+        rms width along the radius, at each position [mrad]: a list of numbers from 0 to 1e+06;
+        default ()
+    sagittal_mrad : Sequence[float]
+        rms width across the radius; empty: equal to tangential_mrad [mrad]: a list of numbers from
+        0 to 1e+06; default ()
+    path_1 : str | PathLike[str] | None
+        MTF or PSF of one position, in the order of positions: a file name or empty; default empty
+    path_2 : str | PathLike[str] | None
+        MTF or PSF of one position, in the order of positions: a file name or empty; default empty
+    path_3 : str | PathLike[str] | None
+        MTF or PSF of one position, in the order of positions: a file name or empty; default empty
+    path_4 : str | PathLike[str] | None
+        MTF or PSF of one position, in the order of positions: a file name or empty; default empty
+    sample_pitch_um : float | Expression | None
+        sampling interval of PSF files; empty: from the file [µm]: a number of at least 0 or empty;
+        default empty
+    tile : int | Expression
+        side of a tile [samples]: a whole number from 4 to 2048; default 64
+
+    Notes
+    -----
+    Field PSF, in the group Optics.
+    Inputs: image, context (optional).
+    Outputs: image.
+    Read-outs: error_percent (%).
+    """
+
 def veiling_glare(
     *,
     apply: Literal['multiply', 'filter_only'] = 'multiply',
+    form: Literal['length', 'harvey'] = 'length',
     share_percent: float | Expression = 0.0,
     length_mrad: float | Expression = 10.0,
+    b_per_sr: float | Expression = 0.0,
+    s: float | Expression = -1.5,
+    l_mrad: float | Expression = 10.0,
+    surfaces: int | Expression = 1,
 ) -> Part:
     """Spread a share of the light widely, as scatter and ghosts in the lens do.
 
@@ -1071,26 +1300,49 @@ def veiling_glare(
     1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine detail
     loses g of its contrast. Enter the veiling glare index of the lens, if no other is known; ISO
     9358 measures it in a small black area within an evenly bright field. Light that leaves the
-    frame is mirrored or repeated, as for all filters. Sources: ISO 9358:1994; the MTF is the Hankel
-    transform of the spread, Bracewell 2000, The Fourier Transform and Its Applications, table 13.
+    frame is mirrored or repeated, as for all filters.
+
+    `harvey` takes the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2), with
+    β − β₀ the difference of the sines of scattered and direct ray. Its integral over the half space
+    is the total scatter of a surface, which the direct light loses. The angles are those in front
+    of the lens, at the entrance pupil. For an ABg fit enter b = A/B, l = B^(1/g) and s = −g: it
+    agrees near the direct ray and far from it.
+
+    Sources: ISO 9358:1994; Bracewell 2000, The Fourier Transform and Its Applications, table 13
+    (Hankel transforms); Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical
+    Scattering, section 4.5.
 
     Parameters
     ----------
     apply : Literal['multiply', 'filter_only']
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
+    form : Literal['length', 'harvey']
+        share and length of the spread, or Harvey's scatter of surfaces: one of length, harvey;
+        default 'length'
     share_percent : float | Expression
         share of the light that is spread [%]: a number from 0 to 100; default 0.0
     length_mrad : float | Expression
         length of the spread: half of it falls within 1.73 lengths [mrad]: a number above 0 to
         1e+06; default 10.0
+    b_per_sr : float | Expression
+        BSDF of a surface at the direct ray [1/sr]: a number from 0 to 1e+12; default 0.0
+    s : float | Expression
+        slope of the BSDF: its power of β far from the direct ray: a number from -5 to 0; default
+        -1.5
+    l_mrad : float | Expression
+        shoulder of the BSDF, 1000 times Harvey's l [mrad]: a number from 0.001 to 1000; default
+        10.0
+    surfaces : int | Expression
+        number of such surfaces: a whole number from 1 to 1000; default 1
 
     Notes
     -----
     Veiling Glare, in the group Optics.
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
-    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    scatter_percent (%).
     """
 
 def gaussian_mtf(
@@ -1686,6 +1938,8 @@ def tdi_mtf(
     stages: int | Expression = 64,
     phases: int | Expression = 4,
     velocity_mismatch_percent: float | Expression = 0.0,
+    line_rate_Hz: float | Expression | None = None,
+    yaw_deg: float | Expression = 0.0,
     direction: Literal['y', 'x'] = 'y',
     detector_um: float | Expression | None = None,
     focal_length_mm: float | Expression | None = None,
@@ -1694,9 +1948,12 @@ def tdi_mtf(
 
     About the exposure's middle: sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). m is the image
     velocity divided by the charge velocity, minus 1. s is the pitch divided by `phases`, and N =
-    stages·phases. Use it instead of Alongtrack MTF, whose smear within a stage is the step s here.
-    With `phases` = 0 the charge moves without steps. Empty parameters are taken from Init & Trans.
-    Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
+    stages·phases. `line_rate_Hz` gives m from the scene's velocity and range (Init & Trans, or
+    Camera's orbit). At a yaw ψ the image moves by (1 + m)·cos ψ along the stages and by
+    (1 + m)·sin ψ across them. Use it instead of Alongtrack MTF, whose smear within a stage is the
+    step s here. With `phases` = 0 the charge moves without steps. Empty parameters are taken from
+    Init & Trans. Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim
+    2007, chapter 10.
 
     Parameters
     ----------
@@ -1710,6 +1967,11 @@ def tdi_mtf(
         to 100; default 4
     velocity_mismatch_percent : float | Expression
         how much faster the image moves than the charge [%]: a number from -99 to 1000; default 0.0
+    line_rate_Hz : float | Expression | None
+        lines per second that the charge moves; empty: velocity_mismatch_percent counts [Hz]: a
+        number of at least 0 or empty; default empty
+    yaw_deg : float | Expression
+        angle from the stages to the image motion [deg]: a number from -89 to 89; default 0.0
     direction : Literal['y', 'x']
         axis of the motion: vertical (y) or horizontal (x): one of y, x; default 'y'
     detector_um : float | Expression | None
@@ -1724,7 +1986,7 @@ def tdi_mtf(
     Inputs: context, magnitude.
     Outputs: magnitude, mtf.
     Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
-    step_mrad (mrad), drift_mrad (mrad).
+    step_mrad (mrad), drift_mrad (mrad), mismatch_percent (%), drift_across_px (px).
     """
 
 def spectral_response(
@@ -1804,6 +2066,7 @@ def focal_plane(
     bits: int | Expression = 0,
     gain_e_per_dn: float | Expression | None = None,
     offset_dn: float | Expression = 0.0,
+    reference_radiance: float | Expression | None = None,
     units: Literal['dn', 'electrons', 'radiance'] = 'dn',
 ) -> Part:
     """Convert the picture's photons to electrons, add the camera's noise, and digitize the signal.
@@ -1818,8 +2081,10 @@ def focal_plane(
     (`middle`); the table shows the signal for each choice. For a spectral picture, each band is
     converted to photons with the response at its wavelength. A band that begins below 2.5 µm has no
     thermal scene: there `scene` means `source`. NETD, SNR and well fill refer to the picture's
-    mean; if the mean is clipped, there is no NETD, SNR or NEI. `frames_averaged` reduces shot and
-    read noise with the square root of the number of frames, and the average is rounded once. Noise,
+    mean; if the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a
+    uniform scene of `reference_radiance`, as Landsat and Sentinel-2 specify it: W/m²/sr/µm at the
+    aperture, equal at all wavelengths of the band. `frames_averaged` reduces shot and read noise
+    with the square root of the number of frames, and the average is rounded once. Noise,
     responsivity and SNR include the nonlinearity; signal and well fill count the electrons
     collected. `saturated` is 1 where the well is full or the converter has clipped.
 
@@ -1907,6 +2172,9 @@ def focal_plane(
     offset_dn : float | Expression
         digital number at zero electrons [DN]: a number from -1.67772e+07 to 1.67772e+07; default
         0.0
+    reference_radiance : float | Expression | None
+        spectral radiance at which snr_at_reference is given; empty: none [W/m²/sr/µm]: a number of
+        at least 0 or empty; default empty
     units : Literal['dn', 'electrons', 'radiance']
         unit of the output; the picture is digitized in any case: one of dn, electrons, radiance;
         default 'dn'
@@ -1918,9 +2186,9 @@ def focal_plane(
     Outputs: image, electrons, noise, saturated, table.
     Read-outs: signal_e (e-), optics_e (e-), housing_e (e-), dark_e (e-), well_fill_percent (%),
     shot_noise_e (e-), read_noise_e (e-), quantization_noise_e (e-), temporal_noise_e (e-),
-    fixed_pattern_e (e-), responsivity_e_per_K (e-/K), netd_K (K), snr, nei_photons_per_cm2 (1/cm²),
-    dynamic_range_dB (dB), gain_e_per_dn (e-/DN), mean_dn (DN), photon_weighting,
-    weighting_worth_percent (%), saturated_pixels.
+    fixed_pattern_e (e-), responsivity_e_per_K (e-/K), netd_K (K), snr, snr_at_reference,
+    nei_photons_per_cm2 (1/cm²), dynamic_range_dB (dB), gain_e_per_dn (e-/DN), mean_dn (DN),
+    photon_weighting, weighting_worth_percent (%), saturated_pixels.
     """
 
 def microbolometer(
@@ -2066,6 +2334,176 @@ def nuc(
     Inputs: image.
     Outputs: image, gain, offset, table.
     Read-outs: pattern_low, pattern_high, response_per_kelvin, weak_pixels.
+    """
+
+def rolling_shutter(
+    *,
+    image_velocity_x: float | Expression = 0.0,
+    image_velocity_y: float | Expression = 0.0,
+    line_time_s: float | Expression = 2e-05,
+) -> Part:
+    """Skew and stretch the picture: lines are exposed in turn while the image moves.
+
+    The top line is exposed first. Velocities are those of the image on the detector, in pixels. Put
+    this module before Sample Pixels or Combine Pixels: all samples of a line of pixels are exposed
+    together. Put modules that add noise after it. Between samples a windowed sinc interpolates.
+    Detail finer than 70 % of the samples' Nyquist frequency loses contrast, and edges without blur
+    ring. The frame continues beyond its edges as in Interpolate. Use Relative Motion MTF for the
+    blur within one exposure. Predicted MTFs and budgets are for an image at rest. Source: Liang,
+    Chang and Chen 2008, IEEE Transactions on Image Processing 17, 1323.
+
+    Parameters
+    ----------
+    image_velocity_x : float | Expression
+        velocity of the image to the right [px/s]: a number from -1e+06 to 1e+06; default 0.0
+    image_velocity_y : float | Expression
+        velocity of the image downwards [px/s]: a number from -1e+06 to 1e+06; default 0.0
+    line_time_s : float | Expression
+        time from one line to the next [s]: a number from 0 to 1; default 2e-05
+
+    Notes
+    -----
+    Rolling Shutter, in the group Detector.
+    Inputs: image.
+    Outputs: image.
+    Read-outs: skew_px (px).
+    """
+
+def frame_transfer_smear(
+    *,
+    line_transfer_time_s: float | Expression = 0.0,
+    integration_time_s: float | Expression = 0.01,
+    passed: Literal['both', 'above', 'below'] = 'both',
+) -> Part:
+    """Smear bright objects along their columns, as a frame-transfer CCD without a shutter does.
+
+    A packet of charge stays under every row that it passes for the time of one transfer. After the
+    exposure it passes the rows between it and the storage area; before, it passed the others. If
+    the detector is cleared just before the exposure, choose the side of the storage area. Put this
+    module after Sample Pixels or Combine Pixels and before Focal Plane, which then adds the shot
+    noise of the smear. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 1.
+
+    Parameters
+    ----------
+    line_transfer_time_s : float | Expression
+        time of one transfer [s]: a number from 0 to 1; default 0.0
+    integration_time_s : float | Expression
+        exposure time [s]: a number from 1e-09 to 1e+06; default 0.01
+    passed : Literal['both', 'above', 'below']
+        rows that a packet passes in the light: one of both, above, below; default 'both'
+
+    Notes
+    -----
+    Frame Transfer Smear, in the group Detector.
+    Inputs: image.
+    Outputs: image.
+    Read-outs: smear_percent (%).
+    """
+
+def blooming(
+    *,
+    full_well: float | Expression | None = None,
+    anti_blooming_percent: float | Expression = 0.0,
+) -> Part:
+    """Spill charge above the full well to the neighbours along the column.
+
+    A full pixel passes its excess to the pixels above and below, half each, until every pixel holds
+    its charge. What reaches the top or the bottom leaves the detector. The anti-blooming drain
+    removes its share of the excess first. The picture may have any unit proportional to electrons.
+    Put this module after Sample Pixels or Combine Pixels and before Focal Plane, with the value
+    that fills its well. Predicted MTFs and budgets ignore blooming. Sources: Janesick 2001,
+    Scientific Charge-Coupled Devices, chapter 4; Levine and Peres 2009, Potential Analysis 30, 1.
+
+    Parameters
+    ----------
+    full_well : float | Expression | None
+        sample value of a full pixel, in the picture's unit; empty: no blooming: a number from 1e-12
+        to 1e+12 or empty; default empty
+    anti_blooming_percent : float | Expression
+        share of the excess that the anti-blooming drain takes [%]: a number from 0 to 100; default
+        0.0
+
+    Notes
+    -----
+    Blooming, in the group Detector.
+    Inputs: image.
+    Outputs: image.
+    """
+
+def charge_trails(
+    *,
+    serial_efficiency: float | Expression = 1.0,
+    parallel_efficiency: float | Expression = 1.0,
+    amplifier: Literal['bottom_left', 'bottom_right', 'top_left', 'top_right'] = 'bottom_left',
+    extra_serial: int | Expression = 0,
+    extra_parallel: int | Expression = 0,
+) -> Part:
+    """Draw the trails of incomplete charge transfer, which grow with the distance to the amplifier.
+
+    Each transfer leaves a share of the charge to the next packet. Columns are shifted to the
+    amplifier's row, which is then read pixel by pixel. A pixel n transfers away loses about n·(1 −
+    efficiency) of its charge to its trail. Charge that trails out of the picture is lost. Charge
+    Transfer MTF blurs all pixels alike instead: use one of the two. Put this module after Sample
+    Pixels or Combine Pixels. Predicted MTFs are those of the middle pixel. Source: Janesick 2001,
+    Scientific Charge-Coupled Devices, chapter 5.
+
+    Parameters
+    ----------
+    serial_efficiency : float | Expression
+        share of the charge that a transfer along a row passes on: a number from 0.5 to 1; default
+        1.0
+    parallel_efficiency : float | Expression
+        share of the charge that a transfer along a column passes on: a number from 0.5 to 1;
+        default 1.0
+    amplifier : Literal['bottom_left', 'bottom_right', 'top_left', 'top_right']
+        corner with the amplifier: one of bottom_left, bottom_right, top_left, top_right; default
+        'bottom_left'
+    extra_serial : int | Expression
+        transfers along a row, outside the picture: a whole number from 0 to 1e+06; default 0
+    extra_parallel : int | Expression
+        transfers along a column, outside the picture: a whole number from 0 to 1e+06; default 0
+
+    Notes
+    -----
+    Charge Trails, in the group Detector.
+    Inputs: image.
+    Outputs: image.
+    Read-outs: trail_percent (%).
+    """
+
+def persistence(
+    *,
+    fast_percent: float | Expression = 0.0,
+    fast_time_constant_s: float | Expression = 1.0,
+    slow_percent: float | Expression = 0.0,
+    slow_time_constant_s: float | Expression = 100.0,
+    delay_s: float | Expression = 0.0,
+) -> Part:
+    """Add what is left of an earlier exposure: image lag that decays with two time constants.
+
+    Connect the picture of that exposure to `earlier`, with the same size and unit. The shares are
+    those at the end of that exposure. Budgets count the lag as a fixed pattern. Source: Smith,
+    Zavodny, Rahmer and Bonati 2008, Proceedings of SPIE 7021, 70210J (infrared detectors).
+
+    Parameters
+    ----------
+    fast_percent : float | Expression
+        share that decays fast [%]: a number from 0 to 100; default 0.0
+    fast_time_constant_s : float | Expression
+        time constant of that share [s]: a number from 1e-09 to 1e+09; default 1.0
+    slow_percent : float | Expression
+        share that decays slowly [%]: a number from 0 to 100; default 0.0
+    slow_time_constant_s : float | Expression
+        time constant of that share [s]: a number from 1e-09 to 1e+09; default 100.0
+    delay_s : float | Expression
+        time since the earlier exposure [s]: a number from 0 to 1e+09; default 0.0
+
+    Notes
+    -----
+    Persistence, in the group Detector.
+    Inputs: image, earlier.
+    Outputs: image.
+    Read-outs: lag_percent (%).
     """
 
 def poisson_noise(
@@ -2995,8 +3433,8 @@ def image_quality(
         ground sample distance normal to the line of sight, if you know it; empty: from the
         picture's interval and the range [m]: a number of at least 0 or empty; default empty
     elevation_deg : float | Expression | None
-        elevation of the line of sight above the horizon, seen from the target; empty: 90° less
-        off_nadir_deg [deg]: a number from 0 to 90 or empty; default empty
+        elevation of the line of sight at the target; empty: 90° less off_nadir_deg, or from
+        Camera's orbit if that is 0 [deg]: a number from 0 to 90 or empty; default empty
     off_nadir_deg : float | Expression
         look angle off nadir along the track over flat ground, if elevation_deg is empty [deg]: a
         number from 0 to 89; default 0.0
