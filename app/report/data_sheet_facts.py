@@ -10,7 +10,7 @@ import numpy as np
 
 from app.run.evaluation import Evaluation
 from app.run.responses import response
-from app.run.shipped import shipped_networks
+from app.run.shipped import every_network
 from core.chain.engine import Plan
 from core.chain.realize import realize
 from core.chain.wires import Image
@@ -282,7 +282,7 @@ def is_changed(evaluation: Evaluation) -> bool:
     """
     wanted = _named(evaluation.network.extra.get("published", ()))
     changed = False
-    for path in shipped_networks().values() if wanted else ():
+    for path in every_network().values() if wanted else ():
         text = path.read_text(encoding="utf-8")
         if '"published":' in text and _named(json.loads(text).get("published", ())) == wanted:
             library = evaluation.engine.library

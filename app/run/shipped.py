@@ -29,8 +29,23 @@ class Place:
 
 
 def shipped_networks() -> dict[str, Path]:
+    """The example networks, by name."""
+    return _networks("*.json")
+
+
+def published_networks() -> dict[str, Path]:
+    """Cameras from data sheets and papers, by name: found as the examples are, but not listed."""
+    return _networks("published/*.json")
+
+
+def every_network() -> dict[str, Path]:
+    """All networks that come with the program, by name."""
+    return {**published_networks(), **shipped_networks()}
+
+
+def _networks(pattern: str) -> dict[str, Path]:
     folder = Path(networks.__path__[0])
-    return {path.stem: path for path in sorted(folder.glob("*.json"))}
+    return {path.stem: path for path in sorted(folder.glob(pattern))}
 
 
 def find_network(text: str) -> Place:
@@ -48,12 +63,12 @@ def find_network(text: str) -> Place:
         )
     if is_there and not path.is_dir():
         return Place(path, path.stem or path.name)
-    shipped = shipped_networks()
-    if text in shipped:
-        return Place(shipped[text], text)
+    every = every_network()
+    if text in every:
+        return Place(every[text], text)
     if is_there:
         raise FileError(f"{shown_path(text)}: a folder, not a network file")
-    hint = alike(text, shipped) or f"; there are {', '.join(shipped) or 'none'}"
+    hint = alike(text, every) or f"; there are {', '.join(shipped_networks()) or 'none'}"
     raise FileError(f"{shown_path(text)} is neither a file nor the name of a shipped network{hint}")
 
 

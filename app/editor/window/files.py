@@ -13,7 +13,7 @@ from app.editor.dialogs import ROLE, FileDialog, Question, SaveDialog, drop_dial
 from app.editor.session import Session
 from app.editor.window.recent_files import Settings
 from app.run.open_marks import OpenMark
-from app.run.shipped import find_network, shipped_networks
+from app.run.shipped import every_network, find_network
 from core.editing.document import Document, mark, rebased
 from core.errors import ImagechainError, ParameterError
 from core.modules.declaration import Library, declaration, where_absent
@@ -311,7 +311,7 @@ def open_named(text: str, *, library: Library) -> Opened:
     """
     place = find_network(text)
     opened = open_network_file(place.path.absolute(), library=library)
-    if place.path in shipped_networks().values():
+    if place.path in every_network().values():
         return Opened(shipped_copy(opened.document), opened.remark)
     return opened
 

@@ -1,0 +1,62 @@
+"""Published cameras: sound networks, whose solved inputs are solved again."""
+
+import json
+
+import pytest
+
+from app.run.shipped import published_networks
+from command_line import run_here
+from core.network.file import format_network, load_network
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+FILES = published_networks()
+DOCUMENTS = {name: json.loads(path.read_text(encoding="utf-8")) for name, path in FILES.items()}
+SOLVED = [
+    (name, entry["of"][0], entry["until"])
+    for name, document in DOCUMENTS.items()
+    for entry in document["inputs"]
+    if "until" in entry
+]
+# Values that set up the computation and describe no instrument.
+SET_UP = {
+    "path", "unit", "fov_x_deg", "fov_y_deg", "kind", "width", "height", "temperature_K",
+    "photon_weighting", "platform", "fill_x", "fill_y", "direction", "pixels_y", "reference_K",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_network_is_sound_and_states_where_its_values_are_from(name, tmp_path):
+    path, document = FILES[name], DOCUMENTS[name]
+    network = load_network(path, library=LIBRARY)
+    assert format_network(network, library=LIBRARY) == path.read_text(encoding="utf-8")
+    assert set(network.layout) == set(network.nodes)
+    done = run_here("check", name, folder=tmp_path)
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    assert "warning" not in done.stdout
+    given = {parameter for node in network.nodes.values() for parameter in node.params}
+    stated = {port.partition(".")[2] for entry in document["inputs"] for port in entry["of"]}
+    assert given - SET_UP <= stated
+
+
+@pytest.mark.parametrize(("name", "parameter", "until"), SOLVED)
+def test_solved_inputs_are_solved_again(name, parameter, until, tmp_path):
+    """They are stored to four digits."""
+    node, _, key = parameter.partition(".")
+    words = "solve", name, "--for", parameter, "--until", until, "--json"
+    done = run_here(*words, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    stored = DOCUMENTS[name]["nodes"][node]["params"][key]
+    assert json.loads(done.stdout)["value"] == pytest.approx(stored, rel=5e-4)
+
+
+def test_the_report_of_one_compares_the_same(tmp_path):
+    """Found by its name, as an example is, and compared by `published_rows` too."""
+    done = run_here("run", "landsat8_oli", "--report", "facts.json", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    rows = json.loads((tmp_path / "facts.json").read_text())["published"]
+    assert [row["verdict"] for row in rows] == ["reproduced"] * 5
+    changed = ["--set", "camera.aperture_mm=100"]
+    done = run_here("run", "landsat8_oli", *changed, "--report", "facts.json", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "facts.json").read_text())["published"] == []
