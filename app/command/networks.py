@@ -7,7 +7,7 @@ import textwrap
 
 from app.command.results import show
 from app.options.command_options import Options
-from app.run.shipped import shipped_networks
+from app.run.shipped import published_networks, shipped_networks
 
 
 def carry_out(options: Options, _stop: object) -> None:
@@ -17,7 +17,10 @@ def carry_out(options: Options, _stop: object) -> None:
         for name, path in shipped_networks().items()
         for document in [json.loads(path.read_text(encoding="utf-8"))]
     ]
-    show(options, lambda: facts, *map(_entry, facts))
+    cameras = (
+        f"published cameras (imagechain handbook published): {', '.join(published_networks())}"
+    )
+    show(options, lambda: facts, *map(_entry, facts), textwrap.fill(cameras, 96))
 
 
 def _entry(fact: dict[str, str]) -> str:

@@ -265,6 +265,7 @@ PARTS = (
             "reference",
             "glossary",
             "shipped_networks",
+            "published_cameras",
             "formulas",
             "speed_and_accuracy",
             "how_it_works",

@@ -11,6 +11,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache, partial
 from itertools import groupby
 from pathlib import Path
 from types import MappingProxyType
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from app.handbook.example_figures import Example, curves, example_of, picture
 from app.handbook.markdown_text import FormulaError, anchor_of, formula_svg, rendered
 from app.handbook.module_examples import MODULES, PAGES, PARTS, REFERENCE, SHIPPED
+from app.handbook.published_cameras import published_camera
 from app.options.option_values import assignment
 from app.options.overrides import with_settings
 from app.run.shipped import find_network
@@ -140,9 +142,15 @@ def handbook_files(
     frame = _Frame(declared, drawn=drawn)
     found = []
     engine = Engine(library)
+    camera = cache(partial(published_camera, engine=engine))
 
     def figure(words: str) -> str:
-        return page_figure(words, engine) if drawn else f"<p>{_LATER}</p>"
+        if not drawn:
+            return f"<p>{_LATER}</p>"
+        kind, *names = words.split()
+        if kind in ("published", "overview"):
+            return frame.piece(f"{kind}_cameras.html", cameras=[camera(name) for name in names])
+        return page_figure(words, engine)
 
     for name, title in page_titles().items():
         progress(title)
@@ -229,7 +237,7 @@ def _cached(library: Library) -> Path:
 def content_mark(library: Library) -> str:
     """A name that changes with whatever the pages are made of."""
     digest = hashlib.sha256()
-    for folder in (PAGES, TEMPLATES):
+    for folder in (PAGES, TEMPLATES, SHIPPED / "published"):
         for path in sorted(folder.iterdir()):
             if path.is_file():
                 digest.update(path.name.encode() + b"\0" + path.read_bytes())
@@ -308,9 +316,13 @@ class _Frame:
             self._parts.append((f"Modules: {group}", entries))
         self._order = [entry for _, entries in self._parts for entry in entries]
 
+    def piece(self, template: str, **values: Any) -> str:
+        return self._environment.get_template(template).render(**values)
+
     def page(self, address: str, template: str, title: str, **values: Any) -> str:
         place = next(at for at, entry in enumerate(self._order) if entry[0] == address)
-        return self._environment.get_template(template).render(
+        return self.piece(
+            template,
             title=title,
             address=address,
             root="../" * address.count("/"),
@@ -340,6 +352,8 @@ def _plain(text: str) -> str:
 # edges pixels.image what is used the edges of a port's picture, as a measurement draws them
 # mtf pixels.image its MTF        and their MTF
 # shipped thumbnail_pupils.png   a picture that comes along, with its caption
+#
+# A block that begins with `published`, or `overview`, names cameras of `networks/published`.
 
 
 def page_figure(words: str, engine: Engine) -> str:

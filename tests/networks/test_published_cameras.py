@@ -1,11 +1,15 @@
-"""Published cameras: sound networks, whose solved inputs are solved again."""
+"""Published cameras: every figure within its stated difference, every solved input solved again."""
 
 import json
 
 import pytest
 
-from app.run.shipped import published_networks
+from app.handbook.markdown_text import blocks_of
+from app.handbook.module_examples import PAGES
+from app.handbook.published_cameras import published_camera
+from app.run.shipped import published_networks, shipped_networks
 from command_line import run_here
+from core.chain.engine import Engine
 from core.network.file import format_network, load_network
 from nodes.library import standard_library
 
@@ -23,6 +27,33 @@ SET_UP = {
     "path", "unit", "fov_x_deg", "fov_y_deg", "kind", "width", "height", "temperature_K",
     "photon_weighting", "platform", "fill_x", "fill_y", "direction", "pixels_y", "reference_K",
 }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def engine():
+    return Engine(LIBRARY)
+
+
+def test_the_page_shows_each_once_in_five_families():
+    words = [block.text.split() for block in blocks_of((PAGES / "published_cameras.md").read_text())
+             if block.kind == "figure"]  # fmt: skip
+    (overview, *listed), *families = words
+    assert overview == "overview"
+    assert {kind for kind, *_ in families} == {"published"}
+    assert [name for _, *names in families for name in names] == listed
+    assert sorted(listed) == sorted(FILES)
+    assert not FILES.keys() & shipped_networks().keys()
+    assert len(families) == 5
+    assert len(listed) >= 14
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_figures_are_within_their_stated_difference(name, engine):
+    camera = published_camera(name, engine)
+    for figure in camera.figures:
+        assert figure.where, figure.text
+        assert figure.reason, figure.text
+        assert abs(figure.ours - figure.value) <= figure.within, figure.text
 
 
 @pytest.mark.parametrize("name", FILES)
