@@ -37,7 +37,7 @@ def user_texts() -> list[Text]:
     pages = [ROOT / "README.md", *sorted((ROOT / "app/handbook/pages").rglob("*.md"))]
     found += [text for path in pages for text in _of_page(path)]
     found += [text for path in sorted((ROOT / "app").rglob("*.html")) for text in _of_page(path)]
-    return found + [text for path in sorted((ROOT / "networks").glob("*.json"))
+    return found + [text for path in sorted((ROOT / "networks").rglob("*.json"))
                     for text in _of_network(path)]  # fmt: skip
 
 
