@@ -88,10 +88,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     1)·(1 − ε²) the projected solid angle of the optics at F-number F and obscuration ε (Camera also
     takes a T-number, which includes τ, and the sine condition); τ optics_transmission; η
     cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
-    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07.
+    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or dark_current_A_per_cm2 over
+    the pixel's pitch, or Rule 07. dark_doubling_K scales both currents from dark_reference_K to
+    detector_K.
 
-    Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288; Tennant et al.
-    2008 (Rule 07).
+    Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
+    the dark current); Tennant et al. 2008 (Rule 07).
     """
 
     formulas = (
@@ -105,6 +107,11 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             r"N=N_s+t\,n\,A\varphi\,\mathrm{QE}\,(\pi-\Omega)(1-\eta)\,L_q(T_{hou})+t\,n\,i",
             where="electrons from the housing past a cold shield of efficiency η, and from "
             "the dark current i",
+        ),
+        Formula(
+            r"i=J\,A_p/q,\quad i(T)=i(T_0)\,2^{(T-T_0)/\Delta T}",
+            where="J: dark_current_A_per_cm2; A_p: pitch in x times pitch in y; q: elementary "
+            "charge; T: detector_K; T₀: dark_reference_K; ΔT: dark_doubling_K",
         ),
         Formula(
             r"\Omega=\frac{\pi}{4F^2+1}\left(1-\varepsilon^2\right)",
@@ -307,13 +314,17 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     @warning
     def dark_current(self) -> Caution | None:
         """A parameter of the dark current has no effect: Rule 07 is off, or replaces the number."""
-        if self.rule_07 and self.dark_current_e_per_s:
-            return Caution(
-                f"dark_current_e_per_s = {self.dark_current_e_per_s:g} e-/s is not used: "
-                "rule_07 is on and sets the dark current",
-                "switch rule_07 off, or set dark_current_e_per_s to 0",
-            )
-        if self.rule_07 or self.dark_current_e_per_s:
+        for name, unit in (
+            ("dark_current_e_per_s", "e-/s"), ("dark_current_A_per_cm2", "A/cm²"),
+            ("dark_doubling_K", "K"),
+        ):  # fmt: skip
+            if self.rule_07 and getattr(self, name):
+                return Caution(
+                    f"{name} = {getattr(self, name):g} {unit} is not used: "
+                    "rule_07 is on and sets the dark current",
+                    f"switch rule_07 off, or set {name} to 0",
+                )
+        if self.rule_07 or self.dark_current_e_per_s or self.dark_current_A_per_cm2:
             return None
         if not (self.detector_K and self.material_cutoff_um):
             return None

@@ -11,7 +11,9 @@ from core.modules.declaration import NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.detector.focal_plane_array import (
+    current_e_per_s,
     dark_electrons,
+    dark_factor,
     exposure_m2_s,
     gain_to_fill_e_per_dn,
     housing_sr,
@@ -30,8 +32,10 @@ _NEEDED_BY = {
     "full_well_e": "nonlinearity_percent refers to the full well",
     "housing_K": "with a cold_shield_efficiency below 1, radiation from the housing reaches the "
     "detector",
-    "detector_K": "rule_07 needs it",
+    "detector_K": "rule_07 and dark_doubling_K need it",
     "material_cutoff_um": "rule_07 needs it",
+    "dark_reference_K": "dark_doubling_K counts from this temperature",
+    "dark_doubling_K": "the dark current is known at dark_reference_K only",
 }
 
 
@@ -117,13 +121,32 @@ class FocalPlanePanel(SeededModule):
     dark_current_e_per_s: Annotated[
         float, Param("dark current per pixel", unit="e-/s", low=0, high=1e15, slider=(0, 1e7))
     ] = 0.0
+    dark_current_A_per_cm2: Annotated[
+        float,
+        Param("dark current density, over the whole pixel pitch, instead of the number per pixel",
+              unit="A/cm²", low=0, high=1e6, slider=(0, 1e-6)),
+    ] = 0.0  # fmt: skip
+    dark_reference_K: Annotated[
+        float | None,
+        Param("temperature at which the dark current is given; empty: the detector's own",
+              unit="K", low=0, high=1e3, slider=(60, 320)),
+    ] = None  # fmt: skip
+    dark_doubling_K: Annotated[
+        float | None,
+        Param("temperature rise that doubles the dark current; empty: none", unit="K", low=0,
+              high=1e3, slider=(2, 15)),
+    ] = None  # fmt: skip
     rule_07: Annotated[
         bool, Param("take the dark current of HgCdTe from Rule 07 instead of the number")
     ] = False
     detector_K: Annotated[
         float | None,
         Param(
-            "temperature of the detector, for Rule 07", unit="K", low=0, high=1e3, slider=(60, 200)
+            "temperature of the detector, for Rule 07 and dark_doubling_K",
+            unit="K",
+            low=0,
+            high=1e3,
+            slider=(60, 200),
         ),
     ] = None
     material_cutoff_um: Annotated[
@@ -221,7 +244,15 @@ class FocalPlanePanel(SeededModule):
         Section("Housing", ("cold_shield_efficiency", "housing_K"), page="Warmth"),
         Section(
             "Dark current",
-            ("dark_current_e_per_s", "rule_07", "detector_K", "material_cutoff_um"),
+            (
+                "dark_current_e_per_s",
+                "dark_current_A_per_cm2",
+                "dark_reference_K",
+                "dark_doubling_K",
+                "rule_07",
+                "detector_K",
+                "material_cutoff_um",
+            ),
             page="Warmth",
         ),
         Section("Well", ("full_well_e", "nonlinearity_percent"), page="Read-out"),
@@ -242,11 +273,17 @@ class FocalPlanePanel(SeededModule):
         for needed, why, unit in (
             ("full_well_e", self.nonlinearity_percent > 0, "e-"),
             ("housing_K", self.cold_shield_efficiency < 1, "K"),
-            ("detector_K", self.rule_07, "K"),
+            ("detector_K", self.rule_07 or self.dark_doubling_K, "K"),
             ("material_cutoff_um", self.rule_07, "µm"),
+            ("dark_reference_K", self.dark_doubling_K, "K"),
+            ("dark_doubling_K", self.dark_reference_K, "K"),
         ):
             if why and getattr(self, needed) is None:
                 raise ParameterError(needed, None, f"a number: {_NEEDED_BY[needed]}", unit=unit)
+        if self.dark_current_e_per_s and self.dark_current_A_per_cm2:
+            allowed = f"0 if dark_current_e_per_s = {self.dark_current_e_per_s:g} is given"
+            current = self.dark_current_A_per_cm2
+            raise ParameterError("dark_current_A_per_cm2", current, allowed, unit="A/cm²")
         if self.bits and self.gain_e_per_dn is None and self.full_well_e is None:
             raise ParameterError(
                 "gain_e_per_dn",
@@ -317,13 +354,23 @@ class FocalPlanePanel(SeededModule):
         return read_wavelengths(path, what="quantum efficiency", low=0.0, high=1.0)
 
     def _dark_current(self, context: Context) -> float:
-        if not self.rule_07 or self.detector_K is None or self.material_cutoff_um is None:
-            return self.dark_current_e_per_s
         pitch_x = of_context("detector_x_um", context, unit="µm")
-        return rule_07_e_per_s(
-            cutoff_um=self.material_cutoff_um,
-            detector_K=self.detector_K,
-            area_um2=pitch_x * of_context("detector_y_um", context, unit="µm"),
+        area_um2 = pitch_x * of_context("detector_y_um", context, unit="µm")
+        kelvin = self.detector_K
+        if self.rule_07 and kelvin is not None and self.material_cutoff_um is not None:
+            return rule_07_e_per_s(
+                cutoff_um=self.material_cutoff_um, detector_K=kelvin, area_um2=area_um2
+            )
+        current = self.dark_current_e_per_s
+        if self.dark_current_A_per_cm2:
+            density = self.dark_current_A_per_cm2
+            current = current_e_per_s(dark_current_A_per_cm2=density, area_um2=area_um2)
+        if kelvin is None or self.dark_reference_K is None or self.dark_doubling_K is None:
+            return current
+        return current * dark_factor(
+            detector_K=kelvin,
+            reference_K=self.dark_reference_K,
+            doubling_K=self.dark_doubling_K,
         )
 
     def area_cm2(self, context: Context) -> float:

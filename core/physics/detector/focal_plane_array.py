@@ -367,6 +367,7 @@ _SCALE_UM = 0.200847413564122
 _THRESHOLD_UM = 4.63513642316149
 _POWER = 0.544071281108481
 _PHOTON_EV_UM = 1.24  # as published, rounded
+_MOST_DOUBLINGS = 100.0
 
 
 def rule_07_A_per_cm2(*, cutoff_um: float, detector_K: float) -> float:  # noqa: N802
@@ -408,8 +409,44 @@ def rule_07_A_per_cm2(*, cutoff_um: float, detector_K: float) -> float:  # noqa:
 def rule_07_e_per_s(*, cutoff_um: float, detector_K: float, area_um2: float) -> float:
     """Electrons per second of that current through a pixel of some area, µm²."""
     density = rule_07_A_per_cm2(cutoff_um=cutoff_um, detector_K=detector_K)
+    return current_e_per_s(dark_current_A_per_cm2=density, area_um2=area_um2)
+
+
+def current_e_per_s(*, dark_current_A_per_cm2: float, area_um2: float) -> float:
+    """Electrons per second of a current density through a pixel of some area, µm²: J·A/q."""
+    density = non_negative("dark_current_A_per_cm2", dark_current_A_per_cm2, unit="A/cm²")
     area_cm2 = positive("area_um2", area_um2, unit="µm²") * 1e-8
     return density * area_cm2 / ELEMENTARY_CHARGE_C
+
+
+def dark_factor(*, detector_K: float, reference_K: float, doubling_K: float) -> float:
+    """Dark current at a temperature over the current at a reference: 2^((T − T₀)/ΔT).
+
+    Parameters
+    ----------
+    detector_K, reference_K : float
+        The detector's temperature T and the data sheet's T₀, above 0.
+    doubling_K : float
+        Temperature difference ΔT that doubles the current, above 0.
+
+    Raises
+    ------
+    ParameterError
+        For a value out of range, or temperatures so far apart that the factor has no number.
+
+    Source: EMVA 1288, release 3.1, section 2.4 (temperature of doubling); for silicon ΔT is 5 to
+    8 K around room temperature (Janesick 2001, Scientific Charge-Coupled Devices, chapter 7).
+    """
+    away = positive("detector_K", detector_K) - positive("dark_reference_K", reference_K)
+    doublings = away / positive("dark_doubling_K", doubling_K, unit="K")
+    if abs(doublings) > _MOST_DOUBLINGS:
+        raise ParameterError(
+            "dark_doubling_K",
+            doubling_K,
+            f"at least {abs(away) / _MOST_DOUBLINGS:.3g} for temperatures {abs(away):g} K apart",
+            unit="K",
+        )
+    return float(2.0**doublings)
 
 
 def _shortest_um() -> float:
