@@ -84,13 +84,13 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
-    pitch² times both fill factors of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² +
-    1)·(1 − ε²) the projected solid angle of the optics at F-number F and obscuration ε (Camera also
-    takes a T-number, which includes τ, and the sine condition); τ optics_transmission; η
-    cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
-    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or dark_current_A_per_cm2 over
-    the pixel's pitch, or Rule 07. dark_doubling_K scales both currents from dark_reference_K to
-    detector_K.
+    pitch² times both fill factors of Init & Trans; QE quantum_efficiency, the same in per cent,
+    responsivity_A_per_W·hc/(q·responsivity_um), or response; Ω = π/(4F² + 1)·(1 − ε²) the projected
+    solid angle of the optics at F-number F and obscuration ε (Camera also takes a T-number, which
+    includes τ, and the sine condition); τ optics_transmission; η cold_shield_efficiency; L_q
+    photons per s, m² and sr in the band, of the scene and, at optics_K and housing_K, of black
+    bodies; dark = t·n·dark_current_e_per_s, or dark_current_A_per_cm2 over the pixel's pitch, or
+    Rule 07. dark_doubling_K scales both currents from dark_reference_K to detector_K.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
     the dark current); Tennant et al. 2008 (Rule 07).

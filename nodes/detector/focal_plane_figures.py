@@ -355,6 +355,7 @@ def figures(
             "mean signal in digital numbers",
         ),
         ("scene_K", levels.scene_K, "K", "brightness temperature of the mean"),
+        ("quantum_efficiency", efficiency, "", "electrons per photon, mean over the band"),
         ("photon_weighting", collection.weights.used, "", "spectrum used to count photons"),
         *_worth(levels, collection),
     )

@@ -20,7 +20,7 @@ from core.physics.detector.focal_plane_array import (
     rule_07_e_per_s,
 )
 from core.physics.detector.photon_conversion import CountedPhotons, PhotonWeights
-from core.physics.detector.spectral_photons import QuantumEfficiency
+from core.physics.detector.spectral_photons import QuantumEfficiency, efficiency_of_responsivity
 from core.physics.noise.noise_equivalent import detector_area_cm2
 from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.detector.spectral_response import lit_windows
@@ -36,6 +36,8 @@ _NEEDED_BY = {
     "material_cutoff_um": "rule_07 needs it",
     "dark_reference_K": "dark_doubling_K counts from this temperature",
     "dark_doubling_K": "the dark current is known at dark_reference_K only",
+    "responsivity_um": "responsivity_A_per_W refers to this wavelength",
+    "responsivity_A_per_W": "responsivity_um is its wavelength",
 }
 
 
@@ -63,6 +65,21 @@ class FocalPlanePanel(SeededModule):
     quantum_efficiency: Annotated[
         float, Param("electrons per photon within the band", low=0, high=1, above=True)
     ] = 0.7
+    quantum_efficiency_percent: Annotated[
+        float | None,
+        Param("the same in per cent, used instead of the number, or empty", unit="%", low=0,
+              high=100),
+    ] = None  # fmt: skip
+    responsivity_A_per_W: Annotated[
+        float | None,
+        Param("current responsivity, used instead of the number, or empty", unit="A/W", low=0,
+              high=1e6, slider=(0, 10)),
+    ] = None  # fmt: skip
+    responsivity_um: Annotated[
+        float | None,
+        Param("wavelength of that responsivity; its quantum efficiency holds for the whole band",
+              unit="µm", low=0, high=1e3, slider=(0, 14)),
+    ] = None  # fmt: skip
     response: Annotated[
         Path | None, Param("CSV of µm and quantum efficiency, used instead of the number, or empty")
     ] = None
@@ -235,7 +252,15 @@ class FocalPlanePanel(SeededModule):
         Section("Exposure", ("integration_time_s", "tdi_stages", "frames_averaged"), page="Light"),
         Section(
             "Quantum efficiency",
-            ("quantum_efficiency", "response", "cut_on_um", "cut_off_um"),
+            (
+                "quantum_efficiency",
+                "quantum_efficiency_percent",
+                "responsivity_A_per_W",
+                "responsivity_um",
+                "response",
+                "cut_on_um",
+                "cut_off_um",
+            ),
             page="Light",
         ),
         Section("Radiance to photons", ("photon_weighting", "source_K"), page="Light"),
@@ -277,9 +302,18 @@ class FocalPlanePanel(SeededModule):
             ("material_cutoff_um", self.rule_07, "µm"),
             ("dark_reference_K", self.dark_doubling_K, "K"),
             ("dark_doubling_K", self.dark_reference_K, "K"),
+            ("responsivity_um", self.responsivity_A_per_W, "µm"),
+            ("responsivity_A_per_W", self.responsivity_um, "A/W"),
         ):
             if why and getattr(self, needed) is None:
                 raise ParameterError(needed, None, f"a number: {_NEEDED_BY[needed]}", unit=unit)
+        forms = ("response", "responsivity_A_per_W", "quantum_efficiency_percent")
+        given = [name for name in forms if getattr(self, name) is not None]
+        if len(given) > 1:
+            unit = {"quantum_efficiency_percent": "%"}.get(given[1], "A/W")
+            allowed = f"empty if {given[0]} is given"
+            raise ParameterError(given[1], getattr(self, given[1]), allowed, unit=unit)
+        self._efficiency()
         if self.dark_current_e_per_s and self.dark_current_A_per_cm2:
             allowed = f"0 if dark_current_e_per_s = {self.dark_current_e_per_s:g} is given"
             current = self.dark_current_A_per_cm2
@@ -315,7 +349,7 @@ class FocalPlanePanel(SeededModule):
         band = image.band_um or context.band_um
         low, high = given_band(self.cut_on_um, self.cut_off_um, band)
         points = self._points(here)
-        efficiency = QuantumEfficiency(low, high, self.quantum_efficiency, points)
+        efficiency = QuantumEfficiency(low, high, self._efficiency(), points)
         exposure = exposure_m2_s(
             pitch_x_um=of_context("detector_x_um", context, unit="µm"),
             pitch_y_um=of_context("detector_y_um", context, unit="µm"),
@@ -346,6 +380,15 @@ class FocalPlanePanel(SeededModule):
                 tdi_stages=self.tdi_stages,
             ),
         )
+
+    def _efficiency(self) -> float:
+        """Electrons per photon by the form in which it is given."""
+        if self.responsivity_A_per_W is not None and self.responsivity_um is not None:
+            return efficiency_of_responsivity(
+                responsivity_A_per_W=self.responsivity_A_per_W, wavelength_um=self.responsivity_um
+            )
+        percent = self.quantum_efficiency_percent
+        return self.quantum_efficiency if percent is None else percent / 100.0
 
     def _points(self, here: NodeContext) -> tuple[tuple[float, float], ...]:
         if self.response is None:

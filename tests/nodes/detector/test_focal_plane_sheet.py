@@ -6,6 +6,7 @@ from core.errors import ParameterError
 from focal_plane_bench import CAMERA_SHEET, cautions, focal_plane_bench
 
 CHARGE_C = 1.602176634e-19
+HC_J_M = 6.62607015e-34 * 299792458.0
 SILICON = {"dark_current_A_per_cm2": 1e-9, "detector_K": 263.15, "dark_reference_K": 293.15,
            "dark_doubling_K": 6.0}  # fmt: skip
 
@@ -42,6 +43,23 @@ def test_rule_07_sets_other_dark_currents_aside(tmp_path, name):
 
 
 @pytest.mark.parametrize(
+    "params",
+    [
+        {"quantum_efficiency_percent": 62.0},
+        # 0.62·q·λ/(hc): 2.25028 A/W at 4.5 µm
+        {"responsivity_A_per_W": 0.62 * CHARGE_C * 4.5e-6 / HC_J_M, "responsivity_um": 4.5},
+    ],
+    ids=["per cent", "A/W"],
+)
+def test_quantum_efficiency_in_other_forms(tmp_path, params):
+    wanted = figures_of(tmp_path, {"quantum_efficiency": 0.62})
+    bench = focal_plane_bench(tmp_path, {**CAMERA_SHEET, **params}, size=(8, 6))
+    assert bench.readouts("it")["signal_e"] == pytest.approx(wanted["signal_e"], rel=1e-12)
+    table = bench.value("it.table").as_dict()
+    assert table["quantum_efficiency"] == pytest.approx(0.62, rel=1e-12)
+
+
+@pytest.mark.parametrize(
     ("params", "line"),
     [
         ({"dark_current_A_per_cm2": 1e-9, "dark_current_e_per_s": 5.0},
@@ -49,6 +67,11 @@ def test_rule_07_sets_other_dark_currents_aside(tmp_path, name):
         ({**SILICON, "dark_reference_K": None}, "dark_reference_K"),
         ({**SILICON, "dark_doubling_K": None}, "dark_doubling_K"),
         ({**SILICON, "detector_K": None}, "rule_07 and dark_doubling_K need it"),
+        ({"quantum_efficiency_percent": 60, "responsivity_A_per_W": 1, "responsivity_um": 4},
+         "quantum_efficiency_percent = 60.0 % is not allowed: empty if responsivity_A_per_W is"),
+        ({"responsivity_A_per_W": 4.0, "responsivity_um": 4.5}, "at most 3.629 at 4.5 µm"),
+        ({"responsivity_A_per_W": 1.0}, "responsivity_um"),
+        ({"responsivity_um": 4.0}, "responsivity_A_per_W"),
         ({**SILICON, "dark_doubling_K": 0.1}, "at least 0.3 for temperatures 30 K apart"),
     ],
 )  # fmt: skip
