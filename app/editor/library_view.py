@@ -245,7 +245,8 @@ _ALSO: Mapping[str, str] = MappingProxyType(
         "periodic_noise": "banding striping coherent",
         "line_of_sight": "LOS PSD power spectral density stabilization pointing drift",
         "tdi_mtf": "time delay integration clock smear",
-        "focal_plane": "FPA camera electrons QE well ADC NETD NEI PRNU DSNU dark current TDI",
+        "focal_plane": "FPA camera electrons QE well ADC NETD NEI PRNU DSNU dark current TDI "
+        "EMCCD APD QWIP excess noise responsivity",
         "noise_3d_source": "1/f flicker NVESD",
         "microbolometer": "uncooled LWIR thermal detector VOx",
         "nuc": "FPN shutter flat field calibration gain offset",

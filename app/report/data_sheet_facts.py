@@ -129,6 +129,7 @@ _GROUPS: Mapping[str, tuple[str, Rows]] = {
 _CAMERAS = ("camera", "focal_plane", "microbolometer")  # without one there is no data sheet
 _NOISES = (
     ("Shot noise", "shot_noise_e"),
+    ("Excess noise of the charge gain", "excess_noise_e"),
     ("Read noise", "read_noise_e"),
     ("Quantization", "quantization_noise_e"),
     ("All temporal noise", "temporal_noise_e"),
@@ -208,6 +209,8 @@ def _noise_rows(figures: Mapping[str, Any]) -> Iterator[Fact]:
     per_kelvin = figures.get("responsivity_e_per_K")
     for label, name in _NOISES:
         noise = figures[name]
+        if name == "excess_noise_e" and not noise:
+            continue
         yield {"label": label, "e-": noise, "K": noise / per_kelvin if per_kelvin else None}
 
 

@@ -82,6 +82,11 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     responsivity and SNR include the nonlinearity; signal and well fill count the electrons
     collected. `saturated` is 1 where the well is full or the converter has clipped.
 
+    A charge gain multiplies before the read-out and adds excess noise. All results stay in
+    electrons before the gain. Read noise, gain_e_per_dn and register_well_e count electrons behind
+    it, and so does full_well_e, except with an EM register. Amperes include a gain within the
+    pixel, as a QWIP's data sheet gives them; e-/s, DSNU and Rule 07 do not.
+
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
     pitch² times both fill factors of Init & Trans; QE quantum_efficiency, the same in per cent,
@@ -93,7 +98,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     Rule 07. dark_doubling_K scales both currents from dark_reference_K to detector_K.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
-    the dark current); Tennant et al. 2008 (Rule 07).
+    the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and
+    Hadwen 2003 (EM registers); McIntyre 1966 (avalanches).
     """
 
     formulas = (
@@ -123,6 +129,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             r"dsnu}^2}",
             where="temporal noise of an exposure, and the fixed pattern, in electrons; K: "
             "electrons per digital number; p: PRNU",
+        ),
+        Formula(
+            r"\sigma_t=\sqrt{F\,N+\left(\sigma_{read}/G\right)^2+\left(K/G\right)^2/12}",
+            where="G: charge_gain_factor; F: excess noise factor: 2 in a photoconductor, "
+            "(2(G−1)/G^(1/N)+1)/G in a register of N stages, kG+(1−k)(2−1/G) in an avalanche",
+            when="a charge gain",
         ),
         Formula(
             r"\mathrm{NETD}=\frac{\sigma_t}{\partial N/\partial T},\quad\mathrm{DN}=\mathrm{"
@@ -169,13 +181,22 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             frames=self.frames_averaged,
             **spread,
         )
-        well = {"full_well_e": self.full_well_e}
+        if reading.excess_factor > 1.0:
+            collected = here.step(
+                steps.multiplied,
+                collected,
+                mean,
+                self.deviates(here, "excess", image.shape),
+                frames=self.frames_averaged,
+                factor=reading.excess_factor,
+            )
+        well = {"full_well_e": reading.full_well_e}
         electrons = here.step(
             steps.read_out,
-            self._bent(collected, levels, here),
+            self._bent(collected, levels, reading, here),
             here.step(clipping_level, levels, reading=reading),
             *([self.deviates(here, "read", image.shape)] if self.read_noise_e else []),
-            sigma_e=self.read_noise_e / self.frames_averaged**0.5,
+            sigma_e=reading.read_noise_e / self.frames_averaged**0.5,
             **well,
         )
         if self.bad_pixel_percent:
@@ -189,7 +210,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             electrons = here.step(steps.with_bad_pixels, electrons, bad, levels, **hot)
         numbers = {"gain_e_per_dn": reading.gain_e_per_dn, "offset_dn": self.offset_dn}
         saturated = here.step(steps.saturated_pixels, electrons, bits=self.bits, **numbers, **well)
-        clean = self._bent(mean, levels, here)
+        clean = self._bent(mean, levels, reading, here)
         noise = here.step(difference, electrons, clean)
         count = here.step(steps.count_of, saturated)
         image = replace(
@@ -203,14 +224,16 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             table=Table(here.step(steps.with_saturated, table, count)),
         )
 
-    def _bent(self, electrons: Recipe, levels: Recipe, here: NodeContext) -> Recipe:
+    def _bent(
+        self, electrons: Recipe, levels: Recipe, reading: ReadOut, here: NodeContext
+    ) -> Recipe:
         if not self.nonlinearity_percent:
             return electrons
         return here.step(
             steps.bent,
             electrons,
             levels,
-            full_well_e=self.full_well_e,
+            full_well_e=reading.full_well_e,
             nonlinearity_percent=self.nonlinearity_percent,
         )
 
@@ -236,8 +259,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     def _hot_e(self, reading: ReadOut) -> float | None:
         """Electrons of a hot pixel: the full well, else what is just beyond the last number."""
-        if self.full_well_e is not None or not self.bits:
-            return self.full_well_e
+        if reading.full_well_e is not None or not self.bits:
+            return reading.full_well_e
         return (reading.top_dn + 1.0 - self.offset_dn) * reading.gain_e_per_dn
 
     @warning
@@ -336,6 +359,16 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         )
 
     @warning
+    def unused_gain(self) -> Caution | None:
+        """The charge gain has no effect, because its kind is none."""
+        if self.charge_gain != "none" or self.charge_gain_factor == 1.0:
+            return None
+        return Caution(
+            f"charge_gain_factor = {self.charge_gain_factor:g} is not used: charge_gain is none",
+            "choose what multiplies in charge_gain, or set charge_gain_factor to 1",
+        )
+
+    @warning
     def optics(self, image: Image, context: Context) -> Caution | None:
         """Diffraction is computed for other wavelengths than the cold filter passes."""
         known = image.band_um or context.band_um
@@ -386,7 +419,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         """How full the well is and of what, the noise by source; of bands, the response too."""
         image: Image = planned.sound().inputs["image"]
         table: Table = planned.outputs["table"]
-        budget = budget_preview(work.value(table.recipe).as_dict(), self.full_well_e)
+        budget = budget_preview(work.value(table.recipe).as_dict(), self.read_out().full_well_e)
         if image.bands is None:
             return budget
         over = response_preview(self.response_over_band(planned, here), image, work)
@@ -410,6 +443,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         "well_fill_percent", "%", "Fraction of the full well that all electrons fill."
     )
     shot_noise_e = _figure("shot_noise_e", "e-", "Shot noise of all electrons.")
+    excess_noise_e = _figure("excess_noise_e", "e-", "Excess noise of the charge gain.")
     read_noise_figure = _figure("read_noise_e", "e-", "Read noise, averaged over the frames.")
     quantization_noise_e = _figure(
         "quantization_noise_e", "e-", "Quantization noise of the converter."
@@ -417,7 +451,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     temporal_noise_e = _figure(
         "temporal_noise_e",
         "e-",
-        "Temporal noise: shot noise, read noise and quantization together.",
+        "Temporal noise: shot, excess and read noise and quantization together.",
     )
     fixed_pattern_e = _figure("fixed_pattern_e", "e-", "PRNU and DSNU.")
     responsivity_e_per_K = _figure(

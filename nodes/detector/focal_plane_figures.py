@@ -80,7 +80,10 @@ class Collection:
 
 @dataclass(frozen=True)
 class ReadOut:
+    """Noise, well and numbers, in electrons before the charge gain."""
+
     read_noise_e: float
+    excess_factor: float
     frames: int
     prnu_percent: float
     dsnu_e: float
@@ -292,6 +295,7 @@ def figures(
     total, frames = levels.total_e, reading.frames
     slope = _bent_slope(total, reading)
     shot, read, rounding, temporal = _noises(total, reading)
+    excess = shot * (reading.excess_factor - 1.0) ** 0.5
     clipped = mean_clipped(levels, reading)
     why = "" if clipped is None else clipped.message
     responsivity = levels.electrons_per_K if clipped is None else None
@@ -303,7 +307,8 @@ def figures(
     well, decibels, too_dark = reading.full_well_e, None, ""
     fill = None if well is None else 100.0 * total / well
     saturation = reading.saturation_e
-    dark_noise = math.hypot(read, rounding, shot_noise_e(electrons=levels.dark_e / frames))
+    dark = levels.dark_e * reading.excess_factor / frames
+    dark_noise = math.hypot(read, rounding, shot_noise_e(electrons=dark))
     if levels.dark_e >= saturation:
         too_dark = f"{levels.dark_e:.4g} dark electrons reach saturation at {saturation:.4g} e-"
     elif 0.0 < saturation < np.inf:
@@ -315,6 +320,9 @@ def figures(
         nei = nei_photons_per_cm2(
             temporal_e=temporal / slope, quantum_efficiency=efficiency, area_cm2=area_cm2
         )
+    threshold = None
+    if efficiency:
+        threshold = (dark_noise + 0.5 * reading.excess_factor / frames) / efficiency
     rows: tuple[tuple[Any, ...], ...] = (
         ("signal_e", levels.signal_e, "e-", "electrons from the scene"),
         ("optics_e", levels.optics_e, "e-", "electrons from the optics' own emission"),
@@ -322,6 +330,7 @@ def figures(
         ("dark_e", levels.dark_e, "e-", "electrons from the dark current"),
         ("well_fill_percent", fill, "%", "fraction of the full well that all electrons fill"),
         ("shot_noise_e", shot, "e-", "shot noise of all electrons"),
+        ("excess_noise_e", excess, "e-", "excess noise of the charge gain"),
         ("read_noise_e", read, "e-", "read noise after averaging all frames"),
         ("quantization_noise_e", rounding, "e-", "quantization noise"),
         ("temporal_noise_e", temporal, "e-", "all noise that changes from frame to frame"),
@@ -346,7 +355,7 @@ def figures(
         *_at_reference(levels, collection, reading, reference_radiance),
         ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure that equal the noise", why),
         ("dynamic_range_dB", decibels, "dB", "saturation over the noise in the dark", too_dark),
-        *_emva(levels, reading, (dark_noise + 0.5 / frames) / efficiency if efficiency else None),
+        *_emva(levels, reading, threshold),
         ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons per digital number"),
         (
             "mean_dn",
@@ -363,12 +372,13 @@ def figures(
 
 
 def _noises(total_e: float, reading: ReadOut) -> tuple[float, float, float, float]:
-    """Shot noise, read noise and rounding of that many electrons, and all together."""
+    """Shot noise, read noise and rounding of that many electrons, and all with excess noise."""
     shot = shot_noise_e(electrons=total_e, frames_averaged=reading.frames)
     shot *= _bent_slope(total_e, reading)
     read = reading.read_noise_e / reading.frames**0.5
     rounding = quantization_noise_e(gain_e_per_dn=reading.gain_e_per_dn) if reading.bits else 0.0
-    temporal = temporal_noise_e(shot_e=shot, read_e=read, quantization_e=rounding)
+    counted = shot * reading.excess_factor**0.5
+    temporal = temporal_noise_e(shot_e=counted, read_e=read, quantization_e=rounding)
     return shot, read, rounding, temporal
 
 
@@ -406,7 +416,7 @@ def _emva(
     room = reading.saturation_e - levels.pedestal_e
     most = radiance = None
     if 0.0 < room < np.inf:
-        most = math.sqrt(reading.saturation_e * reading.frames)
+        most = math.sqrt(reading.saturation_e * reading.frames / reading.excess_factor)
         share = room / levels.signal_e if levels.signal_e > 0.0 else math.inf
         radiance = _finite(levels.seen.mean * (levels.radiance_per_photon or 1.0) * share)
     yield "snr_max", most, "", "SNR of shot noise alone at saturation (EMVA 1288)"
@@ -465,6 +475,7 @@ def _finite(value: float) -> float | None:
 
 # The preview: the well as a bar, filled by what brings electrons, and a bar for every noise.
 
+_BAR_LINES = 1.4  # of text, a noise's bar
 _SOURCES = (
     ("scene", "signal_e"),
     ("optics", "optics_e"),
@@ -499,6 +510,10 @@ def budget_preview(figures: Mapping[str, Any], full_well_e: float | None) -> Pre
         Bar(name, figures[key], noise(figures[key]), colour)
         for colour, (name, key) in enumerate(_NOISES, len(_SOURCES))
     ]
+    excess, more = figures["excess_noise_e"], 0.0
+    if excess:
+        bars.insert(1, Bar("excess", excess, noise(excess), bars[0].colour))
+        more = _BAR_LINES
     temporal = figures["temporal_noise_e"]
     words = [filled, *(f"{bar.name} noise {bar.value}" for bar in bars)]
     words.append(f"total temporal noise {noise(temporal)}")
@@ -507,4 +522,5 @@ def budget_preview(figures: Mapping[str, Any], full_well_e: float | None) -> Pre
         merit = f"NETD {kelvin(netd_K)}"
     well = Stack(sources, full_well_e, filled, merit, excess=total > (full_well_e or math.inf))
     all_bars = (*bars, Bar("temporal", temporal, noise(temporal), "faint_text"))
-    return Preview("; ".join([*words, merit] if merit else words), (well, Bars(all_bars, 6.9)))
+    parts = (well, Bars(all_bars, 6.9 + more))
+    return Preview("; ".join([*words, merit] if merit else words), parts, more_lines=more)

@@ -10,6 +10,7 @@ from core.errors import ParameterError
 from core.modules.declaration import NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
+from core.physics.detector.charge_gain import ChargeGain, excess_noise_factor
 from core.physics.detector.focal_plane_array import (
     current_e_per_s,
     dark_electrons,
@@ -36,6 +37,7 @@ _NEEDED_BY = {
     "material_cutoff_um": "rule_07 needs it",
     "dark_reference_K": "dark_doubling_K counts from this temperature",
     "dark_doubling_K": "the dark current is known at dark_reference_K only",
+    "ionization_ratio": "an avalanche needs it if excess_noise_factor is empty",
     "responsivity_um": "responsivity_A_per_W refers to this wavelength",
     "responsivity_A_per_W": "responsivity_um is its wavelength",
 }
@@ -182,6 +184,34 @@ class FocalPlanePanel(SeededModule):
             "electrons that a pixel can hold; empty: unlimited", unit="e-", low=0, slider=(0, 1e7)
         ),
     ] = None
+    register_well_e: Annotated[
+        float | None,
+        Param("electrons that the read-out holds, after the charge gain; empty: unlimited",
+              unit="e-", low=0, slider=(0, 1e7)),
+    ] = None  # fmt: skip
+    charge_gain: Annotated[
+        ChargeGain,
+        Param("gain before the read-out: in a photoconductor (QWIP), an EMCCD's register, or an "
+              "avalanche diode"),
+    ] = "none"  # fmt: skip
+    charge_gain_factor: Annotated[
+        float,
+        Param("mean number of electrons that one electron becomes", low=0, high=1e5, above=True,
+              slider=(0.1, 1000)),
+    ] = 1.0  # fmt: skip
+    excess_noise_factor: Annotated[
+        float | None,
+        Param("variance added by the gain, as a factor on shot noise squared; empty: computed",
+              low=1, high=1e5, slider=(1, 4)),
+    ] = None  # fmt: skip
+    register_stages: Annotated[
+        int, Param("stages of the EM register", low=1, high=100000, slider=(100, 1000))
+    ] = 536
+    ionization_ratio: Annotated[
+        float | None,
+        Param("ionization rate of the weaker carrier over the stronger one's (k)", low=0, high=1,
+              zero_is_empty=False),
+    ] = None  # fmt: skip
     nonlinearity_percent: Annotated[
         float,
         Param(
@@ -280,7 +310,20 @@ class FocalPlanePanel(SeededModule):
             ),
             page="Warmth",
         ),
-        Section("Well", ("full_well_e", "nonlinearity_percent"), page="Read-out"),
+        Section("Charge gain", ("charge_gain",), page="Gain"),
+        Section(
+            "",
+            ("charge_gain_factor", "excess_noise_factor"),
+            page="Gain",
+            shown_when=("charge_gain", ("photoconductive", "em_register", "avalanche")),
+        ),
+        Section(
+            "", ("register_stages",), page="Gain", shown_when=("charge_gain", ("em_register",))
+        ),
+        Section("", ("ionization_ratio",), page="Gain", shown_when=("charge_gain", ("avalanche",))),
+        Section(
+            "Well", ("full_well_e", "register_well_e", "nonlinearity_percent"), page="Read-out"
+        ),
         Section(
             "Noise",
             ("read_noise_e", "prnu_percent", "dsnu_e", "bad_pixel_percent"),
@@ -302,6 +345,7 @@ class FocalPlanePanel(SeededModule):
             ("material_cutoff_um", self.rule_07, "µm"),
             ("dark_reference_K", self.dark_doubling_K, "K"),
             ("dark_doubling_K", self.dark_reference_K, "K"),
+            ("ionization_ratio", self._is_avalanche and not self.excess_noise_factor, ""),
             ("responsivity_um", self.responsivity_A_per_W, "µm"),
             ("responsivity_A_per_W", self.responsivity_um, "A/W"),
         ):
@@ -314,6 +358,7 @@ class FocalPlanePanel(SeededModule):
             allowed = f"empty if {given[0]} is given"
             raise ParameterError(given[1], getattr(self, given[1]), allowed, unit=unit)
         self._efficiency()
+        self._excess_factor()
         if self.dark_current_e_per_s and self.dark_current_A_per_cm2:
             allowed = f"0 if dark_current_e_per_s = {self.dark_current_e_per_s:g} is given"
             current = self.dark_current_A_per_cm2
@@ -327,22 +372,53 @@ class FocalPlanePanel(SeededModule):
             )
 
     def read_out(self) -> ReadOut:
-        gain = self.gain_e_per_dn
+        """Noise, well and numbers of the read-out, in electrons before the charge gain."""
+        gain, charge = self.gain_e_per_dn, self._gain()
         if gain is None:
             gain = 1.0
-            if self.bits and self.full_well_e is not None:
-                gain = gain_to_fill_e_per_dn(full_well_e=self.full_well_e, bits=self.bits)
+            well = self.full_well_e
+            if self.charge_gain == "em_register" and self.register_well_e is not None:
+                well = self.register_well_e
+            if self.bits and well is not None:
+                gain = gain_to_fill_e_per_dn(full_well_e=well, bits=self.bits)
         return ReadOut(
-            read_noise_e=self.read_noise_e,
+            read_noise_e=self.read_noise_e / charge,
+            excess_factor=self._excess_factor(),
             frames=self.frames_averaged,
             prnu_percent=self.prnu_percent,
             dsnu_e=self.dsnu_e,
             nonlinearity_percent=self.nonlinearity_percent,
-            full_well_e=self.full_well_e,
-            gain_e_per_dn=gain,
+            full_well_e=self._well_e(),
+            gain_e_per_dn=gain / charge,
             offset_dn=self.offset_dn,
             bits=self.bits,
         )
+
+    @property
+    def _is_avalanche(self) -> bool:
+        return self.charge_gain == "avalanche"
+
+    def _gain(self, *, in_pixel: bool = False) -> float:
+        """Charge gain before the read-out, or that within the pixel: a register's comes after."""
+        used = self.charge_gain != "none" and not (in_pixel and self.charge_gain == "em_register")
+        return self.charge_gain_factor if used else 1.0
+
+    def _excess_factor(self) -> float:
+        """Variance behind the gain over that without its noise."""
+        computed = excess_noise_factor(
+            charge_gain=self.charge_gain,
+            factor=self._gain(),
+            register_stages=self.register_stages,
+            ionization_ratio=self.ionization_ratio or 0.0,
+        )
+        if self.charge_gain == "none" or self.excess_noise_factor is None:
+            return computed
+        return self.excess_noise_factor
+
+    def _well_e(self) -> float | None:
+        """Electrons before the gain that fill the pixel or the read-out, whichever comes first."""
+        wells = (self.full_well_e, self._gain(in_pixel=True)), (self.register_well_e, self._gain())
+        return min((well / gain for well, gain in wells if well is not None), default=None)
 
     def collection(self, image: Image, context: Context, here: NodeContext) -> Collection:
         """What makes the mean number of electrons of a radiance."""
@@ -385,7 +461,9 @@ class FocalPlanePanel(SeededModule):
         """Electrons per photon by the form in which it is given."""
         if self.responsivity_A_per_W is not None and self.responsivity_um is not None:
             return efficiency_of_responsivity(
-                responsivity_A_per_W=self.responsivity_A_per_W, wavelength_um=self.responsivity_um
+                responsivity_A_per_W=self.responsivity_A_per_W,
+                wavelength_um=self.responsivity_um,
+                gain=self._gain(in_pixel=True),
             )
         percent = self.quantum_efficiency_percent
         return self.quantum_efficiency if percent is None else percent / 100.0
@@ -408,6 +486,7 @@ class FocalPlanePanel(SeededModule):
         if self.dark_current_A_per_cm2:
             density = self.dark_current_A_per_cm2
             current = current_e_per_s(dark_current_A_per_cm2=density, area_um2=area_um2)
+            current /= self._gain(in_pixel=True)
         if kelvin is None or self.dark_reference_K is None or self.dark_doubling_K is None:
             return current
         return current * dark_factor(

@@ -25,6 +25,7 @@ from core.evaluation.recipes import (
 )
 from core.evaluation.region import Region
 from core.evaluation.work import Work
+from core.physics.detector.charge_gain import multiplied_charge
 from core.physics.detector.focal_plane_array import DEAD, HOT, bad_pixel_places, bent_response
 from core.physics.noise.poisson import poisson_of_normal
 from nodes.detector.focal_plane_figures import (
@@ -173,6 +174,35 @@ def collected(
             electrons += dsnu[rows] * number(dsnu_e)
 
     return _by_rows(work, mean, block)
+
+
+@noises_in_blocks
+def _excess(
+    at: AtStep, picture: Recipe, mean: Recipe, *_: Recipe, frames: int, factor: float
+) -> list[Noise]:
+    electrons = at.work.value(mean)
+    share = (factor - 1.0) / frames
+    power = at.by_rows(lambda e: np.maximum(np.asarray(e, np.float64), 0.0) * share, electrons)
+    return [at.white("excess", power)]
+
+
+@picture_step(noise=_excess, looks_at=("mean",))
+@pointwise
+def multiplied(
+    work: Work, picture: Array, mean: Array, deviates: Array, *, frames: int, factor: float
+) -> Array:
+    """Behind a noisy charge gain, over that gain; `mean` is for the noise that it adds."""
+
+    def block(rows: slice, made: Array) -> None:
+        number = picture.dtype.type(frames)
+        charge = picture[rows] if frames == 1 else picture[rows] * number
+        multiplied_charge(
+            electrons=charge, deviates=deviates[rows], excess_noise_factor=factor, out=made
+        )
+        if frames != 1:
+            made /= number
+
+    return _by_rows(work, picture, block)
 
 
 def _bending(picture: Recipe, levels: Recipe, **how: Any) -> AboutLevel:

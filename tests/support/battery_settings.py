@@ -82,7 +82,7 @@ EXAMPLES = Examples({
         "integration_time_s": 1e-5, "optics_K": 290, "cold_shield_efficiency": 0.9,
         "housing_K": 300, "dark_current_e_per_s": 1e5, "full_well_e": 4e6, "read_noise_e": 300,
         "prnu_percent": 1, "dsnu_e": 200, "nonlinearity_percent": 1, "bad_pixel_percent": 3,
-        "bits": 12, "offset_dn": 10,
+        "bits": 12, "offset_dn": 10, "charge_gain": "photoconductive", "charge_gain_factor": 0.5,
     },
     "microbolometer": {
         "netd_mK": 80, "corner_Hz": 2, "longest_period_s": 5, "response_percent": 2,

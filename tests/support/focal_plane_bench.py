@@ -1,5 +1,6 @@
 """A uniform scene before a Focal Plane, as a data sheet of a cooled camera has it."""
 
+from core.modules.declaration import declaration
 from node_bench import NodeBench
 from nodes.library import standard_library
 
@@ -33,7 +34,9 @@ def focal_plane_bench(
     ]  # fmt: skip
     for key in behind:
         nodes[key] = (key, {})
-        links += [("init.context", f"{key}.context"), ("it.image", f"{key}.image")]
+        links.append(("it.image", f"{key}.image"))
+        if declaration(LIBRARY[key]).input("context"):
+            links.append(("init.context", f"{key}.context"))
     return NodeBench(LIBRARY, folder, nodes, links, precision=precision)
 
 

@@ -29,20 +29,24 @@ PHOTON_ENERGY_J_UM = PLANCK_J_S * SPEED_OF_LIGHT_M_S * 1e6
 _LARGEST_X = 700.0
 
 
-def efficiency_of_responsivity(*, responsivity_A_per_W: float, wavelength_um: float) -> float:
-    """Electrons per photon of a current responsivity at a wavelength: R·hc/(q·λ).
+def efficiency_of_responsivity(
+    *, responsivity_A_per_W: float, wavelength_um: float, gain: float = 1.0
+) -> float:
+    """Electrons per photon of a current responsivity at a wavelength: R·hc/(G·q·λ).
 
     Parameters
     ----------
     responsivity_A_per_W : float
-        Above 0; at most q·λ/(hc), where every photon gives an electron.
+        Above 0; at most G·q·λ/(hc), where every photon gives an electron.
     wavelength_um : float
         Above 0.
+    gain : float
+        Charge gain G that the current includes, above 0.
 
-    Source: Rogalski 2011, Infrared Detectors, 2nd ed., chapter 3, R = η·q·λ/(hc) at a gain of 1.
+    Source: Rogalski 2011, Infrared Detectors, 2nd ed., chapter 3, R = G·η·q·λ/(hc).
     """
     wavelength = positive("responsivity_um", wavelength_um, unit="µm")
-    most = ELEMENTARY_CHARGE_C * wavelength / PHOTON_ENERGY_J_UM
+    most = gain * ELEMENTARY_CHARGE_C * wavelength / PHOTON_ENERGY_J_UM
     efficiency = positive("responsivity_A_per_W", responsivity_A_per_W, unit="A/W") / most
     if efficiency > 1.0:
         allowed = f"at most {most:.4g} at {wavelength:g} µm, where each photon gives an electron"

@@ -1,8 +1,12 @@
 """Focal Plane: entries of data sheets in other forms, against hand calculations and statistics."""
 
+import math
+
+import numpy as np
 import pytest
 
 from core.errors import ParameterError
+from core.evaluation.region import Region
 from focal_plane_bench import CAMERA_SHEET, cautions, focal_plane_bench
 
 CHARGE_C = 1.602176634e-19
@@ -59,6 +63,116 @@ def test_quantum_efficiency_in_other_forms(tmp_path, params):
     assert table["quantum_efficiency"] == pytest.approx(0.62, rel=1e-12)
 
 
+def exposure_of(electrons):
+    """For a signal of so many electrons of the reference camera at 300 K."""
+    return {"integration_time_s": 0.004 * electrons / 584765.21021844287024}
+
+
+EMCCD = {
+    "charge_gain": "em_register", "charge_gain_factor": 300.0, "read_noise_e": 60.0, "bits": 16,
+    "full_well_e": 80_000, "register_well_e": 600_000, "gain_e_per_dn": 12.0, "offset_dn": 100.0,
+}  # fmt: skip
+QWIP = {
+    "charge_gain": "photoconductive", "charge_gain_factor": 0.3, "read_noise_e": 400.0,
+    "full_well_e": 7e6, "bits": 14, "quantum_efficiency": 0.1,
+}  # fmt: skip
+
+
+def test_an_emccd_by_hand_and_in_a_picture(tmp_path):
+    """30 electrons: F = (2·299·300^(-1/536) + 1)/300, 0.2 e- of read noise, K of 0.04 e-/DN."""
+    size = (300, 200)
+    params = {**CAMERA_SHEET, **EMCCD, **exposure_of(30.0)}
+    bench = focal_plane_bench(tmp_path, params, size=size)
+    found, factor = bench.readouts("it"), (2 * 299 * 300 ** (-1 / 536) + 1) / 300
+    assert found["signal_e"] == pytest.approx(30.0, rel=1e-9)
+    assert found["shot_noise_e"] == pytest.approx(math.sqrt(30.0), rel=1e-9)
+    assert found["excess_noise_e"] == pytest.approx(math.sqrt((factor - 1) * 30), rel=1e-9)
+    assert found["read_noise_e"] == pytest.approx(0.2, rel=1e-12)
+    assert found["gain_e_per_dn"] == pytest.approx(0.04, rel=1e-12)
+    temporal = math.sqrt(factor * 30 + 0.2**2 + 0.04**2 / 12)
+    assert found["temporal_noise_e"] == pytest.approx(temporal, rel=1e-9)
+    assert found["snr"] == pytest.approx(30 / temporal, rel=1e-9)
+    assert found["mean_dn"] == pytest.approx(30 * 300 / 12 + 100, rel=1e-9)
+    # 600 000 e- in the register are 2000 before it, less than the pixel's 80 000.
+    assert found["well_fill_percent"] == pytest.approx(100 * 30 / 2000, rel=1e-9)
+    table = bench.value("it.table").as_dict()
+    assert table["snr_max"] == pytest.approx(math.sqrt(2000 / factor), rel=1e-9)
+    threshold = (math.hypot(0.2, 0.04 / math.sqrt(12)) + factor / 2) / 0.7
+    assert table["sensitivity_threshold_photons"] == pytest.approx(threshold, rel=1e-9)
+    electrons, count = bench.value("it.electrons"), size[0] * size[1]
+    assert electrons.mean() == pytest.approx(30.0, abs=4 * temporal / math.sqrt(count))
+    # Poisson sum of exponentials: third moment 6·N, fourth 24·N + 3·variance².
+    assert electrons.var() == pytest.approx(temporal**2, rel=4 * math.sqrt((2 + 0.7) / count))
+    skew = ((electrons - electrons.mean()) ** 3).mean()
+    assert skew == pytest.approx(6 * 30, rel=0.15)
+
+
+def test_a_photoconductor_by_hand(tmp_path):
+    """Recombination doubles the variance; well, read noise and numbers are behind the gain."""
+    plain, found = (
+        figures_of(tmp_path, {"quantum_efficiency": 0.1, "bits": 14}), figures_of(tmp_path, QWIP)
+    )  # fmt: skip
+    signal = plain["signal_e"]
+    assert found["signal_e"] == signal
+    assert found["excess_noise_e"] == pytest.approx(math.sqrt(signal), rel=1e-12)
+    step = 7e6 / 16383 / 0.3
+    noise = math.sqrt(2 * signal + (400 / 0.3) ** 2 + step**2 / 12)
+    assert found["netd_K"] == pytest.approx(
+        plain["netd_K"] * noise / plain["temporal_noise_e"], rel=1e-12
+    )
+    assert found["well_fill_percent"] == pytest.approx(100 * 0.3 * signal / 7e6, rel=1e-12)
+    # The data sheet's amperes include the gain: 0.3·0.1·q·λ/(hc) at 4.5 µm, and J·A/q behind it.
+    sheet = {
+        **QWIP, "responsivity_A_per_W": 0.03 * CHARGE_C * 4.5e-6 / HC_J_M, "responsivity_um": 4.5,
+        "dark_current_A_per_cm2": 1e-6,
+    }  # fmt: skip
+    other = figures_of(tmp_path, sheet)
+    assert other["signal_e"] == pytest.approx(signal, rel=1e-12)
+    assert other["dark_e"] * 0.3 == pytest.approx(1e-6 * 225e-8 / CHARGE_C * 0.004, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("params", "factor"),
+    [({"ionization_ratio": 0.02}, 0.02 * 10 + 0.98 * 1.9), ({"excess_noise_factor": 1.3}, 1.3)],
+)
+def test_an_avalanche_in_averaged_frames(tmp_path, params, factor):
+    apd = {"charge_gain": "avalanche", "charge_gain_factor": 10.0, "frames_averaged": 4, "bits": 0}
+    given = {**CAMERA_SHEET, **apd, **params, **exposure_of(200.0)}
+    bench = focal_plane_bench(tmp_path, given, size=(200, 150))
+    wanted = math.sqrt((factor * 200 + 40.0**2) / 4)
+    assert bench.readouts("it")["temporal_noise_e"] == pytest.approx(wanted, rel=1e-9)
+    spread = bench.value("it.electrons").std()
+    assert spread == pytest.approx(wanted, rel=4 / math.sqrt(2 * 200 * 150))
+
+
+def test_excess_noise_in_noise_budget_and_figures_of_merit(tmp_path):
+    bench = focal_plane_bench(
+        tmp_path, {**CAMERA_SHEET, **QWIP}, behind=("figures_of_merit", "noise_budget")
+    )
+    own, found = bench.readouts("it"), bench.readouts("noise_budget")
+    assert bench.readouts("figures_of_merit")["netd_K"] == pytest.approx(own["netd_K"], rel=1e-6)
+    temporal = own["temporal_noise_e"] / own["gain_e_per_dn"]
+    assert found["sigma_temporal"] == pytest.approx(temporal, rel=1e-6)
+    assert "Excess" in bench.value("noise_budget.noise").bars
+
+
+def test_a_region_has_the_bits_of_the_whole_behind_a_gain(tmp_path):
+    params = {**CAMERA_SHEET, **EMCCD, **exposure_of(20.0), "frames_averaged": 2}
+    benches = [
+        focal_plane_bench(tmp_path, params, scene={"kind": "dormitory"}, size=(97, 61),
+                          precision="single") for _ in range(2)
+    ]  # fmt: skip
+    region = Region(13, 29, 21, 40)
+    part = benches[1].work.part(benches[1].port("it.image").recipe, region)
+    np.testing.assert_array_equal(part, benches[0].value("it.image")[region.slices])
+
+
+def test_a_gain_of_no_kind_is_warned_of(tmp_path):
+    params = {**CAMERA_SHEET, "charge_gain_factor": 100.0}
+    (found,) = cautions(focal_plane_bench(tmp_path, params, size=(8, 6)), "unused_gain")
+    assert "charge_gain_factor = 100" in found.text
+
+
 @pytest.mark.parametrize(
     ("params", "line"),
     [
@@ -72,6 +186,9 @@ def test_quantum_efficiency_in_other_forms(tmp_path, params):
         ({"responsivity_A_per_W": 4.0, "responsivity_um": 4.5}, "at most 3.629 at 4.5 µm"),
         ({"responsivity_A_per_W": 1.0}, "responsivity_um"),
         ({"responsivity_um": 4.0}, "responsivity_A_per_W"),
+        ({"charge_gain": "avalanche", "charge_gain_factor": 0.5, "ionization_ratio": 0.1},
+         "at least 1 for avalanche"),
+        ({"charge_gain": "em_register", "charge_gain_factor": 0.5}, "at least 1 for em_register"),
         ({**SILICON, "dark_doubling_K": 0.1}, "at least 0.3 for temperatures 30 K apart"),
     ],
 )  # fmt: skip

@@ -285,6 +285,15 @@ def test_electrons_and_noises_of_the_reference():
     )
 
 
+def test_excess_noise_has_a_bar_of_its_own():
+    plain, gained = camera(), camera(charge_gain="photoconductive")
+    bars = gained.parts[1].bars
+    assert [bar.name for bar in bars[:3]] == ["shot", "excess", "read"]
+    assert bars[1].size == pytest.approx(EXPECTED["shot_noise_e"], rel=1e-6)
+    assert bars[2].colour == plain.parts[1].bars[1].colour
+    assert gained.more_lines > plain.more_lines == 0
+
+
 def test_a_well_that_overflows():
     assert not camera().parts[0].excess
     full = camera(integration_time_s=0.1)
