@@ -85,7 +85,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     A charge gain multiplies before the read-out and adds excess noise. All results stay in
     electrons before the gain. Read noise, gain_e_per_dn and register_well_e count electrons behind
     it, and so does full_well_e, except with an EM register. Amperes include a gain within the
-    pixel, as a QWIP's data sheet gives them; e-/s, DSNU and Rule 07 do not.
+    pixel, as a QWIP's data sheet gives them; e-/s, DSNU and Rule 07 do not. gain_dB is 20·log10 of
+    the camera's own gain: it divides gain_e_per_dn, so the converter clips at fewer electrons.
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,

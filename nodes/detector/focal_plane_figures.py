@@ -245,7 +245,7 @@ def mean_clipped(levels: ElectronLevels, reading: ReadOut) -> Caution | None:
         return Caution(
             f"the picture's mean is digital number {number:.5g}, above the converter's maximum "
             f"of {top_dn:.0f}, and is clipped",
-            "raise gain_e_per_dn or bits, or lower offset_dn",
+            "raise gain_e_per_dn or bits, or lower gain_dB or offset_dn",
         )
     if number < 0.0 and np.isfinite(top_dn):
         return Caution(

@@ -254,6 +254,11 @@ class FocalPlanePanel(SeededModule):
             slider=(0, 1000),
         ),
     ] = None
+    gain_dB: Annotated[
+        float,
+        Param("gain setting of the camera: 20 dB divide gain_e_per_dn by 10", unit="dB", low=-120,
+              high=120, slider=(0, 48)),
+    ] = 0.0  # fmt: skip
     offset_dn: Annotated[
         float,
         Param(
@@ -329,7 +334,9 @@ class FocalPlanePanel(SeededModule):
             ("read_noise_e", "prnu_percent", "dsnu_e", "bad_pixel_percent"),
             page="Read-out",
         ),
-        Section("Numbers", ("bits", "gain_e_per_dn", "offset_dn", "units"), page="Read-out"),
+        Section(
+            "Numbers", ("bits", "gain_e_per_dn", "gain_dB", "offset_dn", "units"), page="Read-out"
+        ),
         *SEED_SECTIONS,
     )
 
@@ -389,7 +396,7 @@ class FocalPlanePanel(SeededModule):
             dsnu_e=self.dsnu_e,
             nonlinearity_percent=self.nonlinearity_percent,
             full_well_e=self._well_e(),
-            gain_e_per_dn=gain / charge,
+            gain_e_per_dn=gain / charge / 10.0 ** (self.gain_dB / 20.0),
             offset_dn=self.offset_dn,
             bits=self.bits,
         )

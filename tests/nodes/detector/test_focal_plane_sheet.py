@@ -167,6 +167,21 @@ def test_a_region_has_the_bits_of_the_whole_behind_a_gain(tmp_path):
     np.testing.assert_array_equal(part, benches[0].value("it.image")[region.slices])
 
 
+def test_a_gain_setting_in_decibels_moves_the_converter_and_not_the_noise(tmp_path):
+    """26.0206 dB is a factor of 20: 4 e-/DN of 80, and 12 bits clip at 16 380 electrons."""
+    params = {"gain_e_per_dn": 80.0, "bits": 12, **exposure_of(15_000.0)}
+    found = figures_of(tmp_path, {**params, "gain_dB": 20 * math.log10(20)})
+    assert found["gain_e_per_dn"] == pytest.approx(4.0, rel=1e-12)
+    assert found["mean_dn"] == pytest.approx(15_000 / 4, rel=1e-9)
+    assert found["quantization_noise_e"] == pytest.approx(4 / math.sqrt(12), rel=1e-12)
+    assert found["shot_noise_e"] == figures_of(tmp_path, params)["shot_noise_e"]
+    dark = math.sqrt(400**2 + 4**2 / 12)
+    assert found["dynamic_range_dB"] == pytest.approx(20 * math.log10(4 * 4095 / dark), rel=1e-12)
+    more = focal_plane_bench(tmp_path, {**CAMERA_SHEET, **params, "gain_dB": 30.0})
+    assert more.readouts("it")["snr"] is None
+    assert (more.value("it.image") == 4095).mean() > 0.99
+
+
 def test_a_gain_of_no_kind_is_warned_of(tmp_path):
     params = {**CAMERA_SHEET, "charge_gain_factor": 100.0}
     (found,) = cautions(focal_plane_bench(tmp_path, params, size=(8, 6)), "unused_gain")
