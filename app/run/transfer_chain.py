@@ -10,6 +10,7 @@ from core.chain.back_transformed import Delivered
 from core.chain.engine import Plan
 from core.chain.step_lineage import lineage_of
 from core.chain.wires import Image, Transfer
+from core.evaluation.recipes import Recipe
 from core.transfer.factors import Factor, Grid
 
 
@@ -110,17 +111,22 @@ def _combined(plan: Plan, names: Iterable[str]) -> Grid | None:
         for name in names
         for value in plan.nodes[name].outputs.values()
         if isinstance(value, Image)
-        and _combines_pixels(value)
+        and _combines_pixels(value, name)
         and value.interval_x_mrad
         and value.interval_y_mrad
     ]
     return max(grids, key=lambda grid: grid.interval_x_mrad * grid.interval_y_mrad, default=None)
 
 
-def _combines_pixels(image: Image) -> bool:
-    """Whether the last step to the picture combines pixels, or its transform does."""
-    lineage = lineage_of(image.recipe)
-    return lineage is not None and lineage.linear.combines_pixels
+def _combines_pixels(image: Image, node: str) -> bool:
+    """Whether the last step to the picture, or one before it at the node, combines pixels."""
+    recipe: Recipe | None = image.recipe
+    while recipe is not None and (lineage := lineage_of(recipe)) is not None:
+        if lineage.linear.combines_pixels:
+            return True
+        before = lineage.picture
+        recipe = before if getattr(before, "node", None) == node else None
+    return False
 
 
 def _stages(plan: Plan, factors: Iterable[Factor], before: set[str]) -> list[Stage]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
+from core.chain.back_transformed import BinMode, combine_pixels
 from core.chain.engine import PlannedNode
 from core.chain.wires import Context, Image, Table
 from core.evaluation.recipes import Recipe, Step, ends_lineage
@@ -88,6 +89,13 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     pixel, as a QWIP's data sheet gives them; e-/s, DSNU and Rule 07 do not. gain_dB is 20·log10 of
     the camera's own gain: it divides gain_e_per_dn, so the converter clips at fewer electrons.
 
+    Binning sums binning_x × binning_y pixels, and all figures are of the bin. `charge` sums the
+    electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
+    sums the numbers, so read noise grows with the square root of the pixels, and `saturated` is the
+    saturated share of a bin. Bins multiply the pixel's MTF by sin(πnξΔ)/(n·sin(πξΔ)) at pitch Δ,
+    are sampled n pixels apart, and drop rows and columns left over. In units of radiance a bin is
+    the mean of its pixels.
+
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
     pitch² times both fill factors of Init & Trans; QE quantum_efficiency, the same in per cent,
@@ -159,22 +167,24 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             known = [radiance_per_photon(image, efficiency, node)]
         seen = here.step(picture_range, light)
         levels = here.step(electron_levels, seen, *known, collection=collection)
+        whole = collection.of_pixels(self.pixels)
+        of_bins = here.step(electron_levels, seen, *known, collection=whole)
         table = here.step(
             figures,
-            levels,
-            collection=collection,
-            reading=reading,
-            area_cm2=self.area_cm2(context),
+            of_bins,
+            collection=whole,
+            reading=self.delivered(),
+            area_cm2=self.area_cm2(context) * self.pixels,
             reference_radiance=self.reference_radiance,
         )
 
-        mean = here.step(steps.expected_electrons, light, levels)
+        mean: Recipe = here.step(steps.expected_electrons, light, levels)
         patterns = (
             [self.deviates(here, "prnu", image.shape, fixed=True)] if self.prnu_percent else []
         )
         patterns += [self.deviates(here, "dsnu", image.shape, fixed=True)] if self.dsnu_e else []
         spread = {"prnu_percent": self.prnu_percent, "dsnu_e": self.dsnu_e}
-        collected = here.step(
+        collected: Recipe = here.step(
             steps.collected,
             mean,
             self.deviates(here, "shot", image.shape),
@@ -182,6 +192,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             frames=self.frames_averaged,
             **spread,
         )
+        if self.sums_charge:
+            filled = self._filled(collected, levels, reading, here)
+            pixels = self._with_bad_pixels(filled, image, levels, here)
+            mean = self._binned(image.with_recipe(mean), here).recipe
+            image = self._binned(image.with_recipe(pixels), here)
+            collected, levels = image.recipe, of_bins
         if reading.excess_factor > 1.0:
             collected = here.step(
                 steps.multiplied,
@@ -192,7 +208,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
                 factor=reading.excess_factor,
             )
         well = {"full_well_e": reading.full_well_e}
-        electrons = here.step(
+        electrons: Recipe = here.step(
             steps.read_out,
             self._bent(collected, levels, reading, here),
             here.step(clipping_level, levels, reading=reading),
@@ -200,30 +216,60 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             sigma_e=reading.read_noise_e / self.frames_averaged**0.5,
             **well,
         )
-        if self.bad_pixel_percent:
-            bad = here.step(
-                steps.bad_pixels,
-                stream=self.stream(here, "bad pixels", fixed=True),
-                shape=image.shape,
-                percent=self.bad_pixel_percent,
-            )
-            hot = {"hot_e": self._hot_e(reading)}
-            electrons = here.step(steps.with_bad_pixels, electrons, bad, levels, **hot)
+        if not self.sums_charge:
+            electrons = self._with_bad_pixels(electrons, image, levels, here)
         numbers = {"gain_e_per_dn": reading.gain_e_per_dn, "offset_dn": self.offset_dn}
         saturated = here.step(steps.saturated_pixels, electrons, bits=self.bits, **numbers, **well)
         clean = self._bent(mean, levels, reading, here)
         noise = here.step(difference, electrons, clean)
-        count = here.step(steps.count_of, saturated)
         image = replace(
             image, band_um=collection.weights.band_um, exposure_s=self.integration_time_s
         )
+        made = self._given_in(image, electrons, levels, numbers, here)
+        ports = {"electrons": electrons, "noise": noise}
+        given = {name: image.with_recipe(each, unit="e-") for name, each in ports.items()}
+        given |= {"image": made, "saturated": image.with_recipe(saturated, unit="")}
+        if self.pixels > 1 and not self.sums_charge:
+            means = {"saturated", "image"} if self.units == "radiance" else {"saturated"}
+            given = {
+                name: self._binned(port, here, "mean" if name in means else "sum")
+                for name, port in given.items()
+            }
+        count = here.step(steps.count_of, given["saturated"].recipe)
         return FocalPlaneOutputs(
-            image=self._given_in(image, electrons, levels, numbers, here),
-            electrons=image.with_recipe(electrons, unit="e-"),
-            noise=image.with_recipe(noise, unit="e-"),
-            saturated=image.with_recipe(saturated, unit=""),
-            table=Table(here.step(steps.with_saturated, table, count)),
+            **given, table=Table(here.step(steps.with_saturated, table, count))
         )
+
+    def _binned(self, image: Image, here: NodeContext, mode: BinMode = "sum") -> Image:
+        """The picture in bins, which are the pixels from here on."""
+        x, y = self.binning_x, self.binning_y
+        binned = combine_pixels(image, factor_x=x, factor_y=y, mode=mode, node=here.node)
+        across, along = image.pixel_mrad
+        return replace(binned, pixel_mrad=(across and across * x, along and along * y))
+
+    def _filled(
+        self, pixels: Recipe, levels: Recipe, reading: ReadOut, here: NodeContext
+    ) -> Recipe:
+        """No pixel with more electrons than it holds, before their charge is summed."""
+        well = self.pixel_well_e
+        if well is None:
+            return pixels
+        alone = replace(reading, full_well_e=well, nonlinearity_percent=0.0, bits=0)
+        level = here.step(clipping_level, levels, reading=alone)
+        return here.step(steps.read_out, pixels, level, sigma_e=0.0, full_well_e=well)
+
+    def _with_bad_pixels(
+        self, pixels: Recipe, image: Image, levels: Recipe, here: NodeContext
+    ) -> Recipe:
+        if not self.bad_pixel_percent:
+            return pixels
+        bad = here.step(
+            steps.bad_pixels,
+            stream=self.stream(here, "bad pixels", fixed=True),
+            shape=image.shape,
+            percent=self.bad_pixel_percent,
+        )
+        return here.step(steps.with_bad_pixels, pixels, bad, levels, hot_e=self._hot_e())
 
     def _bent(
         self, electrons: Recipe, levels: Recipe, reading: ReadOut, here: NodeContext
@@ -258,10 +304,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         back = here.step(steps.radiance_of_electrons, electrons, levels)
         return image.with_recipe(back)
 
-    def _hot_e(self, reading: ReadOut) -> float | None:
+    def _hot_e(self) -> float | None:
         """Electrons of a hot pixel: the full well, else what is just beyond the last number."""
-        if reading.full_well_e is not None or not self.bits:
-            return reading.full_well_e
+        reading = self.read_out()
+        well = self.pixel_well_e if self.sums_charge else reading.full_well_e
+        if well is not None or not self.bits:
+            return well
         return (reading.top_dn + 1.0 - self.offset_dn) * reading.gain_e_per_dn
 
     @warning
@@ -420,7 +468,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         """How full the well is and of what, the noise by source; of bands, the response too."""
         image: Image = planned.sound().inputs["image"]
         table: Table = planned.outputs["table"]
-        budget = budget_preview(work.value(table.recipe).as_dict(), self.read_out().full_well_e)
+        budget = budget_preview(work.value(table.recipe).as_dict(), self.delivered().full_well_e)
         if image.bands is None:
             return budget
         over = response_preview(self.response_over_band(planned, here), image, work)
@@ -434,7 +482,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     def overflow(self, outputs: FocalPlaneOutputs) -> Recipe:
         """The mean or the brightest pixel exceeds the full well or the converter's range."""
         table = outputs.table.recipe.inputs[0]
-        return Step.of(overflow_caution, table.inputs[0], reading=self.read_out())
+        return Step.of(overflow_caution, table.inputs[0], reading=self.delivered())
 
     signal_e = _figure("signal_e", "e-", "Electrons from the scene, at the picture's mean.")
     optics_e = _figure("optics_e", "e-", "Electrons from the optics' own emission.")

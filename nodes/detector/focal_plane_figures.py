@@ -59,6 +59,15 @@ class Collection:
     housing_K: float | None
     dark_e: float
 
+    def of_pixels(self, count: int) -> Collection:
+        """The same for the sum of so many pixels."""
+        return replace(
+            self,
+            scene_m2_s_sr=self.scene_m2_s_sr * count,
+            housing_m2_s_sr=self.housing_m2_s_sr * count,
+            dark_e=self.dark_e * count,
+        )
+
     @property
     def optics_e(self) -> float:
         if self.optics_K is None:
@@ -92,11 +101,12 @@ class ReadOut:
     gain_e_per_dn: float
     offset_dn: float
     bits: int
+    numbers_summed: int = 1
 
     @property
     def top_dn(self) -> float:
-        """The converter's last number; infinite without one."""
-        return 2.0**self.bits - 1.0 if self.bits else np.inf
+        """The last number, of all that are summed; infinite without a converter."""
+        return self.numbers_summed * (2.0**self.bits - 1.0) if self.bits else np.inf
 
     @property
     def saturation_e(self) -> float:
@@ -376,7 +386,8 @@ def _noises(total_e: float, reading: ReadOut) -> tuple[float, float, float, floa
     shot = shot_noise_e(electrons=total_e, frames_averaged=reading.frames)
     shot *= _bent_slope(total_e, reading)
     read = reading.read_noise_e / reading.frames**0.5
-    rounding = quantization_noise_e(gain_e_per_dn=reading.gain_e_per_dn) if reading.bits else 0.0
+    step = reading.gain_e_per_dn * reading.numbers_summed**0.5
+    rounding = quantization_noise_e(gain_e_per_dn=step) if reading.bits else 0.0
     counted = shot * reading.excess_factor**0.5
     temporal = temporal_noise_e(shot_e=counted, read_e=read, quantization_e=rounding)
     return shot, read, rounding, temporal

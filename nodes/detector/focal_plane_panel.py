@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -67,21 +68,15 @@ class FocalPlanePanel(SeededModule):
     quantum_efficiency: Annotated[
         float, Param("electrons per photon within the band", low=0, high=1, above=True)
     ] = 0.7
-    quantum_efficiency_percent: Annotated[
-        float | None,
-        Param("the same in per cent, used instead of the number, or empty", unit="%", low=0,
-              high=100),
-    ] = None  # fmt: skip
-    responsivity_A_per_W: Annotated[
-        float | None,
-        Param("current responsivity, used instead of the number, or empty", unit="A/W", low=0,
-              high=1e6, slider=(0, 10)),
-    ] = None  # fmt: skip
-    responsivity_um: Annotated[
-        float | None,
-        Param("wavelength of that responsivity; its quantum efficiency holds for the whole band",
-              unit="µm", low=0, high=1e3, slider=(0, 14)),
-    ] = None  # fmt: skip
+    quantum_efficiency_percent: Annotated[float | None, Param(
+        "the same in per cent, used instead of the number, or empty", unit="%", low=0,
+        high=100)] = None  # fmt: skip
+    responsivity_A_per_W: Annotated[float | None, Param(
+        "current responsivity, used instead of the number, or empty", unit="A/W", low=0, high=1e6,
+        slider=(0, 10))] = None  # fmt: skip
+    responsivity_um: Annotated[float | None, Param(
+        "wavelength of that responsivity; its quantum efficiency holds for the whole band",
+        unit="µm", low=0, high=1e3, slider=(0, 14))] = None  # fmt: skip
     response: Annotated[
         Path | None, Param("CSV of µm and quantum efficiency, used instead of the number, or empty")
     ] = None
@@ -140,34 +135,21 @@ class FocalPlanePanel(SeededModule):
     dark_current_e_per_s: Annotated[
         float, Param("dark current per pixel", unit="e-/s", low=0, high=1e15, slider=(0, 1e7))
     ] = 0.0
-    dark_current_A_per_cm2: Annotated[
-        float,
-        Param("dark current density, over the whole pixel pitch, instead of the number per pixel",
-              unit="A/cm²", low=0, high=1e6, slider=(0, 1e-6)),
-    ] = 0.0  # fmt: skip
-    dark_reference_K: Annotated[
-        float | None,
-        Param("temperature at which the dark current is given; empty: the detector's own",
-              unit="K", low=0, high=1e3, slider=(60, 320)),
-    ] = None  # fmt: skip
-    dark_doubling_K: Annotated[
-        float | None,
-        Param("temperature rise that doubles the dark current; empty: none", unit="K", low=0,
-              high=1e3, slider=(2, 15)),
-    ] = None  # fmt: skip
+    dark_current_A_per_cm2: Annotated[float, Param(
+        "dark current density, over the whole pixel pitch, instead of the number per pixel",
+        unit="A/cm²", low=0, high=1e6, slider=(0, 1e-6))] = 0.0  # fmt: skip
+    dark_reference_K: Annotated[float | None, Param(
+        "temperature at which the dark current is given; empty: the detector's own", unit="K",
+        low=0, high=1e3, slider=(60, 320))] = None  # fmt: skip
+    dark_doubling_K: Annotated[float | None, Param(
+        "temperature rise that doubles the dark current; empty: none", unit="K", low=0, high=1e3,
+        slider=(2, 15))] = None  # fmt: skip
     rule_07: Annotated[
         bool, Param("take the dark current of HgCdTe from Rule 07 instead of the number")
     ] = False
-    detector_K: Annotated[
-        float | None,
-        Param(
-            "temperature of the detector, for Rule 07 and dark_doubling_K",
-            unit="K",
-            low=0,
-            high=1e3,
-            slider=(60, 200),
-        ),
-    ] = None
+    detector_K: Annotated[float | None, Param(
+        "temperature of the detector, for Rule 07 and dark_doubling_K", unit="K", low=0, high=1e3,
+        slider=(60, 200))] = None  # fmt: skip
     material_cutoff_um: Annotated[
         float | None,
         Param(
@@ -184,34 +166,23 @@ class FocalPlanePanel(SeededModule):
             "electrons that a pixel can hold; empty: unlimited", unit="e-", low=0, slider=(0, 1e7)
         ),
     ] = None
-    register_well_e: Annotated[
-        float | None,
-        Param("electrons that the read-out holds, after the charge gain; empty: unlimited",
-              unit="e-", low=0, slider=(0, 1e7)),
-    ] = None  # fmt: skip
-    charge_gain: Annotated[
-        ChargeGain,
-        Param("gain before the read-out: in a photoconductor (QWIP), an EMCCD's register, or an "
-              "avalanche diode"),
-    ] = "none"  # fmt: skip
-    charge_gain_factor: Annotated[
-        float,
-        Param("mean number of electrons that one electron becomes", low=0, high=1e5, above=True,
-              slider=(0.1, 1000)),
-    ] = 1.0  # fmt: skip
-    excess_noise_factor: Annotated[
-        float | None,
-        Param("variance added by the gain, as a factor on shot noise squared; empty: computed",
-              low=1, high=1e5, slider=(1, 4)),
-    ] = None  # fmt: skip
-    register_stages: Annotated[
-        int, Param("stages of the EM register", low=1, high=100000, slider=(100, 1000))
-    ] = 536
-    ionization_ratio: Annotated[
-        float | None,
-        Param("ionization rate of the weaker carrier over the stronger one's (k)", low=0, high=1,
-              zero_is_empty=False),
-    ] = None  # fmt: skip
+    register_well_e: Annotated[float | None, Param(
+        "electrons that the read-out holds, after charge binning and gain; empty: unlimited",
+        unit="e-", low=0, slider=(0, 1e7))] = None  # fmt: skip
+    charge_gain: Annotated[ChargeGain, Param(
+        "gain before the read-out: in a photoconductor (QWIP), an EMCCD's register, or an "
+        "avalanche diode")] = "none"  # fmt: skip
+    charge_gain_factor: Annotated[float, Param(
+        "mean number of electrons that one electron becomes", low=0, high=1e5, above=True,
+        slider=(0.1, 1000))] = 1.0  # fmt: skip
+    excess_noise_factor: Annotated[float | None, Param(
+        "variance added by the gain, as a factor on shot noise squared; empty: computed", low=1,
+        high=1e5, slider=(1, 4))] = None  # fmt: skip
+    register_stages: Annotated[int, Param(
+        "stages of the EM register", low=1, high=100000, slider=(100, 1000))] = 536  # fmt: skip
+    ionization_ratio: Annotated[float | None, Param(
+        "ionization rate of the weaker carrier over the stronger one's (k)", low=0, high=1,
+        zero_is_empty=False)] = None  # fmt: skip
     nonlinearity_percent: Annotated[
         float,
         Param(
@@ -242,6 +213,13 @@ class FocalPlanePanel(SeededModule):
         float, Param("share of dead and hot pixels, some in clusters", unit="%", low=0, high=100,
                      slider=(0, 1)),
     ] = 0.0  # fmt: skip
+    binning: Annotated[Literal["charge", "digital"], Param(
+        "sum the pixels' charge before read noise, or their digital numbers afterwards",
+        )] = "charge"  # fmt: skip
+    binning_x: Annotated[int, Param(
+        "pixels that are summed, horizontally", low=1, high=1024, slider=(1, 8))] = 1  # fmt: skip
+    binning_y: Annotated[int, Param(
+        "pixels that are summed, vertically", low=1, high=1024, slider=(1, 8))] = 1  # fmt: skip
     bits: Annotated[
         int, Param("bits of the converter; 0: no converter", unit="bit", low=0, high=24)
     ] = 0
@@ -254,11 +232,9 @@ class FocalPlanePanel(SeededModule):
             slider=(0, 1000),
         ),
     ] = None
-    gain_dB: Annotated[
-        float,
-        Param("gain setting of the camera: 20 dB divide gain_e_per_dn by 10", unit="dB", low=-120,
-              high=120, slider=(0, 48)),
-    ] = 0.0  # fmt: skip
+    gain_dB: Annotated[float, Param(
+        "gain setting of the camera: 20 dB divide gain_e_per_dn by 10", unit="dB", low=-120,
+        high=120, slider=(0, 48))] = 0.0  # fmt: skip
     offset_dn: Annotated[
         float,
         Param(
@@ -285,66 +261,38 @@ class FocalPlanePanel(SeededModule):
 
     panel = (
         Section("Exposure", ("integration_time_s", "tdi_stages", "frames_averaged"), page="Light"),
-        Section(
-            "Quantum efficiency",
-            (
-                "quantum_efficiency",
-                "quantum_efficiency_percent",
-                "responsivity_A_per_W",
-                "responsivity_um",
-                "response",
-                "cut_on_um",
-                "cut_off_um",
-            ),
-            page="Light",
-        ),
+        Section("Quantum efficiency", (
+            "quantum_efficiency", "quantum_efficiency_percent", "responsivity_A_per_W",
+            "responsivity_um", "response", "cut_on_um", "cut_off_um"), page="Light"),
         Section("Radiance to photons", ("photon_weighting", "source_K"), page="Light"),
         Section("SNR", ("reference_radiance",), page="Light"),
         Section("Optics", ("optics_transmission", "optics_K"), page="Warmth"),
         Section("Housing", ("cold_shield_efficiency", "housing_K"), page="Warmth"),
-        Section(
-            "Dark current",
-            (
-                "dark_current_e_per_s",
-                "dark_current_A_per_cm2",
-                "dark_reference_K",
-                "dark_doubling_K",
-                "rule_07",
-                "detector_K",
-                "material_cutoff_um",
-            ),
-            page="Warmth",
-        ),
+        Section("Dark current", (
+            "dark_current_e_per_s", "dark_current_A_per_cm2", "dark_reference_K",
+            "dark_doubling_K", "rule_07", "detector_K", "material_cutoff_um"), page="Warmth"),
         Section("Charge gain", ("charge_gain",), page="Gain"),
-        Section(
-            "",
-            ("charge_gain_factor", "excess_noise_factor"),
-            page="Gain",
-            shown_when=("charge_gain", ("photoconductive", "em_register", "avalanche")),
-        ),
-        Section(
-            "", ("register_stages",), page="Gain", shown_when=("charge_gain", ("em_register",))
-        ),
+        Section("", ("charge_gain_factor", "excess_noise_factor"), page="Gain",
+                shown_when=("charge_gain", ("photoconductive", "em_register", "avalanche"))),
+        Section("", ("register_stages",), page="Gain",
+                shown_when=("charge_gain", ("em_register",))),
         Section("", ("ionization_ratio",), page="Gain", shown_when=("charge_gain", ("avalanche",))),
-        Section(
-            "Well", ("full_well_e", "register_well_e", "nonlinearity_percent"), page="Read-out"
-        ),
-        Section(
-            "Noise",
-            ("read_noise_e", "prnu_percent", "dsnu_e", "bad_pixel_percent"),
-            page="Read-out",
-        ),
-        Section(
-            "Numbers", ("bits", "gain_e_per_dn", "gain_dB", "offset_dn", "units"), page="Read-out"
-        ),
+        Section("Binning", ("binning", "binning_x", "binning_y"), page="Gain"),
+        Section("Well", ("full_well_e", "register_well_e", "nonlinearity_percent"),
+                page="Read-out"),
+        Section("Noise", ("read_noise_e", "prnu_percent", "dsnu_e", "bad_pixel_percent"),
+                page="Read-out"),
+        Section("Numbers", ("bits", "gain_e_per_dn", "gain_dB", "offset_dn", "units"),
+                page="Read-out"),
         *SEED_SECTIONS,
-    )
+    )  # fmt: skip
 
     def check(self) -> None:
         """Refuse what lacks a value that it needs."""
         low, high = self.cut_on_um, self.cut_off_um
         if low is not None and high is not None and low >= high:
             raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
+        avalanche = self.charge_gain == "avalanche"
         for needed, why, unit in (
             ("full_well_e", self.nonlinearity_percent > 0, "e-"),
             ("housing_K", self.cold_shield_efficiency < 1, "K"),
@@ -352,7 +300,7 @@ class FocalPlanePanel(SeededModule):
             ("material_cutoff_um", self.rule_07, "µm"),
             ("dark_reference_K", self.dark_doubling_K, "K"),
             ("dark_doubling_K", self.dark_reference_K, "K"),
-            ("ionization_ratio", self._is_avalanche and not self.excess_noise_factor, ""),
+            ("ionization_ratio", avalanche and not self.excess_noise_factor, ""),
             ("responsivity_um", self.responsivity_A_per_W, "µm"),
             ("responsivity_A_per_W", self.responsivity_um, "A/W"),
         ):
@@ -370,7 +318,7 @@ class FocalPlanePanel(SeededModule):
             allowed = f"0 if dark_current_e_per_s = {self.dark_current_e_per_s:g} is given"
             current = self.dark_current_A_per_cm2
             raise ParameterError("dark_current_A_per_cm2", current, allowed, unit="A/cm²")
-        if self.bits and self.gain_e_per_dn is None and self.full_well_e is None:
+        if self.bits and self.gain_e_per_dn is None and self._well_e() is None:
             raise ParameterError(
                 "gain_e_per_dn",
                 None,
@@ -378,16 +326,38 @@ class FocalPlanePanel(SeededModule):
                 unit="e-/DN",
             )
 
+    @property
+    def pixels(self) -> int:
+        """Pixels of a bin."""
+        return self.binning_x * self.binning_y
+
+    @property
+    def sums_charge(self) -> bool:
+        """Whether several pixels are read as one."""
+        return self.pixels > 1 and self.binning == "charge"
+
+    def delivered(self) -> ReadOut:
+        """The read-out of a whole bin, for its figures: patterns and digital sums are in it."""
+        count = self.pixels
+        prnu, dsnu = self.prnu_percent / count**0.5, self.dsnu_e * count**0.5
+        reading = replace(self.read_out(), prnu_percent=prnu, dsnu_e=dsnu)
+        if self.sums_charge:
+            return reading
+        well = reading.full_well_e
+        return replace(
+            reading,
+            read_noise_e=reading.read_noise_e * count**0.5,
+            full_well_e=None if well is None else well * count,
+            offset_dn=reading.offset_dn * count,
+            numbers_summed=count,
+        )
+
     def read_out(self) -> ReadOut:
-        """Noise, well and numbers of the read-out, in electrons before the charge gain."""
-        gain, charge = self.gain_e_per_dn, self._gain()
-        if gain is None:
-            gain = 1.0
-            well = self.full_well_e
-            if self.charge_gain == "em_register" and self.register_well_e is not None:
-                well = self.register_well_e
-            if self.bits and well is not None:
-                gain = gain_to_fill_e_per_dn(full_well_e=well, bits=self.bits)
+        """Noise, well and numbers of what is read, in electrons before the charge gain."""
+        gain, charge, well = self.gain_e_per_dn, self._gain(), self._well_e()
+        per_dn = 1.0 if gain is None else gain / charge
+        if gain is None and self.bits and well is not None:
+            per_dn = gain_to_fill_e_per_dn(full_well_e=well, bits=self.bits)
         return ReadOut(
             read_noise_e=self.read_noise_e / charge,
             excess_factor=self._excess_factor(),
@@ -395,15 +365,11 @@ class FocalPlanePanel(SeededModule):
             prnu_percent=self.prnu_percent,
             dsnu_e=self.dsnu_e,
             nonlinearity_percent=self.nonlinearity_percent,
-            full_well_e=self._well_e(),
-            gain_e_per_dn=gain / charge / 10.0 ** (self.gain_dB / 20.0),
+            full_well_e=well,
+            gain_e_per_dn=per_dn / 10.0 ** (self.gain_dB / 20.0),
             offset_dn=self.offset_dn,
             bits=self.bits,
         )
-
-    @property
-    def _is_avalanche(self) -> bool:
-        return self.charge_gain == "avalanche"
 
     def _gain(self, *, in_pixel: bool = False) -> float:
         """Charge gain before the read-out, or that within the pixel: a register's comes after."""
@@ -422,10 +388,17 @@ class FocalPlanePanel(SeededModule):
             return computed
         return self.excess_noise_factor
 
+    @property
+    def pixel_well_e(self) -> float | None:
+        """Electrons before the gain that fill a pixel."""
+        return None if self.full_well_e is None else self.full_well_e / self._gain(in_pixel=True)
+
     def _well_e(self) -> float | None:
-        """Electrons before the gain that fill the pixel or the read-out, whichever comes first."""
-        wells = (self.full_well_e, self._gain(in_pixel=True)), (self.register_well_e, self._gain())
-        return min((well / gain for well, gain in wells if well is not None), default=None)
+        """Electrons before the gain that fill pixels or read-out, whichever comes first."""
+        pixel, register = self.pixel_well_e, self.register_well_e
+        wells = [] if pixel is None else [pixel * (self.pixels if self.sums_charge else 1)]
+        wells += [] if register is None else [register / self._gain()]
+        return min(wells, default=None)
 
     def collection(self, image: Image, context: Context, here: NodeContext) -> Collection:
         """What makes the mean number of electrons of a radiance."""

@@ -27,26 +27,15 @@ def excess_noise_factor(
 
     Parameters
     ----------
-    charge_gain : {"none", "photoconductive", "em_register", "avalanche"}
-        What multiplies.
+    charge_gain : ChargeGain
+        What multiplies. None gives 1; a photoconductor 2, as recombination adds as much variance as
+        generation.
     factor : float
         Mean gain G, above 0; at least 1 for register and avalanche.
     register_stages : int
-        Stages N of an EM register, 1 or more; G is at most 2^N.
+        Stages N of an EM register, G at most 2^N: (2(G − 1)·G^(−1/N) + 1)/G, F² of its literature.
     ionization_ratio : float
-        k of an avalanche: the weaker carrier's ionization over the stronger one's, 0 to 1.
-
-    Returns
-    -------
-    float
-        1 for none. 2 for a photoconductor: recombination adds as much variance as generation.
-        (2(G − 1)·G^(−1/N) + 1)/G for a register; this is F² of its literature. k·G + (1 − k)(2 −
-        1/G) for an avalanche.
-
-    Raises
-    ------
-    ParameterError
-        For a value out of range.
+        k of an avalanche, 0 to 1: k·G + (1 − k)(2 − 1/G).
 
     Source: Levine 1993, Quantum-well infrared photodetectors, J. Appl. Phys. 74, R1 (noise current
     4qGI); Robbins and Hadwen 2003, The noise performance of electron multiplying charge-coupled
@@ -75,24 +64,17 @@ def multiplied_charge(
 
     Parameters
     ----------
-    electrons : ndarray
-        Charge before, float32 or float64; what is not above 0 stays.
-    deviates : ndarray
-        Standard normal, of the same shape and type.
+    electrons, deviates : ndarray
+        Charge before, and standard normal deviates of its shape and type, float32 or float64.
+        Charge that is not above 0 stays.
     excess_noise_factor : float
-        F, above 1.
+        F, above 1: n electrons give a deviate of mean n and variance (F − 1)·n.
     out : ndarray, optional
         Where to put the result; contiguous, and neither of the two.
 
-    Returns
-    -------
-    ndarray
-        Of n electrons a deviate of mean n and variance (F − 1)·n. At F = 2 each electron gives an
-        exponential number, as in a photoconductor and in a long register; else the mean and the
-        variance are those of the gain, and the form is an approximation.
-
     Source: Basden, Haniff and Mackay 2003, Photon counting strategies with low-light-level CCDs,
-    Mon. Not. R. Astron. Soc. 345, 985 (gamma law); Wilson and Hilferty 1931 (cube root).
+    Mon. Not. R. Astron. Soc. 345, 985: at F = 2 each electron gives an exponential number. For
+    other F the form is an approximation. Wilson and Hilferty 1931 (cube root).
     """
     width, number = excess_noise_factor - 1.0, electrons.dtype.type
     large = np.maximum(electrons, number(LARGE_SHAPE * width))

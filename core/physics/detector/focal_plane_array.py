@@ -420,32 +420,17 @@ def current_e_per_s(*, dark_current_A_per_cm2: float, area_um2: float) -> float:
 
 
 def dark_factor(*, detector_K: float, reference_K: float, doubling_K: float) -> float:
-    """Dark current at a temperature over the current at a reference: 2^((T − T₀)/ΔT).
+    """Dark current at a temperature over the one at a reference: 2^((T − T₀)/ΔT), all above 0 K.
 
-    Parameters
-    ----------
-    detector_K, reference_K : float
-        The detector's temperature T and the data sheet's T₀, above 0.
-    doubling_K : float
-        Temperature difference ΔT that doubles the current, above 0.
-
-    Raises
-    ------
-    ParameterError
-        For a value out of range, or temperatures so far apart that the factor has no number.
-
-    Source: EMVA 1288, release 3.1, section 2.4 (temperature of doubling); for silicon ΔT is 5 to
-    8 K around room temperature (Janesick 2001, Scientific Charge-Coupled Devices, chapter 7).
+    Source: EMVA 1288, release 3.1, section 2.4; for silicon ΔT is 5 to 8 K around room temperature
+    (Janesick 2001, Scientific Charge-Coupled Devices, chapter 7).
     """
     away = positive("detector_K", detector_K) - positive("dark_reference_K", reference_K)
     doublings = away / positive("dark_doubling_K", doubling_K, unit="K")
     if abs(doublings) > _MOST_DOUBLINGS:
-        raise ParameterError(
-            "dark_doubling_K",
-            doubling_K,
-            f"at least {abs(away) / _MOST_DOUBLINGS:.3g} for temperatures {abs(away):g} K apart",
-            unit="K",
-        )
+        least = abs(away) / _MOST_DOUBLINGS
+        allowed = f"at least {least:.3g} for temperatures {abs(away):g} K apart"
+        raise ParameterError("dark_doubling_K", doubling_K, allowed, unit="K")
     return float(2.0**doublings)
 
 

@@ -125,3 +125,14 @@ def test_a_network_under_construction_has_its_chain_up_to_the_fault(small):
     chain = find_chain(plan)
     assert chain.final == "pixels.image"
     assert [stage.node for stage in chain.stages] == ["blur", "jitter"]
+
+
+@pytest.mark.parametrize("binning", ["charge", "digital"])
+def test_bins_of_a_focal_plane_are_combined_pixels(small, binning):
+    bins = {"binning": binning, "binning_x": 2, "bits": 12, "full_well_e": 1e6}
+    small["nodes"]["pixels"] = {"module": "focal_plane", "params": bins}
+    small["nodes"]["init"]["params"] |= {"detector_x_um": 30, "detector_y_um": 30, "f_number": 2}
+    small["links"].append(["init.context", "pixels.context"])
+    chain = chain_of(small)
+    assert chain.combined.nyquist_x == pytest.approx(chain.grid.nyquist_x / 2)
+    assert chain.combined.nyquist_y == pytest.approx(chain.grid.nyquist_y)
