@@ -16,22 +16,37 @@ from core.chain.results import TableData, TableRow
 from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, ends_lineage, in_blocks, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Caution, Section
 from core.modules.parameters import Formula, Param
 from core.physics.detector.bolometer import lag_weights, netd_noise_radiance, share_kept
 from core.physics.detector.filters import lowpass_mtf, lowpass_ptf
-from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma
-from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
+from core.physics.noise.flicker_noise import (
+    FlickerBand,
+    filtered_flicker,
+    flicker_band,
+    flicker_sigma,
+)
+from core.physics.radiometry.planck import (
+    band_radiance,
+    band_radiance_derivative,
+    brightness_temperature,
+)
 from core.transfer.factors import Separable
 from nodes.shared.context_defaults import Lens, given_band, lens, t_number_caution, with_interval
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates, waves_of_all_frames
 from nodes.shared.factors import separable, transfers
 from nodes.shared.module_ports import CutOff, CutOn, LongestPeriod, table_figure
 from nodes.shared.shared_warnings import apart_from_context, band_caution, unit_caution
-from nodes.shared.steps import difference, filtered_lines
+from nodes.shared.steps import (
+    PictureRange,
+    difference,
+    filtered_lines,
+    picture_range,
+    quantized,
+)
 
 _MOST_FRAMES = 64
 
@@ -55,8 +70,12 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     exp(−1/(rate·time constant)) of a change remains: if frames differ, each still shows part of the
     earlier ones. With a scan velocity on Init & Trans the lag is a low-pass along the lines, 1/(1 +
     2πi·τ·v·ξ). 1/f noise equals the white noise at `corner_Hz`. Non-uniform gain and offset are the
-    same in every frame; Non-Uniformity Correction removes them. Sources: Kruse 2001, chapters 3 and
-    4; Rogalski 2011, chapters 4 and 22.
+    same in every frame; Non-Uniformity Correction removes them. The temporal filter averages
+    recursively, y = a·y₋₁ + (1 − a)·x with a = (n − 1)/(n + 1) for filter_frames n: white noise
+    falls by √((1 − a)/(1 + a)) = 1/√n, 1/f noise by less, and scenes that change lag. It belongs to
+    NETDs measured without it. Then the picture is rounded to 2^bits radiances between range_low_K
+    and range_high_K and clipped there. Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011,
+    chapters 4 and 22.
     """
 
     formulas = (
@@ -132,6 +151,17 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     frame_rate_Hz: Annotated[
         float, Param("frame rate", unit="Hz", low=1e-6, high=1e9, slider=(1, 120))
     ] = 30.0
+    filter_frames: Annotated[float, Param(
+        "temporal filter: number of frames whose average has as much white noise; 1: no filter",
+        low=1, high=16)] = 1.0  # fmt: skip
+    bits: Annotated[int, Param(
+        "bits of the output; 0: no rounding", unit="bit", low=0, high=24)] = 0  # fmt: skip
+    range_low_K: Annotated[float | None, Param(
+        "scene temperature of the lowest number, for bits", unit="K", low=0, high=1e4,
+        slider=(200, 300))] = None  # fmt: skip
+    range_high_K: Annotated[float | None, Param(
+        "scene temperature of the highest number, for bits", unit="K", low=0, high=1e4,
+        slider=(300, 500))] = None  # fmt: skip
     corner_Hz: Annotated[
         float,
         Param("corner frequency, where 1/f noise equals white noise; 0: no 1/f noise",
@@ -168,17 +198,27 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         Section("Heat", ("time_constant_s", "frame_rate_Hz")),
         Section("1/f noise", ("corner_Hz", "longest_period_s")),
         Section("Non-uniformity", ("response_percent", "offset_mK")),
+        Section("Read-out", ("filter_frames", "bits", "range_low_K", "range_high_K")),
         *SEED_SECTIONS,
     )  # fmt: skip
 
     def check(self) -> None:
-        """Refuse one integration time without the other, and 1/f noise of no frames."""
+        """Refuse one of two values without the other, and 1/f noise of no frames."""
         own, other = self.integration_time_s, self.reference_integration_time_s
         if (own is None) != (other is None):
             missing = "integration_time_s" if own is None else "reference_integration_time_s"
             raise ParameterError(
                 missing, None, "a number if the other integration time is given", unit="s"
             )
+        low, high = self.range_low_K, self.range_high_K
+        for name, value, unit in (
+            ("bits", self.bits, "bit"), ("range_low_K", low, "K"), ("range_high_K", high, "K")
+        ):  # fmt: skip
+            if not value and (self.bits or low or high):
+                allowed = "above 0: bits, range_low_K and range_high_K belong together"
+                raise ParameterError(name, value, allowed, unit=unit)
+        if low is not None and high is not None and low >= high:
+            raise ParameterError("range_high_K", high, f"above range_low_K = {low:g}", unit="K")
         if self.corner_Hz:
             self._flicker_band()
 
@@ -191,15 +231,24 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
                 white_sigma=white, corner_Hz=self.corner_Hz, band=self._flicker_band()
             )
         factors = self._along_the_scan(context, here)
-        slow = self._lagging(self._scanned(image, context, factors, here), here)
+        slow = self._scanned(image, context, factors, here)
+        for kept in (self._kept(), self._filter()):
+            slow = self._over_frames(slow, kept, here)
         made = self._uneven(slow, image, band, here)
+        white *= self._left()[0]
+        flicker *= self._left()[1]
         made = self._noisy(made, image, white, flicker, here)
+        limits, step = self._limits(band), 0.0
+        if limits is not None:
+            made = here.step(quantized, made, limits=limits, bits=self.bits)
+            step = (limits[1] - limits[0]) / (2.0**self.bits - 1.0)
         table = here.step(
             figures,
             image.recipe,
             band=band,
             white=white,
             flicker=flicker,
+            step=step,
             response=self.response_percent / 100.0,
             offset=self._offset(band),
             kept=self._kept(),
@@ -242,6 +291,27 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             frame_rate_Hz=self.frame_rate_Hz, longest_period_s=self.longest_period_s
         )
 
+    def _limits(self, band: tuple[float, float]) -> tuple[float, float] | None:
+        """Radiances of the lowest and the highest number."""
+        if not self.bits or self.range_low_K is None or self.range_high_K is None:
+            return None
+        low, high = (
+            float(band_radiance(temperature_K=kelvin, cut_on_um=band[0], cut_off_um=band[1]))
+            for kelvin in (self.range_low_K, self.range_high_K)
+        )
+        return low, high
+
+    def _filter(self) -> float:
+        """Share of the last output that the temporal filter keeps."""
+        return (self.filter_frames - 1.0) / (self.filter_frames + 1.0)
+
+    def _left(self) -> tuple[float, float]:
+        """White and 1/f noise behind the temporal filter, over those before it."""
+        slow = 1.0
+        if self.corner_Hz and self.filter_frames > 1.0:
+            slow = filtered_flicker(kept=self._filter(), band=self._flicker_band())
+        return self.filter_frames**-0.5, slow
+
     def _kept(self) -> float:
         return share_kept(time_constant_s=self.time_constant_s, frame_rate_Hz=self.frame_rate_Hz)
 
@@ -264,11 +334,14 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         how = {"factors": factors, "grid": grid, "edges": context.edges, "label": "Thermal lag"}
         return here.step(filtered_lines, image.recipe, **how)
 
-    def _lagging(self, picture: Recipe, here: NodeContext) -> Recipe:
-        kept = self._kept()
+    def _over_frames(
+        self, picture: Recipe, kept: float, here: NodeContext, size: float = 1.0
+    ) -> Recipe:
+        """Behind a lag that keeps a share from frame to frame, over a size."""
         if not kept or at_frame(picture, -1).key == picture.key:
             return picture
         weights = lag_weights(kept=kept, most=_MOST_FRAMES)
+        weights = tuple(weight / size for weight in weights)
         before = [at_frame(picture, -age) for age in range(1, len(weights))]
         return here.step(lagged_frames, picture, *before, weights=weights)
 
@@ -293,7 +366,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     def _noisy(
         self, picture: Recipe, image: Image, white: float, flicker: float, here: NodeContext
     ) -> Recipe:
-        fields = [self.deviates(here, "white", image.shape)] if white else []
+        fields: list[Recipe] = [self.deviates(here, "white", image.shape)] if white else []
         if flicker:
             stream, band = self.stream(here, "1/f", fixed=True), self._flicker_band()
             waves = waves_of_all_frames(stream=stream, shape=image.shape, band=band, node=here.node)
@@ -310,6 +383,11 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             )
         if not fields:
             return picture
+        sizes = [left for left, sigma in zip(self._left(), (white, flicker), strict=True) if sigma]
+        fields = [
+            self._over_frames(field, self._filter(), here, size)
+            for field, size in zip(fields, sizes, strict=True)
+        ]
         return here.step(with_temporal_noise, picture, *fields, white=white, flicker=flicker)
 
     @warning
@@ -346,11 +424,24 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             "lower time_constant_s or frame_rate_Hz if this is not accurate enough",
         )
 
+    @warning
+    def clipped(self, outputs: BolometerOutputs) -> Recipe | None:
+        """The scene is beyond the range of the output."""
+        low, high = self.range_low_K, self.range_high_K
+        if not self.bits or low is None or high is None:
+            return None
+        table: Any = outputs.table.recipe
+        seen, band = Step.of(picture_range, *table.inputs), dict(table.parameters)["band"]
+        return Step.of(range_caution, seen, limits=self._limits(band), kelvin=(low, high))
+
     netd_figure = table_figure("netd_K", "K", "Temporal noise as a temperature difference.")
     white_netd_figure = table_figure(
         "white_netd_K", "K", "White noise as a temperature difference."
     )
     flicker_figure = table_figure("flicker_K", "K", "1/f noise as a temperature difference.")
+    rounding_figure = table_figure(
+        "quantization_K", "K", "Quantization noise as a temperature difference."
+    )
     fixed_figure = table_figure(
         "fixed_pattern_K", "K", "Non-uniform gain and offset of the pixels."
     )
@@ -440,6 +531,19 @@ def with_temporal_noise(
     return made
 
 
+@ends_lineage
+def range_caution(
+    work: Work, seen: PictureRange, *, limits: tuple[float, float], kelvin: tuple[float, float]
+) -> Caution | None:
+    if seen.low >= limits[0] and seen.high <= limits[1]:
+        return None
+    return Caution(
+        f"the scene has pixels outside {kelvin[0]:g} to {kelvin[1]:g} K, which are clipped; NETD "
+        "and SNR are given as if they were not",
+        "lower range_low_K or raise range_high_K",
+    )
+
+
 @in_blocks()
 @ends_lineage
 def figures(
@@ -449,6 +553,7 @@ def figures(
     band: tuple[float, float],
     white: float,
     flicker: float,
+    step: float,
     response: float,
     offset: float,
     kept: float,
@@ -460,7 +565,8 @@ def figures(
         slope = float(
             band_radiance_derivative(cut_on_um=band[0], cut_off_um=band[1], temperature_K=kelvin)
         )
-    temporal, pattern = float(np.hypot(white, flicker)), float(np.hypot(response * mean, offset))
+    rounding, pattern = step / 12.0**0.5, float(np.hypot(response * mean, offset))
+    temporal = float(np.hypot(np.hypot(white, flicker), rounding))
 
     def in_kelvin(noise: float) -> float | None:
         return noise / slope if slope else None
@@ -469,6 +575,7 @@ def figures(
         ("netd_K", in_kelvin(temporal), "K", "temporal noise as a temperature difference"),
         ("white_netd_K", in_kelvin(white), "K", "white noise only"),
         ("flicker_K", in_kelvin(flicker), "K", "1/f noise alone"),
+        ("quantization_K", in_kelvin(rounding), "K", "quantization noise alone"),
         ("fixed_pattern_K", in_kelvin(pattern), "K", "non-uniform gain and offset of the pixels"),
         ("noise_radiance", temporal, "W/m²/sr", "temporal noise as a radiance of the scene"),
         ("snr", mean / temporal if temporal else None, "", "mean signal over temporal noise"),

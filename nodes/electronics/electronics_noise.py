@@ -62,7 +62,7 @@ from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.factors import separable, transfers
 from nodes.shared.module_ports import CutOff, CutOn, table_figure
 from nodes.shared.shared_warnings import apart_caution, band_caution, is_radiance, unit_caution
-from nodes.shared.steps import difference, filtered_lines, picture_range
+from nodes.shared.steps import difference, filtered_lines, picture_range, quantized
 
 _MATERIALS = tuple(
     (region, (*(material.name for material in materials), MANUAL))
@@ -422,9 +422,9 @@ class ElectronicsNoise(
         """The picture in 2^bits levels over the range, by default its own."""
         low, high = self._range()
         if low is not None and high is not None:
-            return here.step(steps.quantized, picture, bits=self.bits, limits=(low, high))
+            return here.step(quantized, picture, bits=self.bits, limits=(low, high))
         limits = here.step(steps.value_range, picture, low=low, high=high)
-        return here.step(steps.quantized, picture, limits, bits=self.bits)
+        return here.step(quantized, picture, limits, bits=self.bits)
 
     @warning
     def band(self, image: Image) -> Caution | None:

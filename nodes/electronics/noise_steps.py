@@ -16,9 +16,9 @@ from core.chain.step_lineage import AtStep, Noise, noises_in_blocks, picture_ste
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
-from core.physics.detector.quantization import apply_gain_bias, quantization_rms, quantize
+from core.physics.detector.quantization import apply_gain_bias, quantization_rms
 from nodes.electronics.detector_figures import DetectorFigures
-from nodes.shared.steps import PictureRange, rounding_noises
+from nodes.shared.steps import PictureRange
 
 Array = NDArray[Any]
 
@@ -48,22 +48,6 @@ def value_range(
             unit="W/m²/sr",
         )
     return lowest, highest
-
-
-@noises_in_blocks
-def _rounding(
-    at: AtStep, picture: Recipe, limits: Recipe | tuple[float, float], *, bits: int
-) -> list[Noise]:
-    low, high = at.work.value(limits) if isinstance(limits, Recipe) else limits
-    return rounding_noises(at, (high - low) / (2.0**bits - 1.0)) if high > low else []
-
-
-@picture_step(noise=_rounding, looks_at=("limits",))
-@pointwise
-def quantized(work: Work, picture: Array, limits: tuple[float, float], *, bits: int) -> Array:
-    """Nearest of 2^bits levels between the limits."""
-    low, high = limits
-    return quantize(picture, bits=bits, low=low, high=high, for_each=work.for_each)
 
 
 @in_blocks()

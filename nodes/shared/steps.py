@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from core.chain.band_stack import BandStack, SteppedBands
 from core.chain.linear_change import Filtering
-from core.chain.step_lineage import AtStep, Noise, picture_step
+from core.chain.step_lineage import AtStep, Noise, noises_in_blocks, picture_step
 from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.physics.detector.quantization import rounding_variances
+from core.physics.detector.quantization import quantize, rounding_variances
 from core.transfer.factors import Edges, Grid, Separable
 from core.transfer.line_filter import filter_lines
 
@@ -94,3 +94,19 @@ def rounding_noises(at: AtStep, step: float) -> list[Noise]:
         return [at.known("quantization")]
     temporal, fixed = rounding_variances(step=step, noise_variance=stirring)
     return [at.white("quantization", temporal), at.white("quantization", fixed, temporal=False)]
+
+
+@noises_in_blocks
+def _rounding(
+    at: AtStep, picture: Recipe, limits: Recipe | tuple[float, float], *, bits: int
+) -> list[Noise]:
+    low, high = at.work.value(limits) if isinstance(limits, Recipe) else limits
+    return rounding_noises(at, (high - low) / (2.0**bits - 1.0)) if high > low else []
+
+
+@picture_step(noise=_rounding, looks_at=("limits",))
+@pointwise
+def quantized(work: Work, picture: Array, limits: tuple[float, float], *, bits: int) -> Array:
+    """Nearest of 2^bits levels between the limits."""
+    low, high = limits
+    return quantize(picture, bits=bits, low=low, high=high, for_each=work.for_each)

@@ -83,6 +83,28 @@ def flicker_sigma(*, white_sigma: float, corner_Hz: float, band: FlickerBand) ->
     return non_negative("white_sigma", white_sigma) * sqrt(share)
 
 
+def filtered_flicker(*, kept: float, band: FlickerBand) -> float:
+    """Standard deviation of 1/f noise behind a recursive filter over frames, over that before.
+
+    Parameters
+    ----------
+    kept : float
+        Share a of the last result that stays: y = a·y₋₁ + (1 − a)·x. 0 to below 1.
+    band : FlickerBand
+        Frequencies of the noise, to half the frame rate r.
+
+    Source: the integral of |H|²/f over that of 1/f, |H(f)|² = (1 − a)²/(1 − 2a·cos(2πf/r) + a²)
+    (Oppenheim and Schafer 2010, Discrete-Time Signal Processing, chapter 5).
+    """
+    share = within("share that is kept", kept, 0.0, 1.0)
+    places, weights = np.polynomial.legendre.leggauss(32)
+    octaves = np.linspace(log(band.low_Hz / band.high_Hz), 0.0, band.strata + 1)
+    middles, half = (octaves[1:] + octaves[:-1]) / 2.0, (octaves[1] - octaves[0]) / 2.0
+    angle = math.pi * np.exp(middles[:, np.newaxis] + half * places)
+    power = (1.0 - share) ** 2 / (1.0 - 2.0 * share * np.cos(angle) + share**2)
+    return float(np.sqrt(np.mean(power @ (weights / 2.0))))
+
+
 def flicker_wave(
     *, band: FlickerBand, stratum: int, time_s: float, place: Array, level: Array, phase: Array
 ) -> Array:

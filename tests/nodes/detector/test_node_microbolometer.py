@@ -2,11 +2,13 @@
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 
 from core.chain.frame_sequence import at_frame
-from core.physics.radiometry.planck import band_radiance_derivative
+from core.physics.radiometry.planck import band_radiance, band_radiance_derivative
+from focal_plane_bench import cautions
 from node_bench import NodeBench
 from nodes.library import standard_library
 from nodes.shared import deviates as flicker_deviates
@@ -132,6 +134,64 @@ def test_patterns_of_pixels_and_their_correction(tmp_path):
     assert corrected["fixed"] == pytest.approx(corrected["fixed_measured"], rel=0.15)
 
 
+SLOW = {"corner_Hz": 5.0, "frame_rate_Hz": 60.0, "longest_period_s": 20.0, "time_constant_s": 0.0}
+
+
+def test_a_temporal_filter_is_a_recursion_over_the_frames(tmp_path):
+    """y = a·y₋₁ + (1 − a)·x of the camera's own frames without it, a = (4 − 1)/(4 + 1)."""
+    before = ("noise_3d_source", {"sigma_tvh": 0.1})
+    params = {**SLOW, "response_percent": 2.0, "time_constant_s": 0.01}
+    plain = bench_of(tmp_path, params, before=before)
+    made = bench_of(tmp_path, {**params, "filter_frames": 4.0}, before=before)
+    state = frame(plain, -40)
+    for number in range(-39, 3):
+        state = 0.6 * state + 0.4 * frame(plain, number)
+        if number >= 0:
+            np.testing.assert_allclose(frame(made, number), state, atol=2e-6)
+
+
+def test_noise_behind_a_temporal_filter(tmp_path):
+    """White noise falls to a third; 1/f noise by the filter's response, integrated by mpmath."""
+    plain = bench_of(tmp_path, SLOW).readouts("bolo")
+    bench = bench_of(tmp_path, {**SLOW, "filter_frames": 9.0})
+    found = bench.readouts("bolo")
+    assert found["white_netd_K"] == pytest.approx(plain["white_netd_K"] / 3, rel=1e-12)
+    a = mpmath.mpf(8) / 10
+    power = mpmath.quad(
+        lambda f: (1 - a) ** 2 / (1 - 2 * a * mpmath.cos(mpmath.pi * f / 30) + a**2) / f,
+        mpmath.linspace(mpmath.mpf(1) / 20, 30, 40),
+    )
+    ratio = float(mpmath.sqrt(power / mpmath.log(600)))
+    assert found["flicker_K"] == pytest.approx(ratio * plain["flicker_K"], rel=1e-12)
+    assert bench.readouts("merit")["netd_K"] == pytest.approx(found["netd_K"], rel=1e-6)
+    # Independent pixels of one frame have all that noise.
+    spread = frame(bench, 0).std() / slope(285.0)
+    assert spread == pytest.approx(found["netd_K"], rel=4 / math.sqrt(2 * 64 * 48))
+
+
+def test_bits_and_range_of_the_output(tmp_path):
+    """8 bits from 250 to 330 K: levels of L(250 K) + k·q, clipped beyond them."""
+    params = {"bits": 8, "range_low_K": 250.0, "range_high_K": 330.0, "netd_mK": 400.0}
+    bench = bench_of(tmp_path, params)
+    low, high = (
+        float(band_radiance(cut_on_um=8.0, cut_off_um=14.0, temperature_K=kelvin))
+        for kelvin in (250.0, 330.0)
+    )
+    step = (high - low) / 255
+    number = (bench.value("bolo.image") - low) / step
+    np.testing.assert_allclose(number, np.rint(number), atol=1e-4)
+    found = bench.readouts("bolo")
+    rounding = step / math.sqrt(12) / slope(285.0)
+    assert found["quantization_K"] == pytest.approx(rounding, rel=1e-9)
+    assert found["netd_K"] == pytest.approx(math.hypot(found["white_netd_K"], rounding), rel=1e-9)
+    assert bench.readouts("merit")["netd_K"] == pytest.approx(found["netd_K"], rel=1e-6)
+    assert not cautions(bench, "clipped")
+    hot = bench_of(tmp_path, params, scene={"kind": "two_panel", "delta_K": 120})
+    assert hot.value("bolo.image").max() == pytest.approx(high, rel=1e-6)
+    (told,) = cautions(hot, "clipped")
+    assert "outside 250 to 330 K" in told.text
+
+
 @pytest.mark.parametrize(
     ("params", "words"),
     [
@@ -139,6 +199,9 @@ def test_patterns_of_pixels_and_their_correction(tmp_path):
         ({"reference_integration_time_s": 1e-4}, "integration_time_s"),
         ({"corner_Hz": 1.0, "longest_period_s": 0.01}, "longest_period_s"),
         ({"optics_transmission": 0.0}, "optics_transmission"),
+        ({"bits": 8, "range_low_K": 250.0}, "range_high_K"),
+        ({"range_low_K": 250.0, "range_high_K": 300.0}, "bits"),
+        ({"bits": 8, "range_low_K": 300.0, "range_high_K": 280.0}, "above range_low_K = 300"),
     ],
 )
 def test_faults(tmp_path, params, words):
