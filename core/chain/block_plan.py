@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from core.chain.back_transformed import Delivered
+from core.chain.back_transformed import Delivered, block_combine
 from core.chain.engine import Plan
 from core.chain.wires import Image
 from core.errors import DataError
@@ -133,7 +133,10 @@ class _Shapes:
             return _delivered(recipe)
         if not isinstance(recipe, Step) or not recipe.in_parts:
             return None
-        given = dict(recipe.parameters).get("shape")
+        how = dict(recipe.parameters)
+        given = how.get("shape")
+        if recipe.function is block_combine:
+            given = how["old"][0] // how["factor_y"], how["old"][1] // how["factor_x"]
         if given is not None:
             return int(given[0]), int(given[1])
         sizes = [self._known[one.key] for one in recipe.inputs if one.key in self._known]

@@ -53,6 +53,24 @@ def test_shipped_networks_to_the_bit(imagechain, tmp_path, name, precision):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
 
 
+@pytest.mark.parametrize("binning", ["charge", "digital"])
+def test_bins_and_multiplied_charge_of_a_focal_plane_to_the_bit(imagechain, tmp_path, binning):
+    given = {
+        "scene.width": 194, "scene.height": 178, "camera.pixels_x": 97, "camera.pixels_y": 89,
+        "focal_plane.charge_gain": "em_register", "focal_plane.charge_gain_factor": 100,
+        "focal_plane.bad_pixel_percent": 2, "focal_plane.binning": binning,
+        "focal_plane.binning_x": 2, "focal_plane.binning_y": 3,
+    }  # fmt: skip
+    words = [f"--set={name}={value}" for name, value in given.items()]
+    words += ["--disable", "budget", "--disable", "merit"]  # these need whole pictures
+    for folder, memory in (("a", "8GB"), ("b", BUDGET)):
+        done = imagechain("run", "mwir_camera", *words, "--memory", memory, "--output-dir", folder)
+        assert done.returncode == 0, done.stderr
+        assert ("in blocks: " in done.stdout) == (folder == "b")
+    for file in ("readouts.json", "mtf.csv", "final.png"):
+        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+
+
 def test_geometry_convolution_and_measurements(imagechain, write, tmp_path):
     """What takes its picture as it lies on disk: footprints, tap by tap, a region, mean rows."""
     document = json.loads(find_network("measured_mtf").path.read_text())
