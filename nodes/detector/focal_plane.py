@@ -83,18 +83,19 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     responsivity and SNR include the nonlinearity; signal and well fill count the electrons
     collected. `saturated` is 1 where the well is full or the converter has clipped.
 
-    A charge gain multiplies before the read-out and adds excess noise. All results stay in
-    electrons before the gain. Read noise, gain_e_per_dn and register_well_e count electrons behind
-    it, and so does full_well_e, except with an EM register. Amperes include a gain within the
-    pixel, as a QWIP's data sheet gives them; e-/s, DSNU and Rule 07 do not. gain_dB is 20·log10 of
-    the camera's own gain: it divides gain_e_per_dn, so the converter clips at fewer electrons.
+    A charge gain multiplies the electrons after PRNU and DSNU, and adds excess noise. All results
+    are in electrons before the gain. Read noise, wells and gain_e_per_dn count electrons behind it;
+    with an EM register, full_well_e counts electrons before it. Values in amperes include a gain
+    within the pixel, as a QWIP's data sheet gives them; values in e-/s, DSNU and Rule 07 do not.
+    gain_dB is 20·log10 of the camera's own gain. It divides gain_e_per_dn, so the converter clips
+    at fewer electrons.
 
-    Binning sums binning_x × binning_y pixels, and all figures are of the bin. `charge` sums the
+    Binning sums binning_x × binning_y pixels; all figures are then of a bin. `charge` sums the
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
-    sums the numbers, so read noise grows with the square root of the pixels, and `saturated` is the
-    saturated share of a bin. Bins multiply the pixel's MTF by sin(πnξΔ)/(n·sin(πξΔ)) at pitch Δ,
-    are sampled n pixels apart, and drop rows and columns left over. In units of radiance a bin is
-    the mean of its pixels.
+    sums the numbers: read noise grows with the square root of the number of pixels, and `saturated`
+    is the share of saturated pixels. In units of radiance, a bin is the mean of its pixels. Binning
+    multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch. Rows and columns left
+    over are dropped.
 
     N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
     electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
@@ -475,7 +476,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         return Preview(
             f"{budget.words}; {over.words}",
             (*budget.parts, *over.parts),
-            more_lines=_CHART_LINES,
+            more_lines=budget.more_lines + _CHART_LINES,
         )
 
     @warning

@@ -38,7 +38,6 @@ _NEEDED_BY = {
     "material_cutoff_um": "rule_07 needs it",
     "dark_reference_K": "dark_doubling_K counts from this temperature",
     "dark_doubling_K": "the dark current is known at dark_reference_K only",
-    "ionization_ratio": "an avalanche needs it if excess_noise_factor is empty",
     "responsivity_um": "responsivity_A_per_W refers to this wavelength",
     "responsivity_A_per_W": "responsivity_um is its wavelength",
 }
@@ -69,7 +68,7 @@ class FocalPlanePanel(SeededModule):
         float, Param("electrons per photon within the band", low=0, high=1, above=True)
     ] = 0.7
     quantum_efficiency_percent: Annotated[float | None, Param(
-        "the same in per cent, used instead of the number, or empty", unit="%", low=0,
+        "quantum efficiency in per cent, used instead of the number, or empty", unit="%", low=0,
         high=100)] = None  # fmt: skip
     responsivity_A_per_W: Annotated[float | None, Param(
         "current responsivity, used instead of the number, or empty", unit="A/W", low=0, high=1e6,
@@ -136,14 +135,14 @@ class FocalPlanePanel(SeededModule):
         float, Param("dark current per pixel", unit="e-/s", low=0, high=1e15, slider=(0, 1e7))
     ] = 0.0
     dark_current_A_per_cm2: Annotated[float, Param(
-        "dark current density, over the whole pixel pitch, instead of the number per pixel",
+        "dark current per area of the pixel pitch, instead of the current per pixel",
         unit="A/cm²", low=0, high=1e6, slider=(0, 1e-6))] = 0.0  # fmt: skip
     dark_reference_K: Annotated[float | None, Param(
         "temperature at which the dark current is given; empty: the detector's own", unit="K",
         low=0, high=1e3, slider=(60, 320))] = None  # fmt: skip
     dark_doubling_K: Annotated[float | None, Param(
-        "temperature rise that doubles the dark current; empty: none", unit="K", low=0, high=1e3,
-        slider=(2, 15))] = None  # fmt: skip
+        "temperature rise that doubles the dark current; empty: no change with temperature",
+        unit="K", low=0, high=1e3, slider=(2, 15))] = None  # fmt: skip
     rule_07: Annotated[
         bool, Param("take the dark current of HgCdTe from Rule 07 instead of the number")
     ] = False
@@ -167,7 +166,7 @@ class FocalPlanePanel(SeededModule):
         ),
     ] = None
     register_well_e: Annotated[float | None, Param(
-        "electrons that the read-out holds, after charge binning and gain; empty: unlimited",
+        "electrons that the read-out can hold, after binning and charge gain; empty: unlimited",
         unit="e-", low=0, slider=(0, 1e7))] = None  # fmt: skip
     charge_gain: Annotated[ChargeGain, Param(
         "gain before the read-out: in a photoconductor (QWIP), an EMCCD's register, or an "
@@ -176,13 +175,13 @@ class FocalPlanePanel(SeededModule):
         "mean number of electrons that one electron becomes", low=0, high=1e5, above=True,
         slider=(0.1, 1000))] = 1.0  # fmt: skip
     excess_noise_factor: Annotated[float | None, Param(
-        "variance added by the gain, as a factor on shot noise squared; empty: computed", low=1,
-        high=1e5, slider=(1, 4))] = None  # fmt: skip
+        "factor by which the charge gain raises the variance of the electrons; empty: computed",
+        low=1, high=1e5, slider=(1, 4))] = None  # fmt: skip
     register_stages: Annotated[int, Param(
         "stages of the EM register", low=1, high=100000, slider=(100, 1000))] = 536  # fmt: skip
-    ionization_ratio: Annotated[float | None, Param(
-        "ionization rate of the weaker carrier over the stronger one's (k)", low=0, high=1,
-        zero_is_empty=False)] = None  # fmt: skip
+    ionization_ratio: Annotated[float, Param(
+        "k: ionization rate of the weaker carrier over the stronger one's; 0: one carrier only",
+        low=0, high=1)] = 0.0  # fmt: skip
     nonlinearity_percent: Annotated[
         float,
         Param(
@@ -292,7 +291,6 @@ class FocalPlanePanel(SeededModule):
         low, high = self.cut_on_um, self.cut_off_um
         if low is not None and high is not None and low >= high:
             raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
-        avalanche = self.charge_gain == "avalanche"
         for needed, why, unit in (
             ("full_well_e", self.nonlinearity_percent > 0, "e-"),
             ("housing_K", self.cold_shield_efficiency < 1, "K"),
@@ -300,7 +298,6 @@ class FocalPlanePanel(SeededModule):
             ("material_cutoff_um", self.rule_07, "µm"),
             ("dark_reference_K", self.dark_doubling_K, "K"),
             ("dark_doubling_K", self.dark_reference_K, "K"),
-            ("ionization_ratio", avalanche and not self.excess_noise_factor, ""),
             ("responsivity_um", self.responsivity_A_per_W, "µm"),
             ("responsivity_A_per_W", self.responsivity_um, "A/W"),
         ):
@@ -382,7 +379,7 @@ class FocalPlanePanel(SeededModule):
             charge_gain=self.charge_gain,
             factor=self._gain(),
             register_stages=self.register_stages,
-            ionization_ratio=self.ionization_ratio or 0.0,
+            ionization_ratio=self.ionization_ratio,
         )
         if self.charge_gain == "none" or self.excess_noise_factor is None:
             return computed

@@ -70,12 +70,15 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     exp(−1/(rate·time constant)) of a change remains: if frames differ, each still shows part of the
     earlier ones. With a scan velocity on Init & Trans the lag is a low-pass along the lines, 1/(1 +
     2πi·τ·v·ξ). 1/f noise equals the white noise at `corner_Hz`. Non-uniform gain and offset are the
-    same in every frame; Non-Uniformity Correction removes them. The temporal filter averages
-    recursively, y = a·y₋₁ + (1 − a)·x with a = (n − 1)/(n + 1) for filter_frames n: white noise
-    falls by √((1 − a)/(1 + a)) = 1/√n, 1/f noise by less, and scenes that change lag. It belongs to
-    NETDs measured without it. Then the picture is rounded to 2^bits radiances between range_low_K
-    and range_high_K and clipped there. Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011,
-    chapters 4 and 22.
+    same in every frame; Non-Uniformity Correction removes them.
+
+    The temporal filter averages recursively: y = a·y₋₁ + (1 − a)·x, where a = (n − 1)/(n + 1) and n
+    is filter_frames. It lowers white noise by √n and 1/f noise by less; changes in the scene lag.
+    Leave it at 1 if the data sheet's NETD includes the filter. Last, the picture is rounded to
+    2^bits levels between the radiances of range_low_K and range_high_K, and clipped there.
+
+    Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22; Oppenheim and Schafer
+    2010, chapter 5 (filter).
     """
 
     formulas = (
@@ -152,7 +155,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         float, Param("frame rate", unit="Hz", low=1e-6, high=1e9, slider=(1, 120))
     ] = 30.0
     filter_frames: Annotated[float, Param(
-        "temporal filter: number of frames whose average has as much white noise; 1: no filter",
+        "temporal filter: lowers white noise like an average of this many frames; 1: no filter",
         low=1, high=16)] = 1.0  # fmt: skip
     bits: Annotated[int, Param(
         "bits of the output; 0: no rounding", unit="bit", low=0, high=24)] = 0  # fmt: skip
