@@ -69,6 +69,7 @@ _FOCAL_PLANE: Rows = (
     ("Dark electrons", "dark_e", "e-"),
     ("Well fill", "well_fill_percent", "%"),
     ("Dynamic range", "dynamic_range_dB", "dB"),
+    ("Dynamic range by EMVA 1288", "emva_dynamic_range_dB", "dB"),
     ("SNR", "snr", ""),
     ("Largest SNR (shot noise at saturation)", "snr_max", ""),
     ("Largest SNR", "snr_max_dB", "dB"),

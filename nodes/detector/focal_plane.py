@@ -524,6 +524,19 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         "dB",
         "Dynamic range: saturation (full well or highest DN) over the temporal noise in the dark.",
     )
+    emva_dynamic_range_dB = _figure(
+        "emva_dynamic_range_dB",
+        "dB",
+        "Dynamic range by EMVA 1288: saturation over the sensitivity threshold.",
+    )
+    sensitivity_threshold_photons = _figure(
+        "sensitivity_threshold_photons",
+        "photons",
+        "Sensitivity threshold by EMVA 1288: photons per pixel at which the SNR is 1.",
+    )
+    snr_max_dB = _figure(
+        "snr_max_dB", "dB", "Largest SNR by EMVA 1288: that of shot noise alone at saturation."
+    )
     gain_figure = _figure("gain_e_per_dn", "e-/DN", "Electrons per digital number.")
     mean_dn = _figure("mean_dn", "DN", "Mean signal of the picture, in digital numbers.")
     weighting_figure = _figure(

@@ -365,7 +365,7 @@ def figures(
         *_at_reference(levels, collection, reading, reference_radiance),
         ("nei_photons_per_cm2", nei, "1/cm²", "photons per exposure that equal the noise", why),
         ("dynamic_range_dB", decibels, "dB", "saturation over the noise in the dark", too_dark),
-        *_emva(levels, reading, threshold),
+        *_emva(levels, reading, efficiency, threshold),
         ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons per digital number"),
         (
             "mean_dn",
@@ -418,7 +418,7 @@ def _at_reference(
 
 
 def _emva(
-    levels: ElectronLevels, reading: ReadOut, threshold: float | None
+    levels: ElectronLevels, reading: ReadOut, efficiency: float, threshold: float | None
 ) -> Iterator[tuple[str, float | None, str, str]]:
     """SNR_max = √µe.sat and µp.min, and the SNR from dark to bright scenes of this spectrum.
 
@@ -434,6 +434,11 @@ def _emva(
     yield "snr_max_dB", 20.0 * math.log10(most) if most else None, "dB", "snr_max in decibels"
     what = "photons per pixel at which SNR is 1 (EMVA 1288)"
     yield "sensitivity_threshold_photons", threshold, "photons", what
+    ratio = None
+    if threshold and reading.saturation_e < np.inf:
+        ratio = 20.0 * math.log10(reading.saturation_e / (threshold * efficiency))
+    what = "saturation over the sensitivity threshold (EMVA 1288)"
+    yield "emva_dynamic_range_dB", ratio, "dB", what
     yield "saturation_radiance", radiance, "W/m²/sr", "radiance that saturates"
     for percent in SNR_AT_PERCENT:
         lit = replace(levels, signal_e=room * percent / 100.0)

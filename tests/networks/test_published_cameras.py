@@ -91,15 +91,3 @@ def test_the_report_of_one_compares_the_same(tmp_path):
     done = run_here("run", "landsat8_oli", *changed, "--report", "facts.json", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert json.loads((tmp_path / "facts.json").read_text())["published"] == []
-
-
-def test_the_report_has_the_threshold_of_emva_1288(tmp_path):
-    """The published photons of IMX900, of which the read-out of its table knows the noise alone."""
-    done = run_here("run", "imx900", "--report", "facts.json", folder=tmp_path)
-    assert done.returncode == 0, done.stderr
-    groups = json.loads((tmp_path / "facts.json").read_text())["data_sheet"]["groups"]
-    found = {
-        (group["node"], row["label"]): row["values"] for group in groups for row in group["rows"]
-    }
-    for node, published in (("low_dark", 6.692), ("high_dark", 2.782)):
-        assert found[node, "Absolute sensitivity threshold"] == [pytest.approx(published, rel=1e-3)]
