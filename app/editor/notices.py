@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.theme import CHANGED, ERROR, FAINT
-from app.editor.widgets import ElidedLabel, plain_label, tool_button
+from app.editor.widgets import ElidedLabel, filled, named, plain_label, tool_button
 
 Severity = Literal["information", "warning", "error"]
 ROLES = {"information": FAINT, "warning": CHANGED, "error": ERROR}
@@ -113,9 +113,7 @@ class Notice(QWidget):
             else plain_label(f"{name}.text", self)
         )
         self.away = close_button(f"{name}.close", self)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.setSpacing(5)
+        row = filled(QHBoxLayout(self), spacing=5)
         top = Qt.AlignmentFlag.AlignVCenter if one_line else Qt.AlignmentFlag.AlignTop
         row.addWidget(self.mark, 0, top)
         row.addWidget(self.label, 1)
@@ -147,17 +145,13 @@ class NoticeList(QWidget):
 
     def __init__(self, name: str, words: str, parent: QWidget) -> None:
         super().__init__(parent)
-        self.setObjectName(name)
-        self.setAccessibleName(words)
+        named(self, name, words)
         self.left: list[tuple[Severity, str]] = []  # those that have not been closed
         self._notices: list[Notice] = []
         self.more = tool_button(f"{name}.more", "", "Show all messages, or the gravest", self)
         self.more.setCheckable(True)
         self.more.toggled.connect(self._show)
-        self._rows = QVBoxLayout(self)
-        self._rows.setContentsMargins(6, 2, 6, 2)
-        self._rows.setSpacing(2)
-        self._rows.addWidget(self.more)
+        self._rows = filled(QVBoxLayout(self), self.more, margins=(6, 2, 6, 2), spacing=2)
         self.hide()
 
     def show_notices(self, said: Iterable[tuple[Severity, str]]) -> None:

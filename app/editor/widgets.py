@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Collection, Sequence
+from typing import Any, TypeVar
 
 from PySide6.QtCore import (
     QEvent,
@@ -51,6 +52,10 @@ from PySide6.QtWidgets import (
     QToolButton,
     QWidget,
 )
+
+W = TypeVar("W", bound=QWidget)
+L = TypeVar("L", bound=QLayout)
+B = TypeVar("B", bound=QToolButton)
 
 
 class Toggle(QToolButton):
@@ -128,24 +133,52 @@ def _outline(button: QAbstractButton, element: QStyle.SubElement, *, round_: boo
     painter.end()
 
 
+def named(widget: W, name: str, about: str = "", tip: str = "") -> W:
+    """Give a widget the name that tests find, and its words for screen readers and the tooltip."""
+    widget.setObjectName(name)
+    if about:  # else it keeps what it calls itself
+        widget.setAccessibleName(about)
+    if tip:
+        widget.setToolTip(tip)
+    return widget
+
+
+def filled(
+    layout: L,
+    *parts: QWidget | QLayout | tuple[QWidget | QLayout, int] | None,
+    margins: tuple[int, int, int, int] | None = (0, 0, 0, 0),
+    spacing: int | None = None,
+) -> L:
+    """Put parts into a layout: a part with its stretch for one that grows, None for free room."""
+    box: Any = layout
+    if margins is not None:
+        box.setContentsMargins(*margins)
+    if spacing is not None:
+        box.setSpacing(spacing)
+    for part in parts:
+        one, *stretch = part if isinstance(part, tuple) else (part,)
+        if one is None:
+            box.addStretch(1)
+        elif isinstance(one, QWidget):
+            box.addWidget(one, *stretch)
+        else:
+            box.addLayout(one, *stretch)
+    return layout
+
+
 def tool_button(name: str, text: str, description: str, parent: QWidget) -> QToolButton:
     """A button that the keyboard reaches."""
-    return _named(QToolButton(parent), name, text, description)
+    return _worded(QToolButton(parent), name, text, description)
 
 
 def toggle_button(name: str, text: str, description: str, parent: QWidget) -> Toggle:
-    button = Toggle(parent)
-    _named(button, name, text, description)
-    return button
+    return _worded(Toggle(parent), name, text, description)
 
 
-def _named(button: QToolButton, name: str, text: str, description: str) -> QToolButton:
-    button.setObjectName(name)
+def _worded(button: B, name: str, text: str, description: str) -> B:
     button.setText(text)
-    button.setToolTip(description)
-    button.setAccessibleName(description)
     button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-    return button
+    return named(button, name, description, description)
 
 
 _TYPING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.KeypadModifier
@@ -246,16 +279,14 @@ class PageTabs(QWidget):
 
     def __init__(self, pages: tuple[str, ...], parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setObjectName("pages")
-        self.setAccessibleName("pages of the panel")
+        named(self, "pages", "pages of the panel")
         self._pages = pages
         self._group = QButtonGroup(self)
         self.buttons: list[Toggle] = []
         flow = FlowLayout(self, across=2, down=2)
         flow.setContentsMargins(0, 4, 0, 0)
         for number, page in enumerate(pages):
-            button = Toggle(self)
-            button.setObjectName(f"page.{page}")
+            button = named(Toggle(self), f"page.{page}")
             button.setText(page)
             button.setAccessibleName(f"page {page}")
             button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -304,8 +335,7 @@ class ElidedLabel(QLabel):
 
     def __init__(self, name: str, description: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setObjectName(name)
-        self.setAccessibleName(description)
+        named(self, name, description)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def text(self) -> str:
@@ -363,8 +393,7 @@ def plain_label(
     bold: bool = False,
 ) -> QLabel:
     """A text that is no markup and is broken into lines, in a colour of the palette."""
-    label = QLabel(text, parent)
-    label.setObjectName(name)
+    label = named(QLabel(text, parent), name)
     label.setTextFormat(Qt.TextFormat.PlainText)
     label.setWordWrap(True)
     label.setForegroundRole(role)

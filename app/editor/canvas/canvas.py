@@ -28,6 +28,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level
 from app.editor.session import Session
 from app.editor.theme import FAINT, raised_palette, theme_of
+from app.editor.widgets import filled, named
 from core.editing.backdrops import backdrops_of, change
 from core.network.network import Link
 
@@ -45,8 +46,7 @@ class Canvas(QWidget):
 
     def __init__(self, session: Session | Level) -> None:
         super().__init__()
-        self.setObjectName("canvas")
-        self.setAccessibleName("Canvas")
+        named(self, "canvas", "Canvas")
         self._style = style = CanvasStyle(theme_of(self), self.font())
         self._session = session
         self.thumbnails: NodeThumbnails | None = None
@@ -80,9 +80,7 @@ class Canvas(QWidget):
             drag_left=dropping.left,
             drop=dropping.drop,
         )
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self.view)
+        filled(QVBoxLayout(self), self.view)
         self._connect()
         self._take_look()
         self._opened()

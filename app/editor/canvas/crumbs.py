@@ -16,6 +16,7 @@ from app.editor.canvas.view.canvas_view import GraphView
 from app.editor.declared_text import tip
 from app.editor.level import Level
 from app.editor.theme import FAINT, RAISED
+from app.editor.widgets import filled, named
 
 _BETWEEN = "›"
 
@@ -25,12 +26,9 @@ class Crumbs(QWidget):
 
     def __init__(self, level: Level, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setObjectName("crumbs")
-        self.setAccessibleName("path to the macro shown")
+        named(self, "crumbs", "path to the macro shown")
         self._level = level
-        self._row = QHBoxLayout(self)
-        self._row.setContentsMargins(4, 2, 4, 2)
-        self._row.setSpacing(2)
+        self._row = filled(QHBoxLayout(self), margins=(4, 2, 4, 2), spacing=2)
         self.up = self._button(
             "crumbs.up", "↑ Up", "Leave this macro and show the network around it (Alt+PgUp)"
         )
@@ -87,8 +85,7 @@ class Crumbs(QWidget):
         return label
 
     def _button(self, name: str, text: str, about: str) -> QToolButton:
-        button = QToolButton(self)
-        button.setObjectName(name)
+        button = named(QToolButton(self), name)
         button.setText(text.replace("&", "&&"))
         button.setAutoRaise(True)
         button.setAccessibleName(about)
@@ -111,8 +108,7 @@ class TitleEditor(QLineEdit):
 
     def __init__(self, view: GraphView) -> None:
         super().__init__(view.viewport())
-        self.setObjectName("canvas.title")
-        self.setAccessibleName("Title of the backdrop")
+        named(self, "canvas.title", "Title of the backdrop")
         self._view = view
         self._index: int | None = None
         self.hide()

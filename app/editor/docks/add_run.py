@@ -29,7 +29,7 @@ from app.editor.number_text import shown_number
 from app.editor.session import Session
 from app.editor.theme import ERROR
 from app.editor.typed_number import typed_number
-from app.editor.widgets import Check, tool_button
+from app.editor.widgets import Check, filled, named, tool_button
 from app.run.job import Kind
 from app.run.saving import MOST_FRAMES
 from app.run.staging import check_folder
@@ -121,10 +121,7 @@ class AddRun(QDialog):
         self.buttons.addButton(QDialogButtonBox.StandardButton.Cancel).setObjectName(
             "add_run.cancel"
         )
-        column = QVBoxLayout(self)
-        column.addLayout(self._form)
-        column.addStretch(1)
-        column.addWidget(self.buttons)
+        filled(QVBoxLayout(self), self._form, None, self.buttons, margins=None)
         self.setMinimumWidth(92 * self.fontMetrics().averageCharWidth())
         self.kinds.currentIndexChanged.connect(self._choose_kind)
         self.parameter.chosen.connect(self._chosen)
@@ -143,9 +140,7 @@ class AddRun(QDialog):
 
     def _beside(self, field: QWidget, *buttons: QWidget) -> QWidget:
         box = QWidget(self)
-        row = QHBoxLayout(box)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.addWidget(field, 1)
+        row = filled(QHBoxLayout(box), (field, 1))
         for button in buttons:
             row.addWidget(button, 0, Qt.AlignmentFlag.AlignTop)
         box.setFocusProxy(field)
@@ -157,18 +152,13 @@ class AddRun(QDialog):
         inner.setObjectName(f"add_run.{name}")
         if not isinstance(field, Check):
             inner.setAccessibleName(label.replace("&", ""))
-        error = QLabel(self)
-        error.setObjectName(f"add_run.{name}.error")
+        error = named(QLabel(self), f"add_run.{name}.error")
         error.setWordWrap(True)
         error.setForegroundRole(ERROR)
         error.hide()
         self.errors[name] = error
         box = QWidget(self)
-        column = QVBoxLayout(box)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(1)
-        column.addWidget(field)
-        column.addWidget(error)
+        filled(QVBoxLayout(box), field, error, spacing=1)
         box.setFocusProxy(field)
         self._rows[box] = kinds
         if label:

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import tip
 from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.theme import FAINT
-from app.editor.widgets import CopiedTable
+from app.editor.widgets import CopiedTable, named
 from app.measure.measurement_text import USED
 from core.modules.preview import Axis
 
@@ -44,8 +44,7 @@ class EdgeTable(QTreeWidget):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self._measured: PictureMeasurement | None = None
-        self.setObjectName("measure.edges")
-        self.setAccessibleName("Edges; Del leaves the selected one out, or uses it again")
+        named(self, "measure.edges", "Edges; Del leaves the selected one out, or uses it again")
         self.setHeaderLabels(["Edge", "Normal", "MTF50", "State"])
         self.setRootIsDecorated(False)
         self.setUniformRowHeights(True)
@@ -136,8 +135,7 @@ def edge_words(place: int, edge: MeasuredEdge) -> str:
 class FigureTable(CopiedTable):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(0, len(_FIGURE_HEADS), parent)
-        self.setObjectName("measure.figures")
-        self.setAccessibleName("Figures of MTF and noise; Ctrl+C copies them")
+        named(self, "measure.figures", "Figures of MTF and noise; Ctrl+C copies them")
         self.list_figures(_FIGURE_HEADS)
         self._rows: tuple[tuple[str, str, str], ...] = ()
 

@@ -26,7 +26,7 @@ from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.session import Session
 from app.editor.viewers.plot.plot_export import columns_text, have_plot_menu
 from app.editor.viewers.viewer import StatusLine
-from app.editor.widgets import FlowLayout, toggle_button, tool_button
+from app.editor.widgets import FlowLayout, filled, named, toggle_button, tool_button
 from app.fit.fit_result import hardly_determined
 from core.editing.operations import Operation, Together, set_parameter
 from core.errors import ParameterError
@@ -167,8 +167,7 @@ class FitView(WorkerView):
             "measured last are used",
             self,
         )
-        self.name = QLabel(_NO_PICTURE, self)
-        self.name.setObjectName("fit.picture")
+        self.name = named(QLabel(_NO_PICTURE, self), "fit.picture")
         self.name.setTextFormat(Qt.TextFormat.PlainText)
         self.name.setMinimumHeight(self.file.sizeHint().height())  # level with the buttons' texts
         self.fit = tool_button("fit.begin", "Fit", "Fit the free parameters to the picture", self)
@@ -199,9 +198,7 @@ class FitView(WorkerView):
         flow.addWidget(self.which)
         self.notices = NoticeList("fit.notices", "Warnings of the fit", self)
         self.table = FreeTable(self._session, self)
-        self.words = QPlainTextEdit(self)
-        self.words.setObjectName("fit.words")
-        self.words.setAccessibleName("Result of the fit")
+        self.words = named(QPlainTextEdit(self), "fit.words", "Result of the fit")
         self.words.setReadOnly(True)
         self.words.setTabChangesFocus(True)
         self.chart = SpreadChart(self)
@@ -216,13 +213,7 @@ class FitView(WorkerView):
             splitter.setStretchFactor(0, 1)
             splitter.setStretchFactor(1, 1)
         self.status = StatusLine("fit", "What is fitted, or why no fit is possible", "", self)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(1)
-        column.addWidget(bar)
-        column.addWidget(self.notices)
-        column.addWidget(halves, 1)
-        column.addWidget(self.status)
+        filled(QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
 
     def _connect(self) -> None:
         self.file.clicked.connect(self._choose_file)

@@ -37,7 +37,7 @@ from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import StatusLine
-from app.editor.widgets import FlowLayout, menu_button, toggle_button, tool_button
+from app.editor.widgets import FlowLayout, filled, menu_button, named, toggle_button, tool_button
 from core.errors import UsageError
 from core.network.network import Network
 from nodes.files.common.file_format import CSV, HTML, JSON, dialog_filter
@@ -269,10 +269,9 @@ class MeasureView(WorkerView):
             "Save everything (.json), the MTF (.csv) or a page (.html)",
             self,
         )
-        self.pictures = QComboBox(self)
-        self.pictures.setObjectName("measure.pictures")
-        self.pictures.setAccessibleName("Picture to show")
-        self.pictures.setToolTip("Picture to show")
+        self.pictures = named(
+            QComboBox(self), "measure.pictures", "Picture to show", "Picture to show"
+        )
         self.band = BandBox(self)
         bar = QWidget(self)
         flow = FlowLayout(bar, across=4, down=2)
@@ -285,8 +284,7 @@ class MeasureView(WorkerView):
         self.chart = MtfChart(self)
         self.table = EdgeTable(self)
         self.figures = FigureTable(self)
-        self.tabs = QTabWidget(self)
-        self.tabs.setObjectName("measure.tabs")
+        self.tabs = named(QTabWidget(self), "measure.tabs")
         self.tabs.setDocumentMode(True)
         self.tabs.addTab(self.figures, "Figures")
         self.tabs.addTab(self.table, "Edges")
@@ -306,13 +304,7 @@ class MeasureView(WorkerView):
         self.status = StatusLine(
             "measure", "What is measured, or why it cannot be", "Values there", self
         )
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(1)
-        column.addWidget(bar)
-        column.addWidget(self.notices)
-        column.addWidget(self.halves, 1)
-        column.addWidget(self.status)
+        filled(QVBoxLayout(self), bar, self.notices, (self.halves, 1), self.status, spacing=1)
 
     def _connect(self) -> None:
         self.file.clicked.connect(self._choose_files)

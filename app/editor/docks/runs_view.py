@@ -46,7 +46,7 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import tip
 from app.editor.docks.run_queue import Entry, RunQueue
 from app.editor.theme import CHANGED, ERROR, FAINT
-from app.editor.widgets import ElidedLabel, FlowLayout, centred_hint, tool_button
+from app.editor.widgets import ElidedLabel, FlowLayout, centred_hint, filled, named, tool_button
 
 _NUMBER, _SHARE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
 _TICK_MS = 1000
@@ -66,8 +66,7 @@ class RunsView(QWidget):
 
     def __init__(self, queue: RunQueue) -> None:
         super().__init__()
-        self.setObjectName("runs")
-        self.setAccessibleName("Runs")
+        named(self, "runs", "Runs")
         self._queue = queue
         self._items: dict[int, QTreeWidgetItem] = {}
         self._build()
@@ -95,8 +94,7 @@ class RunsView(QWidget):
             flow.addWidget(button)
         self.list = _RunList(self)
         self.list.setItemDelegateForColumn(1, _Progress(self.list))
-        self.hint: QLabel = centred_hint(_HINT, self)
-        self.hint.setObjectName("runs.hint")
+        self.hint: QLabel = named(centred_hint(_HINT, self), "runs.hint")
         self.hint.setContentsMargins(12, 0, 12, 0)
         self.detail = ElidedLabel("runs.detail", "State of the selected run", self)
         self.detail.setContentsMargins(6, 0, 6, 0)
@@ -274,8 +272,7 @@ class _RunList(QTreeWidget):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
-        self.setObjectName("runs.list")
-        self.setAccessibleName("Queued, running and finished runs")
+        named(self, "runs.list", "Queued, running and finished runs")
         self.setColumnCount(2)
         self.setHeaderHidden(True)
         self.setRootIsDecorated(False)
@@ -328,14 +325,11 @@ class ReportStatus(QWidget):
 
     def __init__(self, queue: RunQueue, parent: QWidget) -> None:
         super().__init__(parent)
-        self.setObjectName("report")
-        self.setAccessibleName("Report")
+        named(self, "report", "Report")
         self._queue = queue
         self._number = 0
         self.label = QLabel(self)
-        self.progress = QProgressBar(self)
-        self.progress.setObjectName("report.progress")
-        self.progress.setAccessibleName("Progress of the report")
+        self.progress = named(QProgressBar(self), "report.progress", "Progress of the report")
         self.progress.setTextVisible(False)
         self.progress.setFixedWidth(self.fontMetrics().averageCharWidth() * 14)
         self.stop = QPushButton("Cancel", self)
@@ -347,10 +341,7 @@ class ReportStatus(QWidget):
         self.open.setAccessibleName("Open the report")
         self.open.setToolTip("Show the report in the browser")
         self.away = tool_button("report.away", "×", "Close this message; the report stays", self)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
-        for widget in (self.label, self.progress, self.stop, self.open, self.away):
-            row.addWidget(widget)
+        filled(QHBoxLayout(self), self.label, self.progress, self.stop, self.open, self.away)
         for part in (self, self.stop, self.open):  # no wider than their texts
             part.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
         self.stop.clicked.connect(self.cancel)

@@ -34,7 +34,7 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.gestures import without_argument
 from app.editor.session import Session
 from app.editor.viewers.viewer import Viewer
-from app.editor.widgets import ElidedLabel, toggle_button, tool_button
+from app.editor.widgets import ElidedLabel, filled, toggle_button, tool_button
 
 _STATE = Qt.ItemDataRole.UserRole
 _NAME, _TIME = range(2)
@@ -106,9 +106,7 @@ class SnapshotsView(Viewer):
             bar.addWidget(button)
         bar.addStretch(1)
         below = QWidget(self)
-        figures = QVBoxLayout(below)
-        figures.setContentsMargins(0, 0, 0, 0)
-        figures.setSpacing(1)
+        figures = filled(QVBoxLayout(below), spacing=1)
         self.title.setContentsMargins(6, 0, 2, 0)
         figures.addWidget(self.title)
         figures.addWidget(self.figures, 1)
@@ -121,11 +119,7 @@ class SnapshotsView(Viewer):
         line = self.fontMetrics().height()
         self.list.setMinimumHeight(4 * line)
         parts.setSizes([5 * line, 15 * line])
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(1)
-        layout.addLayout(bar)
-        layout.addWidget(parts, 1)
+        filled(QVBoxLayout(self), bar, (parts, 1), spacing=1)
 
     def _follow_snapshots(self) -> None:
         way, chosen = self._snapshots.way, self._snapshots.chosen

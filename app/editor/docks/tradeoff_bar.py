@@ -13,7 +13,7 @@ from app.editor.number_text import shown_number
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Session
 from app.editor.viewers.plot.curve_list import CurveList
-from app.editor.widgets import Check, FlowLayout, Menu, menu_button
+from app.editor.widgets import Check, FlowLayout, Menu, filled, menu_button, named
 
 _ROWS = 16  # of figures that are seen at once, at most
 
@@ -36,19 +36,15 @@ class TradeOffBar(QWidget):
         self.log.setObjectName("tradeoff.log")
         self.log.setAccessibleName("Equal factors instead of equal steps")
         self.log.setToolTip("Equal factors instead of equal steps")
-        self.count = QSpinBox(self)
-        self.count.setObjectName("tradeoff.count")
-        self.count.setAccessibleName("Number of points")
-        self.count.setToolTip("Number of points")
+        self.count = named(QSpinBox(self), "tradeoff.count", "Number of points", "Number of points")
         self.count.setSuffix(" points")
         self.count.setRange(LEAST_COUNT, MOST_COUNT)
         self.count.setKeyboardTracking(False)
         self.figures = menu_button("tradeoff.choose", "Figures", "Choose the figures to show", self)
         self.choice = FigureMenu(self.figures)
         self.figures.setMenu(self.choice)
-        layout = FlowLayout(self, across=4, down=2)
-        layout.setContentsMargins(2, 2, 2, 0)
-        for widget in (
+        filled(
+            FlowLayout(self, across=4, down=2),
             self.parameter,
             self._word("from"),
             self.low,
@@ -57,8 +53,8 @@ class TradeOffBar(QWidget):
             self.log,
             self.count,
             self.figures,
-        ):
-            layout.addWidget(widget)
+            margins=(2, 2, 2, 0),
+        )
         self.low.committed.connect(self._typed)
         self.high.committed.connect(self._typed)
         self.low.given_up.connect(self._show)
@@ -129,14 +125,10 @@ class FigureMenu(Menu):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
-        self.search = QLineEdit(self)
-        self.search.setObjectName("tradeoff.search")
-        self.search.setAccessibleName("Search figures")
+        self.search = named(QLineEdit(self), "tradeoff.search", "Search figures")
         self.search.setPlaceholderText("Search figures")
         self.search.setClearButtonEnabled(True)
-        self.list = CurveList(self)
-        self.list.setObjectName("tradeoff.figures")
-        self.list.setAccessibleName("Figures to show")
+        self.list = named(CurveList(self), "tradeoff.figures", "Figures to show")
         for widget in (self.search, self.list):
             action = QWidgetAction(self)
             action.setDefaultWidget(widget)

@@ -25,6 +25,7 @@ from app.editor.viewers.plot.plot_export import have_plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import thick
 from app.editor.viewers.plot.plotted_lines import Entry
 from app.editor.viewers.viewer import StatusLine, Viewer
+from app.editor.widgets import filled
 from app.run.output import ancestors
 from app.run.responses import SYSTEM, TOTAL
 from app.tradeoff.tradeoff_drawing import csv_text
@@ -160,12 +161,7 @@ class TradeOffView(Viewer):
         scrolled.setFrameShape(QFrame.Shape.NoFrame)
         scrolled.setWidgetResizable(True)
         scrolled.setWidget(self.plots)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(1)
-        layout.addWidget(self.bar)
-        layout.addWidget(scrolled, 1)
-        layout.addWidget(self.status)
+        filled(QVBoxLayout(self), self.bar, (scrolled, 1), self.status, spacing=1)
         self.plots.show_hint(_HINT)
         have_plot_menu(self.plots, self.session.message.emit, self._numbers)
         self.bar.parameter.chosen.connect(self.trade_off)

@@ -25,6 +25,8 @@ from app.editor.widgets import (
     ElidedLabel,
     FlowLayout,
     Menu,
+    filled,
+    named,
     plain_label,
     show_or_hide,
     toggle_button,
@@ -54,12 +56,9 @@ class TitleBar(QWidget):
         font = self.title.font()
         font.setBold(True)
         self.title.setFont(font)
-        self.row = QHBoxLayout(self)
-        self.row.setContentsMargins(4, 3, 4, 3)
-        self.row.setSpacing(2)
-        self.row.addWidget(self.fold)
-        self.row.addWidget(self.title)
-        self.row.addStretch(1)
+        self.row = filled(
+            QHBoxLayout(self), self.fold, self.title, None, margins=(4, 3, 4, 3), spacing=2
+        )
 
     def add_button(
         self, name: str, text: str, about: str, *, checkable: bool = False
@@ -80,8 +79,7 @@ class TitleBar(QWidget):
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         if self.actions():
-            menu = Menu(self)
-            menu.setObjectName("head.menu")
+            menu = named(Menu(self), "head.menu")
             menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
             menu.addActions(self.actions())
             menu.popup(event.globalPos())
@@ -173,10 +171,7 @@ class PanelHead(QWidget):
         buttons = FlowLayout(across=4)
         for button in (self.auto, self.generate, self.disable, self.output, self.fold_picture):
             buttons.addWidget(button)
-        self._stack = QVBoxLayout(self.place)
-        self._stack.setContentsMargins(0, 0, 0, 0)
-        self._stack.setSpacing(2)
-        self._stack.addWidget(self.problem)
+        self._stack = filled(QVBoxLayout(self.place), self.problem, spacing=2)
         inside = QVBoxLayout(self.below)
         inside.setContentsMargins(8, 2, 8, 0)
         inside.setSpacing(4)
@@ -185,11 +180,7 @@ class PanelHead(QWidget):
         inside.addWidget(self.name_problem)
         inside.addLayout(buttons)
         inside.addWidget(self.place)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(2)
-        column.addWidget(self.bar)
-        column.addWidget(self.below)
+        filled(QVBoxLayout(self), self.bar, self.below, spacing=2)
         self._fit()
 
     def illustrate(self, view: QWidget, *, shown: bool) -> None:

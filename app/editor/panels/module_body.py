@@ -22,7 +22,7 @@ from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
 from app.editor.theme import CHANGED, FAINT, theme_of
 from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
-from app.editor.widgets import Menu, plain_label, tool_button
+from app.editor.widgets import Menu, filled, plain_label, tool_button
 from core.modules.declaration import Declaration, Port
 from core.names import shown, thaw
 from core.network.network import Link, Network, Node
@@ -43,9 +43,7 @@ class ModuleBody(QWidget):
         session, node = panel_node.session, panel_node.name
         self._session = session
         self._node = node
-        self._column = QVBoxLayout(self)
-        self._column.setContentsMargins(8, 4, 8, 8)
-        self._column.setSpacing(4)
+        self._column = filled(QVBoxLayout(self), margins=(8, 4, 8, 8), spacing=4)
         self.sections = SectionsView(declaration, panel_node, self)
         session.free.changed.connect(self._mark_free)
         self._mark_free()
@@ -207,10 +205,7 @@ class UnknownBody(QWidget):
         self._grid = QGridLayout()
         self._grid.setColumnStretch(1, 1)
         self._labels: list[QLabel] = []
-        column = QVBoxLayout(self)
-        column.setContentsMargins(8, 4, 8, 8)
-        column.addWidget(self.note)
-        column.addLayout(self._grid)
+        filled(QVBoxLayout(self), self.note, self._grid, margins=(8, 4, 8, 8))
 
     def follow(self, before: Network | None, after: Network) -> None:
         node = after.nodes[self._node]

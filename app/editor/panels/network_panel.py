@@ -11,7 +11,7 @@ from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.head import TitleBar
 from app.editor.session import Session
 from app.editor.theme import ERROR, FAINT, RAISED
-from app.editor.widgets import plain_label, show_or_hide
+from app.editor.widgets import filled, named, plain_label, show_or_hide
 from core.editing.operations import set_network_field
 from core.errors import ParameterError
 from core.network.network import SEEDS, Network, check_seed
@@ -22,8 +22,7 @@ class NetworkPanel(QFrame):
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setObjectName("panel.network")
-        self.setAccessibleName("control panel of the network")
+        named(self, "panel.network", "control panel of the network")
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self._session = session
         self.bar = TitleBar("Network", self)
@@ -32,10 +31,7 @@ class NetworkPanel(QFrame):
         self.bar.fold.hide()
         self.below = QWidget(self)
         self._build()
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(self.bar)
-        column.addWidget(self.below)
+        filled(QVBoxLayout(self), self.bar, self.below)
         self.follow(session.network)
 
     def _build(self) -> None:
@@ -68,12 +64,7 @@ class NetworkPanel(QFrame):
         form.addRow("Contents", self.count)
         words = QLabel("Description", self.below)
         words.setBuddy(self.description)
-        inside = QVBoxLayout(self.below)
-        inside.setContentsMargins(8, 4, 8, 8)
-        inside.addLayout(form)
-        inside.addWidget(words)
-        inside.addWidget(self.description)
-        inside.addWidget(hint)
+        filled(QVBoxLayout(self.below), form, words, self.description, hint, margins=(8, 4, 8, 8))
 
     def follow(self, network: Network) -> None:
         self.name.show_text(network.name)
@@ -175,8 +166,7 @@ class Words(QPlainTextEdit):
 
 
 def _named(edit: TypeIn, name: str, accessible: str) -> TypeIn:
-    edit.setObjectName(name)
-    edit.setAccessibleName(accessible)
+    named(edit, name, accessible)
     return edit
 
 

@@ -28,7 +28,7 @@ from app.editor.panels.module_body import ModuleBody, UnknownBody
 from app.editor.panels.preview_view import PreviewView, preview_query
 from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
-from app.editor.widgets import Menu
+from app.editor.widgets import Menu, filled
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
 from core.editing.operations import (
     ABSENT,
@@ -91,11 +91,7 @@ class NodePanel(QFrame):
             self.body = UnknownBody(self.module, node, why, self)
             for button in (self.head.auto, self.head.disable, self.head.generate, self.head.output):
                 button.setEnabled(False)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addWidget(self.head)
-        column.addWidget(self.body)
+        filled(QVBoxLayout(self), self.head, self.body, spacing=0)
         keeps = sets_folder is not None and declared is not None and declared.key != MACRO
         self.head.sets.setVisible(keeps and bool(declared and declared.parameters))
         if sets_folder is not None:

@@ -16,7 +16,7 @@ from app.editor.panels.fields.panel_node import PanelNode, Requests
 from app.editor.panels.network_panel import NetworkPanel
 from app.editor.panels.node_panel import NodePanel
 from app.editor.session import Session, followed_name, renamed_node
-from app.editor.widgets import WheelScrollArea
+from app.editor.widgets import WheelScrollArea, filled, named
 from core.editing.operations import ABSENT, set_node_field
 
 
@@ -33,8 +33,7 @@ class PanelArea(WheelScrollArea):
         self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
-        self.setObjectName("panels")
-        self.setAccessibleName("control panels")
+        named(self, "panels", "control panels")
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -48,9 +47,7 @@ class PanelArea(WheelScrollArea):
         self.panels: dict[str, NodePanel] = {}
         self.sets_folder: Path | None = None
         content = QWidget(self)
-        self._column = QVBoxLayout(content)
-        self._column.setContentsMargins(2, 2, 2, 2)
-        self._column.setSpacing(6)
+        self._column = filled(QVBoxLayout(content), margins=(2, 2, 2, 2), spacing=6)
         self.network_panel = NetworkPanel(session, content)
         self._column.addWidget(self.network_panel)
         self._column.addStretch(1)

@@ -22,7 +22,7 @@ from app.editor.panels.fields.number import NumberField
 from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.path import PathField
 from app.editor.theme import FAINT
-from app.editor.widgets import PageTabs, plain_label
+from app.editor.widgets import PageTabs, filled, plain_label
 from core.editing.operations import ABSENT
 from core.modules.declaration import Declaration
 from core.modules.panel_sections import Section
@@ -49,9 +49,7 @@ class SectionsView(QWidget):
         self.fields: list[Field] = []
         self.pages = tuple(dict.fromkeys(s.page for s in self.sections if s.page))
         self.tabs = PageTabs(self.pages, self)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(4)
+        column = filled(QVBoxLayout(self), spacing=4)
         self._fill(column)
         self._line_up(_AT_FIRST)
         self._node: Node | None = None
@@ -102,9 +100,7 @@ class SectionsView(QWidget):
 
     def _box(self, section: Section) -> QWidget:
         box = QWidget(self)
-        inside = QVBoxLayout(box)
-        inside.setContentsMargins(0, 0, 0, 0)
-        inside.setSpacing(2)
+        inside = filled(QVBoxLayout(box), spacing=2)
         if section.title:
             title = plain_label("", box, section.title, role=FAINT, bold=True)
             title.setContentsMargins(0, 4, 0, 0)

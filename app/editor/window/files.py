@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QMessageBox, QWidget
 
 from app.editor.dialogs import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
 from app.editor.session import Session
+from app.editor.widgets import named
 from app.editor.window.recent_files import Settings
 from app.run.open_marks import OpenMark
 from app.run.shipped import every_network, find_network
@@ -61,8 +62,7 @@ class Files(QObject):
         self.after_asking(lambda: self._new(following))
 
     def open_dialog(self) -> None:
-        dialog = FileDialog(*self._words("Open a network"))
-        dialog.setObjectName(_DIALOG)
+        dialog = named(FileDialog(*self._words("Open a network")), _DIALOG)
         dialog.setFileMode(FileDialog.FileMode.ExistingFile)
         dialog.fileSelected.connect(self.open)
         show_beside(self._window, dialog)
@@ -102,8 +102,7 @@ class Files(QObject):
     def save_as(self, following: Next | None = None) -> None:
         """Let the person choose a file and save to it; then go on, if it was saved."""
         self.about_to_save.emit()
-        dialog = SaveDialog(*self._words("Save the network"))
-        dialog.setObjectName(_DIALOG)
+        dialog = named(SaveDialog(*self._words("Save the network")), _DIALOG)
         dialog.setDefaultSuffix(NETWORK_SUFFIX.removeprefix("."))
         path = self._session.document.path
         dialog.selectFile(str(path) if path else f"{self._session.stem}{NETWORK_SUFFIX}")
@@ -238,8 +237,7 @@ def save_changes(parent: QWidget, network: str) -> Question:
         ("discard", "&Discard", QMessageBox.StandardButton.Discard),
         ("cancel", "Cancel", QMessageBox.StandardButton.Cancel),
     ):
-        button = box.addButton(standard)
-        button.setObjectName(answer)
+        button = named(box.addButton(standard), answer)
         button.setText(text)  # with a key to each on every desktop
     box.setDefaultButton(QMessageBox.StandardButton.Save)
     return box

@@ -29,6 +29,7 @@ from app.editor.theme import TEXT
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot import plot_export
 from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.editor.widgets import filled, named
 from app.editor.window.actions import Actions
 from app.editor.window.shortcut_list import ShortcutList
 from app.editor.window.viewer_docks import ViewerDocks
@@ -89,8 +90,7 @@ class Help(QObject):
         self.handbook.open(key if key in self._session.library else _MACROS)
 
     def about(self) -> None:
-        box = QMessageBox(self._window)
-        box.setObjectName("message")
+        box = named(QMessageBox(self._window), "message")
         box.setWindowTitle("Imagechain")
         box.setText(
             f"Version {version()}\n\nSimulates electro-optical and infrared sensors as a chain of "
@@ -104,8 +104,7 @@ class Help(QObject):
 
     def _export_of(self, viewer: Exported) -> None:
         kinds = _PICTURES if isinstance(viewer, ImageViewer) else plot_export.KINDS
-        dialog = SaveDialog(self._window, "Export", str(Path.cwd()), kinds)
-        dialog.setObjectName("export_dialog")
+        dialog = named(SaveDialog(self._window, "Export", str(Path.cwd()), kinds), "export_dialog")
         dialog.setDefaultSuffix("png")
         dialog.fileSelected.connect(lambda text: self._export_to(viewer, Path(text)))
         show_beside(self._window, dialog)
@@ -216,8 +215,7 @@ class ModuleText(QDialog):
         self.text = QTextBrowser(self)
         self.text.setPlainText(flowing(declared.text))  # until the formulas are typeset
         self.text.setOpenLinks(False)
-        self.text.setObjectName("module_help.text")
-        self.text.setAccessibleName(f"What {declared.title} does")
+        named(self.text, "module_help.text", f"What {declared.title} does")
         self.text.setTabChangesFocus(True)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
         self.more = buttons.addButton(
@@ -228,9 +226,7 @@ class ModuleText(QDialog):
         self.more.setShortcut("F1")
         self.more.clicked.connect(lambda *_: self.more_wanted.emit(declared.key))
         buttons.rejected.connect(self.reject)
-        layout = QVBoxLayout(self)
-        layout.addWidget(self.text)
-        layout.addWidget(buttons)
+        filled(QVBoxLayout(self), self.text, buttons, margins=None)
         metrics = self.fontMetrics()
         self.resize(metrics.averageCharWidth() * _WIDE, metrics.height() * _HIGH)
         self._declared = declared

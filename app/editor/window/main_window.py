@@ -26,6 +26,7 @@ from app.editor.session import Session
 from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.viewers.plot.figures_strip import FiguresStrip
+from app.editor.widgets import filled
 from app.editor.window.actions import CANVAS_MENU, NODE_MENU, Actions
 from app.editor.window.background_runs import BackgroundRuns
 from app.editor.window.drops import Drops, PresetShelf
@@ -248,11 +249,7 @@ class MainWindow(QMainWindow):
         self.welcome = WelcomePage(library)
         self.status = StatusBar(self.menuBar())
         work_page = QWidget()
-        layout = QVBoxLayout(work_page)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(0)
-        layout.addWidget(self.canvas, 1)
-        layout.addWidget(self.figures)
+        filled(QVBoxLayout(work_page), (self.canvas, 1), self.figures, spacing=0)
         self.layout_in_use = WindowLayout(self)
         self.pages = Pages(self.welcome, work_page, self.layout_in_use, self)
         self.setCentralWidget(self.pages)

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.widgets import centred_hint
+from app.editor.widgets import centred_hint, filled, named
 from app.editor.window.actions import ACTIONS, Actions
 
 _KEY = Qt.Key
@@ -94,30 +94,21 @@ class ShortcutList(QDialog):
             *CANVAS,
             *(ShortcutRow("Mouse", *row) for row in MOUSE),
         ]
-        self.search = QLineEdit(self)
-        self.search.setObjectName("shortcuts.search")
-        self.search.setAccessibleName("Search the shortcuts")
+        self.search = named(QLineEdit(self), "shortcuts.search", "Search the shortcuts")
         self.search.setPlaceholderText("Name of an action, or its keys")
         self.search.setToolTip("Name of an action, or its keys; Down goes to the list")
         self.search.setClearButtonEnabled(True)
         self.catcher = KeyCatcher(self)
         self.table = _table(self)
-        self.none = centred_hint("", self)
-        self.none.setObjectName("shortcuts.none")
+        self.none = named(centred_hint("", self), "shortcuts.none")
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
         buttons.rejected.connect(self.reject)
         for button in buttons.buttons():
             if isinstance(button, QPushButton):
                 button.setAutoDefault(False)  # Enter in the search closes nothing
                 button.setDefault(False)
-        above = QHBoxLayout()
-        above.addWidget(self.search, 1)
-        above.addWidget(self.catcher)
-        layout = QVBoxLayout(self)
-        layout.addLayout(above)
-        layout.addWidget(self.table, 1)
-        layout.addWidget(self.none, 1)
-        layout.addWidget(buttons)
+        above = filled(QHBoxLayout(), (self.search, 1), self.catcher, margins=None)
+        filled(QVBoxLayout(self), above, (self.table, 1), (self.none, 1), buttons, margins=None)
         self.search.textEdited.connect(self._search)
         self.search.textChanged.connect(self._cleared)
         self.catcher.pressed_keys.connect(self._search_keys)
@@ -231,9 +222,7 @@ def shortcuts_of(actions: Actions) -> list[ShortcutRow]:
 
 
 def _table(parent: QWidget) -> QTableWidget:
-    table = QTableWidget(0, 4, parent)
-    table.setObjectName("shortcuts.table")
-    table.setAccessibleName("Shortcuts")
+    table = named(QTableWidget(0, 4, parent), "shortcuts.table", "Shortcuts")
     table.setHorizontalHeaderLabels(["", "Action", "Keys", "What it does"])
     table.verticalHeader().hide()
     table.setEditTriggers(QTableWidget.EditTrigger.NoEditTriggers)

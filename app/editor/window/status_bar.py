@@ -11,6 +11,7 @@ from PySide6.QtCore import QEvent, QObject, QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenuBar, QProgressBar, QPushButton, QWidget
 
 from app.editor.notices import Notice, Severity
+from app.editor.widgets import named
 
 NOTE_MS = 8000
 _BEHIND = "stopped: shows the earlier result; Ctrl+Enter computes it again"
@@ -35,9 +36,7 @@ class StatusBar(QWidget):
         self._notice.closed.connect(self._close)
         self._behind = Notice("status.behind", self, one_line=True)
         self._where = QLabel(self)
-        self._progress = QProgressBar(self)
-        self._progress.setObjectName("status.progress")
-        self._progress.setAccessibleName("Progress of the computation")
+        self._progress = named(QProgressBar(self), "status.progress", "Progress of the computation")
         self._progress.setTextVisible(False)
         self._progress.setFixedWidth(self.fontMetrics().averageCharWidth() * 14)
         self._cancel = QPushButton("Cancel", self)

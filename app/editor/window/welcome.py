@@ -41,6 +41,7 @@ from app.editor.canvas.items.content import points_of
 from app.editor.gestures import without_argument
 from app.editor.recovery_files import Recovered
 from app.editor.theme import FAINT, theme_of
+from app.editor.widgets import filled, named
 from app.editor.window.recent_files import folder_text
 from app.library_index import declarations
 from app.run.shipped import shipped_networks
@@ -58,8 +59,7 @@ class WelcomePage(QScrollArea):
 
     def __init__(self, library: Library, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setObjectName("welcome")
-        self.setAccessibleName("Welcome page")
+        named(self, "welcome", "Welcome page")
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self._library = library
@@ -67,11 +67,8 @@ class WelcomePage(QScrollArea):
         self._right = right = QVBoxLayout()
         self.gallery: Gallery | None = None
         page = QWidget()
-        whole = QHBoxLayout(page)
-        whole.setContentsMargins(24, 18, 24, 18)
-        whole.setSpacing(28)
-        left = QVBoxLayout()
-        left.addWidget(heading("Imagechain", 1.9))
+        whole = filled(QHBoxLayout(page), margins=(24, 18, 24, 18), spacing=28)
+        left = filled(QVBoxLayout(), heading("Imagechain", 1.9), margins=None)
         about = QLabel("Simulate electro-optical and infrared sensors, stage by stage.")
         about.setWordWrap(True)
         about.setForegroundRole(FAINT)
@@ -238,8 +235,7 @@ class NetworkCard(QToolButton):
         super().__init__()
         network = read_network(file, library={})  # which loads no module
         self.name = name
-        self.setObjectName(f"welcome.{name}")
-        self.setAccessibleName(network.name)
+        named(self, f"welcome.{name}", network.name)
         self.setAccessibleDescription(network.description)
         self.setToolTip(f"<p>{network.description}</p>")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)

@@ -29,6 +29,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.editor.widgets import named
+
 _ROLE = Qt.ItemDataRole.UserRole
 _ROWS = 9
 _NARROW, _WIDE = 44, 76  # letters
@@ -94,14 +96,11 @@ class ChoicePopup(QFrame):
         self.setObjectName("canvas.popup")
         self.setAutoFillBackground(True)
         self.setBackgroundRole(QPalette.ColorRole.Window)  # a view's children take its own
-        self.title = QLabel()
-        self.title.setObjectName("canvas.popup.title")
-        self.field = QLineEdit()
-        self.field.setObjectName("canvas.popup.field")
+        self.title = named(QLabel(), "canvas.popup.title")
+        self.field = named(QLineEdit(), "canvas.popup.field")
         self.field.setPlaceholderText("Type to search")
         self.field.setClearButtonEnabled(True)
-        self.list = QListWidget()
-        self.list.setObjectName("canvas.popup.list")
+        self.list = named(QListWidget(), "canvas.popup.list")
         self.list.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         # A click beside the field would otherwise give the focus to what lies below.
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)

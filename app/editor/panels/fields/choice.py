@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QButtonGroup, QComboBox, QSizePolicy, QWidget
 from app.editor.declared_text import choice_text
 from app.editor.number_text import numbers_of, shown_numbers
 from app.editor.panels.fields.field import Field, TypedField
-from app.editor.widgets import Check, FlowLayout, Radio, takes_wheel
+from app.editor.widgets import Check, FlowLayout, Radio, filled, takes_wheel
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
 
@@ -29,9 +29,7 @@ class ButtonsField(Field):
 
     def build(self) -> None:
         self.choices = choices_of(self.parameter)
-        flow = FlowLayout(across=6, down=2)
-        flow.setContentsMargins(0, 0, 0, 0)
-        flow.addWidget(self.label)
+        flow = filled(FlowLayout(across=6, down=2), self.label)
         self.row.addLayout(flow, 1)
         self.row.addWidget(self.unit)
         self.unit.setVisible(bool(self.parameter.param.unit))

@@ -30,7 +30,7 @@ from app.editor.panels.fields.field_menu import (
 from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
-from app.editor.widgets import Menu, plain_label, show_or_hide
+from app.editor.widgets import Menu, filled, named, plain_label, show_or_hide
 from core.editing.operations import ABSENT
 from core.errors import ParameterError
 from core.modules.parameters import Parameter, plain
@@ -66,8 +66,7 @@ class Field(QWidget):
         self.setObjectName(f"field.{parameter.name}")
         self.title = label_of(parameter.name)
         self.setToolTip(tip(f"{self.title}: {about(parameter)}"))
-        self.label = DragLabel(self.title, self)
-        self.label.setObjectName(f"label.{parameter.name}")
+        self.label = named(DragLabel(self.title, self), f"label.{parameter.name}")
         self.label.setTextFormat(Qt.TextFormat.PlainText)
         self.label.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
         self.unit = plain_label(f"unit.{parameter.name}", self, parameter.param.unit, role=FAINT)
@@ -76,10 +75,7 @@ class Field(QWidget):
         self.message.hide()
         self.row = QHBoxLayout()
         self.row.setSpacing(6)
-        self.column = QVBoxLayout(self)
-        self.column.setContentsMargins(0, 1, 0, 1)
-        self.column.setSpacing(1)
-        self.column.addLayout(self.row)
+        self.column = filled(QVBoxLayout(self), self.row, margins=(0, 1, 0, 1), spacing=1)
         self.build()
         self.column.addWidget(self.message)
         self._mark_changed()

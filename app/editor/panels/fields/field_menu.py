@@ -13,6 +13,7 @@ from app.editor.declared_text import choice_text, shown_value
 from app.editor.gestures import without_argument
 from app.editor.number_text import FreeNumber, shown_number
 from app.editor.session import Session
+from app.editor.widgets import filled
 from core.editing.clipboard import VALUES_FORMAT, read_values
 from core.editing.macros import expose, exposed_as, hide, rename_exposed
 from core.editing.operations import Operation
@@ -166,10 +167,7 @@ def line_in_menu(menu: QMenu, text: str, name: str) -> tuple[QLineEdit, QWidgetA
     label, edit = QLabel(text, line), QLineEdit(line)
     edit.setObjectName(name)
     label.setBuddy(edit)
-    row = QHBoxLayout(line)
-    row.setContentsMargins(12, 2, 12, 2)
-    row.addWidget(label)
-    row.addWidget(edit, 1)
+    filled(QHBoxLayout(line), label, (edit, 1), margins=(12, 2, 12, 2))
     line.setFocusProxy(edit)
     action = QWidgetAction(menu)
     action.setDefaultWidget(line)

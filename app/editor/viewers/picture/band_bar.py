@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSlider, QSpinBox,
 
 from app.editor.theme import FAINT, set_ink, theme_of
 from app.editor.viewers.pixels.picture_choices import ALL, CHANNELS, BandChoice
-from app.editor.widgets import ElidedLabel, tool_button
+from app.editor.widgets import ElidedLabel, named, tool_button
 from core.chain.band_stack import BandStack
 
 _TEXTS = {"all": "All bands: {whole}", "one": "One band", "colours": "Colours"}
@@ -193,9 +193,7 @@ class WavelengthSpin(QSpinBox):
     def __init__(self, name: str, description: str, parent: QWidget) -> None:
         super().__init__(parent)
         self.setRange(0, 0)
-        self.setObjectName(name)
-        self.setAccessibleName(description)
-        self.setToolTip(description)
+        named(self, name, description, description)
         self.setKeyboardTracking(False)
         self._text = ""
         self.lineEdit().textEdited.connect(self._note)

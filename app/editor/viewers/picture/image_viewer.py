@@ -33,7 +33,7 @@ from app.editor.viewers.pixels.picture_query import KeptPicture, Picture, Pictur
 from app.editor.viewers.pixels.probing import facts_text
 from app.editor.viewers.plot.plot_export import columns_text
 from app.editor.viewers.viewer import StatusLine, Viewer
-from app.editor.widgets import Menu, centred_hint
+from app.editor.widgets import Menu, centred_hint, filled, named
 from core.errors import UsageError
 from core.network.network import Network
 from nodes.files.formats import PNG
@@ -279,17 +279,12 @@ class ImageViewer(Viewer):
     def _build(self) -> None:
         self.bar = PictureBar(self.session, self.owner, self)
         self.band_bar = BandBar(self.owner, self)  # before the canvas in the order of Tab
-        self.canvas = PictureCanvas(self)
-        self.canvas.setObjectName(f"{self.owner}.canvas")
+        self.canvas = named(PictureCanvas(self), f"{self.owner}.canvas")
         self.links = ZoomLinks(self.canvas)
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
         self.probe = PictureProbe(self.canvas, self.status)
         self.region = RegionTool(self.session, self.evaluator, self.canvas, self.bar.region)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(1)
-        layout.addWidget(self.bar)
-        layout.addWidget(self.band_bar)
+        layout = filled(QVBoxLayout(self), self.bar, self.band_bar, spacing=1)
         self._hint = centred_hint(HINT, self)
         self._pages = QStackedWidget(self)
         for page in (self._hint, self.canvas):
@@ -416,8 +411,7 @@ class ImageViewer(Viewer):
     def _open_menu(self, point: QPoint) -> None:
         """Of a right click: what concerns the whole, the bar's menus, actions of the window."""
         self._fill_menus()
-        menu = Menu(self)
-        menu.setObjectName("picture_menu")
+        menu = named(Menu(self), "picture_menu")
         menu.aboutToHide.connect(menu.deleteLater)
         menu.addAction("&Fit\tF").triggered.connect(self.fit)
         menu.addAction("&One Sample, One Dot\t1").triggered.connect(self.one_to_one)

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QHBoxLayout, QMenu, QWidget
 from app.editor.session import Session
 from app.editor.viewers.network_ports import PICTURE_TYPES, NodePorts, PortChoice
 from app.editor.viewers.pixels.grey_levels import NAMES
-from app.editor.widgets import Menu, menu_button, toggle_button, tool_button
+from app.editor.widgets import Menu, filled, menu_button, toggle_button, tool_button
 
 
 class PictureBar(QWidget):
@@ -40,9 +40,7 @@ class PictureBar(QWidget):
         self.region = toggle_button(
             f"{owner}.region", "⬚", "Draw the region of the selected module (R)", self
         )
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(2, 2, 2, 0)
-        layout.setSpacing(3)
+        layout = filled(QHBoxLayout(self), margins=(2, 2, 2, 0), spacing=3)
         for widget in (self.ports, shown, compared, self.region, self.fit, self.dots):
             layout.addWidget(widget, 1 if widget is self.ports else 0)
 

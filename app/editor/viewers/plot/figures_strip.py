@@ -15,7 +15,7 @@ from app.editor.evaluation.queries import Answer, PassDone, Passing, Query
 from app.editor.session import Session
 from app.editor.theme import FAINT, TEXT
 from app.editor.viewers.viewer import Viewer
-from app.editor.widgets import ElidedLabel, FlowLayout
+from app.editor.widgets import ElidedLabel, FlowLayout, filled, named
 from app.run.figures import ELECTRONICS_FIGURES, SENSOR_FIGURES, sensor_node
 from app.run.output import HOW_TO_MARK, find_output, sound_part
 from core.chain.engine import Plan
@@ -90,11 +90,7 @@ class FiguresStrip(Viewer):
         head.setFont(font)
         head.show_text(caption)
         value = ElidedLabel(f"{self.owner}.{name}", caption, both)
-        cell = QVBoxLayout(both)
-        cell.setContentsMargins(0, 0, 0, 0)
-        cell.setSpacing(0)
-        cell.addWidget(head)
-        cell.addWidget(value)
+        filled(QVBoxLayout(both), head, value, spacing=0)
         self._layout.addWidget(both)
         head.setForegroundRole(FAINT)
         self._slots.append((head, value))
@@ -106,11 +102,9 @@ class FiguresStrip(Viewer):
             return
         self._names = names
         for (head, value), (name, caption) in zip(self._slots[1:-1], shown, strict=True):
-            head.setObjectName(f"{self.owner}.{name}.caption")
-            head.setAccessibleName(f"What {caption} means")
+            named(head, f"{self.owner}.{name}.caption", f"What {caption} means")
             head.show_text(caption)
-            value.setObjectName(f"{self.owner}.{name}")
-            value.setAccessibleName(caption)
+            named(value, f"{self.owner}.{name}", caption)
 
     def _show(self, answer: Figures | None, why: str = "") -> None:
         figures = {} if answer is None else {figure.name: figure for figure in answer.figures}

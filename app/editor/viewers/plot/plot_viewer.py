@@ -51,6 +51,8 @@ from app.editor.widgets import (
     FlowLayout,
     Toggle,
     centred_hint,
+    filled,
+    named,
     toggle_button,
     tool_button,
 )
@@ -206,14 +208,10 @@ class PlotViewer(Viewer):
 
     def _build(self) -> None:
         self.bar = PlotBar(self.session, self.owner, self)
-        self.canvas = PlotCanvas(self)
-        self.canvas.setObjectName(f"{self.owner}.canvas")
-        self.bars = BarChart(self)
-        self.bars.setObjectName(f"{self.owner}.bars")
-        self.list = CurveList(self)
-        self.list.setObjectName(f"{self.owner}.curves")
-        self.table = FigureTable(self)
-        self.table.setObjectName(f"{self.owner}.table")
+        self.canvas = named(PlotCanvas(self), f"{self.owner}.canvas")
+        self.bars = named(BarChart(self), f"{self.owner}.bars")
+        self.list = named(CurveList(self), f"{self.owner}.curves")
+        self.table = named(FigureTable(self), f"{self.owner}.table")
         self.status = StatusLine(self.owner, "What is plotted", "Value at the cursor", self)
         self._curves = QWidget(self)
         self._beside = beside = QHBoxLayout(self._curves)
@@ -226,15 +224,9 @@ class PlotViewer(Viewer):
         self._pages = QStackedWidget(self)
         self._pages.addWidget(self._curves)
         self._pages.addWidget(self.table)
-        self.hint = centred_hint("", self)
-        self.hint.setObjectName(f"{self.owner}.hint")
+        self.hint = named(centred_hint("", self), f"{self.owner}.hint")
         self._pages.addWidget(self.hint)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(1)
-        layout.addWidget(self.bar)
-        layout.addWidget(self._pages, 1)
-        layout.addWidget(self.status)
+        filled(QVBoxLayout(self), self.bar, (self._pages, 1), self.status, spacing=1)
         self.bar.ports.chosen.connect(self._choose_port)
         self.bar.outputs.chosen.connect(self._choose_port)
         self.bar.angle_chosen.connect(self.set_angle)
@@ -486,9 +478,7 @@ class PlotBar(QWidget):
         self.angle.setSingleStep(5.0)
         self.angle.setSuffix("°")
         self.angle.setKeyboardTracking(False)
-        self.parts = QComboBox(self)
-        self.parts.setObjectName(f"{owner}.parts")
-        self.parts.setAccessibleName("MTF, PTF or both")
+        self.parts = named(QComboBox(self), f"{owner}.parts", "MTF, PTF or both")
         for name, text in PARTS.items():
             self.parts.addItem(text, name)
         self.log = toggle_button(f"{owner}.log", "Log", "Logarithmic ordinate", self)
@@ -553,9 +543,7 @@ class OutputButtons(QWidget):
         self.buttons: dict[str, Toggle] = {}
         self._group = QButtonGroup(self)
         self._group.buttonClicked.connect(self._clicked)
-        self._row = QHBoxLayout(self)
-        self._row.setContentsMargins(0, 0, 0, 0)
-        self._row.setSpacing(1)
+        self._row = filled(QHBoxLayout(self), spacing=1)
 
     def show_port(self, port: str | None) -> None:
         """Show a port as chosen beside the others of its node, without a signal."""
