@@ -8,8 +8,7 @@ import sys
 import threading
 from pathlib import Path
 
-from app.editor.lean_imports import leave_sources_unread, nothing_collected
-from app.editor.qt_libraries import check_libraries
+from app.editor.qt_libraries import check_libraries, leave_sources_unread, nothing_collected
 from app.options.command_options import Options
 from core.errors import UsageError
 

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.widgets import named
+from app.editor.widgets import labelled
 from nodes.files.common.file_format import dialog_filter
 from nodes.files.formats import PICTURES
 
@@ -71,7 +71,7 @@ def choose_pictures(
     """Ask the person for files with pictures or frames; `name` is that of the dialog."""
     formats = [one for one in PICTURES if one.suffixes]
     kinds = ";;".join((dialog_filter("Pictures and frames", *formats), "All files (*)"))
-    dialog = named(FileDialog(window, title, str(Path.cwd()), kinds), name)
+    dialog = labelled(FileDialog(window, title, str(Path.cwd()), kinds), name)
     dialog.setFileMode(QFileDialog.FileMode.ExistingFiles)
     dialog.filesSelected.connect(lambda texts: chosen(tuple(map(Path, texts))))
     show_beside(window, dialog)
@@ -89,7 +89,7 @@ class Question(QMessageBox):
 
     def offer(self, answer: str, text: str, role: QMessageBox.ButtonRole) -> QPushButton:
         """Offer an answer with a text of its own; Enter takes the first one. Its button."""
-        button = named(self.addButton(text, role), answer)
+        button = labelled(self.addButton(text, role), answer)
         if len(self.buttons()) == 1:
             self.setDefaultButton(button)
         if role == ROLE.RejectRole:

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.theme import CHANGED, ERROR, FAINT
-from app.editor.widgets import ElidedLabel, filled, named, plain_label, tool_button
+from app.editor.widgets import ElidedLabel, filled, labelled, plain_label, tool_button
 
 Severity = Literal["information", "warning", "error"]
 ROLES = {"information": FAINT, "warning": CHANGED, "error": ERROR}
@@ -145,7 +145,7 @@ class NoticeList(QWidget):
 
     def __init__(self, name: str, words: str, parent: QWidget) -> None:
         super().__init__(parent)
-        named(self, name, words)
+        labelled(self, name, words)
         self.left: list[tuple[Severity, str]] = []  # those that have not been closed
         self._notices: list[Notice] = []
         self.more = tool_button(f"{name}.more", "", "Show all messages, or the gravest", self)

@@ -1,4 +1,4 @@
-"""Numbers as text and back, without loss."""
+"""Numbers as text and back, without loss; as a person types them, with arithmetic and units."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from PySide6.QtCore import QObject, Signal
 
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
+from core.network.expression_arithmetic import value_of
+from core.network.expression_grammar import ExpressionError, parse_expression
 from core.network.network import Node
 
 DIGITS = 10  # significant ones, where that many are enough
@@ -175,3 +177,36 @@ class FreeNumbers(QObject):
         if numbers != self._numbers:
             self._numbers = numbers
             self.changed.emit()
+
+
+_ANY_THOUSANDS = re.compile(r"(?<![\d.,])[1-9]\d{0,2},\d{3}(?![\d,.])")
+_DECIMAL_COMMA = re.compile(r"(?<=\d),(?=\d)")
+_ARITHMETIC = re.compile(r"[\d(]|\w\.\w")
+
+
+def typed_number(text: str, parameter: Parameter) -> float | int | str | None:
+    """The number a person typed, in the parameter's unit; the text where it is none.
+
+    ``600 urad`` typed for mrad is 0.6, ``2*0.3`` is 0.6 in any unit. A comma is a decimal point
+    except between the arguments of a function.
+
+    Raises
+    ------
+    ParameterError
+        For arithmetic that has no value, or a unit that does not fit; and as `number_of`.
+    """
+    number = number_of(text, parameter)
+    if not isinstance(number, str) or not _ARITHMETIC.search(number):
+        return number
+    written = text.strip()
+    if "(" not in written:
+        thousands = _ANY_THOUSANDS.search(written)
+        if thousands:
+            whole, _, rest = thousands[0].partition(",")
+            clear = f"either {whole}{rest} or {whole}.{rest}"
+            raise ParameterError(parameter.name, text, clear)
+        written = _DECIMAL_COMMA.sub(".", written)
+    try:
+        return value_of(parse_expression(written), unit=parameter.param.unit)
+    except ExpressionError as error:
+        raise ParameterError(parameter.name, text, error.message) from None

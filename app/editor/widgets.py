@@ -133,7 +133,7 @@ def _outline(button: QAbstractButton, element: QStyle.SubElement, *, round_: boo
     painter.end()
 
 
-def named(widget: W, name: str, about: str = "", tip: str = "") -> W:
+def labelled(widget: W, name: str, about: str = "", tip: str = "") -> W:
     """Give a widget the name that tests find, and its words for screen readers and the tooltip."""
     widget.setObjectName(name)
     if about:  # else it keeps what it calls itself
@@ -178,7 +178,7 @@ def toggle_button(name: str, text: str, description: str, parent: QWidget) -> To
 def _worded(button: B, name: str, text: str, description: str) -> B:
     button.setText(text)
     button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-    return named(button, name, description, description)
+    return labelled(button, name, description, description)
 
 
 _TYPING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.KeypadModifier
@@ -279,14 +279,14 @@ class PageTabs(QWidget):
 
     def __init__(self, pages: tuple[str, ...], parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        named(self, "pages", "pages of the panel")
+        labelled(self, "pages", "pages of the panel")
         self._pages = pages
         self._group = QButtonGroup(self)
         self.buttons: list[Toggle] = []
         flow = FlowLayout(self, across=2, down=2)
         flow.setContentsMargins(0, 4, 0, 0)
         for number, page in enumerate(pages):
-            button = named(Toggle(self), f"page.{page}")
+            button = labelled(Toggle(self), f"page.{page}")
             button.setText(page)
             button.setAccessibleName(f"page {page}")
             button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -335,7 +335,7 @@ class ElidedLabel(QLabel):
 
     def __init__(self, name: str, description: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        named(self, name, description)
+        labelled(self, name, description)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def text(self) -> str:
@@ -393,7 +393,7 @@ def plain_label(
     bold: bool = False,
 ) -> QLabel:
     """A text that is no markup and is broken into lines, in a colour of the palette."""
-    label = named(QLabel(text, parent), name)
+    label = labelled(QLabel(text, parent), name)
     label.setTextFormat(Qt.TextFormat.PlainText)
     label.setWordWrap(True)
     label.setForegroundRole(role)

@@ -12,7 +12,7 @@ import time
 
 import PySide6.QtWidgets  # noqa: F401  # before all that imports it, as the command does
 
-from app.editor.lean_imports import leave_sources_unread, nothing_collected
+from app.editor.qt_libraries import leave_sources_unread, nothing_collected
 
 PATIENCE_S = 60.0
 

@@ -13,7 +13,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QEventLoop, QObject
 from PySide6.QtWidgets import QApplication, QGraphicsView
 
 from app.editor.evaluation.queries import Answer
-from app.editor.lean_imports import nothing_collected
+from app.editor.qt_libraries import nothing_collected
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings

@@ -11,12 +11,12 @@ from PySide6.QtCore import QEvent, QObject, QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QToolButton, QWidget
 
+from app.editor.canvas.canvas_view import GraphView
 from app.editor.canvas.items.backdrop_item import BackdropItem
-from app.editor.canvas.view.canvas_view import GraphView
 from app.editor.declared_text import tip
-from app.editor.level import Level
+from app.editor.session import Level
 from app.editor.theme import FAINT, RAISED
-from app.editor.widgets import filled, named
+from app.editor.widgets import filled, labelled
 
 _BETWEEN = "›"
 
@@ -26,7 +26,7 @@ class Crumbs(QWidget):
 
     def __init__(self, level: Level, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        named(self, "crumbs", "path to the macro shown")
+        labelled(self, "crumbs", "path to the macro shown")
         self._level = level
         self._row = filled(QHBoxLayout(self), margins=(4, 2, 4, 2), spacing=2)
         self.up = self._button(
@@ -85,7 +85,7 @@ class Crumbs(QWidget):
         return label
 
     def _button(self, name: str, text: str, about: str) -> QToolButton:
-        button = named(QToolButton(self), name)
+        button = labelled(QToolButton(self), name)
         button.setText(text.replace("&", "&&"))
         button.setAutoRaise(True)
         button.setAccessibleName(about)
@@ -108,7 +108,7 @@ class TitleEditor(QLineEdit):
 
     def __init__(self, view: GraphView) -> None:
         super().__init__(view.viewport())
-        named(self, "canvas.title", "Title of the backdrop")
+        labelled(self, "canvas.title", "Title of the backdrop")
         self._view = view
         self._index: int | None = None
         self.hide()

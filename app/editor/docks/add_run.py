@@ -25,11 +25,10 @@ from app.editor.declared_text import label_of
 from app.editor.dialogs import FileDialog, show_beside
 from app.editor.docks.run_queue import job_of, proposed_folder
 from app.editor.docks.tradeoff_ranges import ParameterChoice, Varied, usual_span
-from app.editor.number_text import shown_number
+from app.editor.number_text import shown_number, typed_number
 from app.editor.session import Session
 from app.editor.theme import ERROR
-from app.editor.typed_number import typed_number
-from app.editor.widgets import Check, filled, named, tool_button
+from app.editor.widgets import Check, filled, labelled, tool_button
 from app.run.job import Kind
 from app.run.saving import MOST_FRAMES
 from app.run.staging import check_folder
@@ -152,7 +151,7 @@ class AddRun(QDialog):
         inner.setObjectName(f"add_run.{name}")
         if not isinstance(field, Check):
             inner.setAccessibleName(label.replace("&", ""))
-        error = named(QLabel(self), f"add_run.{name}.error")
+        error = labelled(QLabel(self), f"add_run.{name}.error")
         error.setWordWrap(True)
         error.setForegroundRole(ERROR)
         error.hide()

@@ -20,8 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.dialogs import SaveDialog, choose_pictures, show_beside
-from app.editor.docks.edge_canvas import EdgeCanvas
-from app.editor.docks.edge_table import EdgeTable, FigureTable, MtfChart, edge_words
+from app.editor.docks.edges import EdgeCanvas, EdgeTable, FigureTable, MtfChart, edge_words
 from app.editor.docks.measure_worker import (
     Check,
     PictureDrops,
@@ -37,7 +36,7 @@ from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import StatusLine
-from app.editor.widgets import FlowLayout, filled, menu_button, named, toggle_button, tool_button
+from app.editor.widgets import FlowLayout, filled, labelled, menu_button, toggle_button, tool_button
 from core.errors import UsageError
 from core.network.network import Network
 from nodes.files.common.file_format import CSV, HTML, JSON, dialog_filter
@@ -269,7 +268,7 @@ class MeasureView(WorkerView):
             "Save everything (.json), the MTF (.csv) or a page (.html)",
             self,
         )
-        self.pictures = named(
+        self.pictures = labelled(
             QComboBox(self), "measure.pictures", "Picture to show", "Picture to show"
         )
         self.band = BandBox(self)
@@ -284,7 +283,7 @@ class MeasureView(WorkerView):
         self.chart = MtfChart(self)
         self.table = EdgeTable(self)
         self.figures = FigureTable(self)
-        self.tabs = named(QTabWidget(self), "measure.tabs")
+        self.tabs = labelled(QTabWidget(self), "measure.tabs")
         self.tabs.setDocumentMode(True)
         self.tabs.addTab(self.figures, "Figures")
         self.tabs.addTab(self.table, "Edges")

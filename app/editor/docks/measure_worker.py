@@ -18,7 +18,7 @@ from app.editor.evaluation.badges import as_error
 from app.editor.gestures import accept_copy
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.viewer import StatusLine
-from app.editor.widgets import named
+from app.editor.widgets import labelled
 from core.chain.wires import Image
 from core.errors import Cancelled, UsageError
 from nodes.files.common.file_format import JSON
@@ -147,7 +147,7 @@ class WorkerView(QWidget):
 
     def __init__(self, name: str, words: str) -> None:
         super().__init__()
-        named(self, name, words)
+        labelled(self, name, words)
         self.worker = MeasureWorker(self)
 
     def cancel(self) -> None:

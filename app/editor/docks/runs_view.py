@@ -46,7 +46,7 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import tip
 from app.editor.docks.run_queue import Entry, RunQueue
 from app.editor.theme import CHANGED, ERROR, FAINT
-from app.editor.widgets import ElidedLabel, FlowLayout, centred_hint, filled, named, tool_button
+from app.editor.widgets import ElidedLabel, FlowLayout, centred_hint, filled, labelled, tool_button
 
 _NUMBER, _SHARE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
 _TICK_MS = 1000
@@ -66,7 +66,7 @@ class RunsView(QWidget):
 
     def __init__(self, queue: RunQueue) -> None:
         super().__init__()
-        named(self, "runs", "Runs")
+        labelled(self, "runs", "Runs")
         self._queue = queue
         self._items: dict[int, QTreeWidgetItem] = {}
         self._build()
@@ -94,7 +94,7 @@ class RunsView(QWidget):
             flow.addWidget(button)
         self.list = _RunList(self)
         self.list.setItemDelegateForColumn(1, _Progress(self.list))
-        self.hint: QLabel = named(centred_hint(_HINT, self), "runs.hint")
+        self.hint: QLabel = labelled(centred_hint(_HINT, self), "runs.hint")
         self.hint.setContentsMargins(12, 0, 12, 0)
         self.detail = ElidedLabel("runs.detail", "State of the selected run", self)
         self.detail.setContentsMargins(6, 0, 6, 0)
@@ -272,7 +272,7 @@ class _RunList(QTreeWidget):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
-        named(self, "runs.list", "Queued, running and finished runs")
+        labelled(self, "runs.list", "Queued, running and finished runs")
         self.setColumnCount(2)
         self.setHeaderHidden(True)
         self.setRootIsDecorated(False)
@@ -325,11 +325,11 @@ class ReportStatus(QWidget):
 
     def __init__(self, queue: RunQueue, parent: QWidget) -> None:
         super().__init__(parent)
-        named(self, "report", "Report")
+        labelled(self, "report", "Report")
         self._queue = queue
         self._number = 0
         self.label = QLabel(self)
-        self.progress = named(QProgressBar(self), "report.progress", "Progress of the report")
+        self.progress = labelled(QProgressBar(self), "report.progress", "Progress of the report")
         self.progress.setTextVisible(False)
         self.progress.setFixedWidth(self.fontMetrics().averageCharWidth() * 14)
         self.stop = QPushButton("Cancel", self)

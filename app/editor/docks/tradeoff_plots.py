@@ -24,7 +24,7 @@ from PySide6.QtWidgets import QWidget
 from app.editor.docks.tradeoff_ranges import Span
 from app.editor.panels.chart import Chart, ordinate_ticks, room_for_ticks
 from app.editor.theme import theme_of
-from app.editor.widgets import named
+from app.editor.widgets import labelled
 from core.modules.preview import Axis
 
 Vector = NDArray[np.float64]
@@ -56,7 +56,7 @@ class TradeOffPlots(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        named(self, "tradeoff.plots", "Figures of merit; arrow keys move the parameter")
+        labelled(self, "tradeoff.plots", "Figures of merit; arrow keys move the parameter")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
         self.graphs: tuple[Graph, ...] = ()

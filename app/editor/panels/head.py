@@ -26,7 +26,7 @@ from app.editor.widgets import (
     FlowLayout,
     Menu,
     filled,
-    named,
+    labelled,
     plain_label,
     show_or_hide,
     toggle_button,
@@ -79,7 +79,7 @@ class TitleBar(QWidget):
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         if self.actions():
-            menu = named(Menu(self), "head.menu")
+            menu = labelled(Menu(self), "head.menu")
             menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
             menu.addActions(self.actions())
             menu.popup(event.globalPos())

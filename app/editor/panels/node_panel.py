@@ -21,12 +21,11 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
 from app.editor.gestures import without_argument
 from app.editor.panels.fields.field_menu import line_in_menu, offer
-from app.editor.panels.fields.panel_node import PanelNode
+from app.editor.panels.fields.panel_node import PanelNode, copy_values, paste_values
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.panels.head import PanelHead
 from app.editor.panels.module_body import ModuleBody, UnknownBody
 from app.editor.panels.preview_view import PreviewView, preview_query
-from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
 from app.editor.widgets import Menu, filled
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of

@@ -16,8 +16,7 @@ from app.editor.declared_text import breakable, error_text, tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.panels.chart import LEFT, RIGHT, Chart, ordinate_ticks, room_for_ticks
-from app.editor.panels.shrinking import shrunk
-from app.editor.panels.transfer_preview import TransferPreviewQuery
+from app.editor.panels.transfer_preview import TransferPreviewQuery, shrunk
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.pixels.grey_levels import grey_levels

@@ -17,7 +17,7 @@ from app.editor.number_text import shown_figure
 from app.editor.session import Session
 from app.editor.theme import FAINT, TEXT, set_ink
 from app.editor.viewers.viewer import Viewer
-from app.editor.widgets import named, plain_label, steady_width
+from app.editor.widgets import labelled, plain_label, steady_width
 from core.chain.engine import Plan
 from core.modules.declaration import Declaration
 
@@ -139,7 +139,7 @@ class ReadoutsView(Viewer):
         grid.setColumnStretch(0, 1)
         for row, readout in enumerate(declaration.readouts):
             name = plain_label("", self, label_of(readout.name), role=FAINT)
-            value = named(ReadoutValue(self), f"readout.{readout.name}")
+            value = labelled(ReadoutValue(self), f"readout.{readout.name}")
             unit = plain_label("", self, readout.unit, role=FAINT)
             unit.setWordWrap(False)
             self._meanings[readout.name] = readout.meaning

@@ -8,8 +8,8 @@ from PySide6.QtCore import QObject
 from PySide6.QtGui import QGuiApplication
 
 from app.editor.canvas.canvas import Canvas
-from app.editor.level import Level
-from app.editor.panels.values_clipboard import copy_values, paste_values
+from app.editor.panels.fields.panel_node import copy_values, paste_values
+from app.editor.session import Level
 from core.editing.backdrops import Backdrop, add, around, laid_out
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.grouping import group, ungroup

@@ -18,20 +18,18 @@ from app.editor.docks.measure_view import MeasureView
 from app.editor.docks.snapshots import Snapshots
 from app.editor.docks.snapshots_view import SnapshotsView
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.level import Level
 from app.editor.library_view import LibraryView
 from app.editor.panels.panel_area import PanelArea
 from app.editor.recovery_files import Autosaver, Recovered, recoverable
-from app.editor.session import Session
+from app.editor.session import Level, Session
 from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.widgets import filled
 from app.editor.window.actions import CANVAS_MENU, NODE_MENU, Actions
 from app.editor.window.background_runs import BackgroundRuns
-from app.editor.window.drops import Drops, PresetShelf
 from app.editor.window.edit_commands import EditCommands
-from app.editor.window.files import Files, Opened
+from app.editor.window.files import Drops, Files, Opened, PresetShelf
 from app.editor.window.help import Help
 from app.editor.window.history_list import HistoryList
 from app.editor.window.recent_files import RecentMenu, Settings

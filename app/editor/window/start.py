@@ -15,7 +15,7 @@ from PySide6.QtCore import QCoreApplication, QEventLoop, QSize, Qt, QTimer, qIns
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QWidget
 
-from app.editor.lean_imports import nothing_collected
+from app.editor.qt_libraries import nothing_collected
 from app.editor.theme import THEMES, Look
 from app.editor.window.files import open_named
 from app.editor.window.main_window import MainWindow

@@ -11,7 +11,7 @@ from PySide6.QtCore import QEvent, QObject, QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenuBar, QProgressBar, QPushButton, QWidget
 
 from app.editor.notices import Notice, Severity
-from app.editor.widgets import named
+from app.editor.widgets import labelled
 
 NOTE_MS = 8000
 _BEHIND = "stopped: shows the earlier result; Ctrl+Enter computes it again"
@@ -36,7 +36,9 @@ class StatusBar(QWidget):
         self._notice.closed.connect(self._close)
         self._behind = Notice("status.behind", self, one_line=True)
         self._where = QLabel(self)
-        self._progress = named(QProgressBar(self), "status.progress", "Progress of the computation")
+        self._progress = labelled(
+            QProgressBar(self), "status.progress", "Progress of the computation"
+        )
         self._progress.setTextVisible(False)
         self._progress.setFixedWidth(self.fontMetrics().averageCharWidth() * 14)
         self._cancel = QPushButton("Cancel", self)

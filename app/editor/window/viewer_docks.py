@@ -23,7 +23,7 @@ from app.editor.session import Session
 from app.editor.viewers.network_ports import PICTURE_TYPES, PLOT_TYPES
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from app.editor.widgets import named
+from app.editor.widgets import labelled
 from app.run.output import ANALYSIS, find_output, source_images
 from core.chain.engine import Plan
 from core.chain.wires import Curve, Image, Table
@@ -146,7 +146,7 @@ def add_dock(
     window: QMainWindow, title: str, name: str, widget: QWidget, area: Qt.DockWidgetArea
 ) -> QDockWidget:
     """Put a widget in a dock of that title; `name` is what its place is remembered under."""
-    dock = named(QDockWidget(title, window), name)
+    dock = labelled(QDockWidget(title, window), name)
     dock.setWidget(widget)
     window.addDockWidget(area, dock)
     return dock

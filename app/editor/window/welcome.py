@@ -41,7 +41,7 @@ from app.editor.canvas.items.content import points_of
 from app.editor.gestures import without_argument
 from app.editor.recovery_files import Recovered
 from app.editor.theme import FAINT, theme_of
-from app.editor.widgets import filled, named
+from app.editor.widgets import filled, labelled
 from app.editor.window.recent_files import folder_text
 from app.library_index import declarations
 from app.run.shipped import shipped_networks
@@ -59,7 +59,7 @@ class WelcomePage(QScrollArea):
 
     def __init__(self, library: Library, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        named(self, "welcome", "Welcome page")
+        labelled(self, "welcome", "Welcome page")
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self._library = library
@@ -235,7 +235,7 @@ class NetworkCard(QToolButton):
         super().__init__()
         network = read_network(file, library={})  # which loads no module
         self.name = name
-        named(self, f"welcome.{name}", network.name)
+        labelled(self, f"welcome.{name}", network.name)
         self.setAccessibleDescription(network.description)
         self.setToolTip(f"<p>{network.description}</p>")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)

@@ -17,7 +17,7 @@ def test_the_bindings_keep_no_source_of_what_is_imported_after_them():
     """Python keeps the lines of each file that was read as a source."""
     code = (
         "import PySide6.QtWidgets, linecache, sys\n"
-        "from app.editor.lean_imports import leave_sources_unread\n"
+        "from app.editor.qt_libraries import leave_sources_unread\n"
         "leave_sources_unread()\n"
         "import core.chain.engine\n"
         "print(sys.modules['core.chain.wires'].__file__ in linecache.cache)\n"
@@ -41,7 +41,7 @@ def test_nothing_is_collected_while_the_window_is_made():
     """Neither then nor later: what was made is passed over by each collection that follows."""
     code = (
         "import gc\n"
-        "from app.editor.lean_imports import nothing_collected\n"
+        "from app.editor.qt_libraries import nothing_collected\n"
         "usual, passed = gc.get_threshold(), []\n"
         "gc.callbacks.append(lambda phase, about: passed.append(phase))\n"
         "with nothing_collected():\n"

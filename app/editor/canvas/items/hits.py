@@ -12,8 +12,7 @@ from app.editor.canvas.items.backdrop_item import BackdropItem
 from app.editor.canvas.items.canvas_style import Side
 from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.node_item import NodeItem, NodePort
-from app.editor.canvas.items.routing import length
-from app.editor.canvas.items.wire_item import DOT_RADIUS, WireItem
+from app.editor.canvas.items.wires import DOT_RADIUS, WireItem, length
 from core.network.network import Link
 
 _PORT_PX, _PORT_LEAST, _PORT_MOST = 9.0, 9.0, 26.0

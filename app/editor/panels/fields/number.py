@@ -15,12 +15,11 @@ from PySide6.QtWidgets import QCompleter, QMenu, QSlider, QWidget
 
 from app.editor.declared_text import about, placeholder_of, shown_value, tip
 from app.editor.gestures import EscapeInDrag
-from app.editor.number_text import shown_number
+from app.editor.number_text import shown_number, typed_number
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.type_in import WHEEL_REST_MS
 from app.editor.theme import CHANGED
-from app.editor.typed_number import typed_number
 from app.editor.widgets import plain_label, takes_wheel
 from core.editing.operations import set_parameter
 from core.errors import ParameterError

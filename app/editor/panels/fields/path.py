@@ -14,7 +14,7 @@ from app.editor.dialogs import FileDialog
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.widgets import named
+from app.editor.widgets import labelled
 from core.modules.parameters import Parameter
 
 # A line for a file name: its folder is cut in the middle, the file's own name is always seen.
@@ -113,7 +113,7 @@ class PathField(TypedField):
         """Open a dialog to choose a file; returns at once."""
         for other in self.findChildren(QFileDialog, "field.dialog"):
             other.reject()
-        dialog = named(FileDialog(self, self._dialog_title()), "field.dialog")
+        dialog = labelled(FileDialog(self, self._dialog_title()), "field.dialog")
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.setOption(QFileDialog.Option.DontConfirmOverwrite)  # nothing is written by choosing
         if self._writes:

@@ -16,8 +16,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.viewers.network_ports import PICTURE_TYPES, ports_by_node
-from app.editor.viewers.picture.band_bar import BandBar
-from app.editor.viewers.picture.picture_bar import PictureBar
+from app.editor.viewers.picture.picture_bar import BandBar, PictureBar
 from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
 from app.editor.viewers.picture.picture_probe import PictureProbe, save_picture, shown_png
 from app.editor.viewers.picture.region_tool import RegionTool
@@ -33,7 +32,7 @@ from app.editor.viewers.pixels.picture_query import KeptPicture, Picture, Pictur
 from app.editor.viewers.pixels.probing import facts_text
 from app.editor.viewers.plot.plot_export import columns_text
 from app.editor.viewers.viewer import StatusLine, Viewer
-from app.editor.widgets import Menu, centred_hint, filled, named
+from app.editor.widgets import Menu, centred_hint, filled, labelled
 from core.errors import UsageError
 from core.network.network import Network
 from nodes.files.formats import PNG
@@ -279,7 +278,7 @@ class ImageViewer(Viewer):
     def _build(self) -> None:
         self.bar = PictureBar(self.session, self.owner, self)
         self.band_bar = BandBar(self.owner, self)  # before the canvas in the order of Tab
-        self.canvas = named(PictureCanvas(self), f"{self.owner}.canvas")
+        self.canvas = labelled(PictureCanvas(self), f"{self.owner}.canvas")
         self.links = ZoomLinks(self.canvas)
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
         self.probe = PictureProbe(self.canvas, self.status)
@@ -411,7 +410,7 @@ class ImageViewer(Viewer):
     def _open_menu(self, point: QPoint) -> None:
         """Of a right click: what concerns the whole, the bar's menus, actions of the window."""
         self._fill_menus()
-        menu = named(Menu(self), "picture_menu")
+        menu = labelled(Menu(self), "picture_menu")
         menu.aboutToHide.connect(menu.deleteLater)
         menu.addAction("&Fit\tF").triggered.connect(self.fit)
         menu.addAction("&One Sample, One Dot\t1").triggered.connect(self.one_to_one)

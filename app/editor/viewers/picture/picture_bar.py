@@ -2,16 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
-from PySide6.QtCore import QObject, Signal
-from PySide6.QtGui import QAction, QActionGroup
-from PySide6.QtWidgets import QHBoxLayout, QMenu, QWidget
+import numpy as np
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtGui import QAction, QActionGroup, QValidator
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QMenu, QSlider, QSpinBox, QWidget
 
 from app.editor.session import Session
+from app.editor.theme import FAINT, set_ink, theme_of
 from app.editor.viewers.network_ports import PICTURE_TYPES, NodePorts, PortChoice
 from app.editor.viewers.pixels.grey_levels import NAMES
-from app.editor.widgets import Menu, filled, menu_button, toggle_button, tool_button
+from app.editor.viewers.pixels.picture_choices import ALL, CHANNELS, BandChoice
+from app.editor.widgets import (
+    ElidedLabel,
+    Menu,
+    filled,
+    labelled,
+    menu_button,
+    toggle_button,
+    tool_button,
+)
+from core.chain.band_stack import BandStack
 
 
 class PictureBar(QWidget):
@@ -162,3 +176,248 @@ class CompareMenu(QObject):
 
     def _choose_link(self, action: QAction) -> None:
         self.linked.emit(int(action.data()), action.isChecked())
+
+
+_TEXTS = {"all": "All bands: {whole}", "one": "One band", "colours": "Colours"}
+
+_NARROWEST = 9  # letters that a list or a wavelength has room for
+
+
+class BandBar(QWidget):
+    """All bands, one by a slider or its wavelength, or three as colours.
+
+    It is hidden where the picture has no bands.
+    """
+
+    chosen = Signal(object)  # choice: the person has made another `BandChoice`
+    noted = Signal(str)  # text: a line for the person: a typed wavelength is none of the picture's
+    _letters: tuple[QLabel, ...] = ()
+
+    def __init__(self, owner: str, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.choice = ALL
+        self._bands: BandStack | None = None
+        self._writing = False
+        self.shown = QComboBox(self)
+        self.shown.setObjectName(f"{owner}.bands")
+        self.shown.setAccessibleName("Bands to show")
+        self.shown.setToolTip("Bands to show: all together, one, or three as colours")
+        for name, text in _TEXTS.items():
+            self.shown.addItem(text.format(whole="mean"), name)
+        self.slider = QSlider(Qt.Orientation.Horizontal, self)
+        self.slider.setObjectName(f"{owner}.band")
+        self.slider.setAccessibleName("Band")
+        self.slider.setToolTip("Band (Page Up and Page Down on the picture)")
+        self.one = WavelengthSpin(f"{owner}.wavelength", "Wavelength of the band (µm or nm)", self)
+        self.colours = tuple(
+            WavelengthSpin(f"{owner}.{name}", f"Wavelength shown as {name}", self)
+            for name in CHANNELS
+        )
+        self._letters = tuple(QLabel(name[0].upper(), self) for name in CHANNELS)
+        self.even = tool_button(f"{owner}.even", "Even", "Use three evenly spaced bands", self)
+        self.about = ElidedLabel(f"{owner}.band.about", "The bands", self)
+        self.about.setForegroundRole(FAINT)
+        letter = self.fontMetrics().averageCharWidth()
+        for widget in (self.shown, self.one, *self.colours):  # a narrow viewer cuts their texts
+            widget.setMinimumWidth(_NARROWEST * letter)
+        self._lay()
+        self.shown.activated.connect(self._shown_chosen)
+        self.slider.valueChanged.connect(self._one_chosen)
+        self.one.valueChanged.connect(self._one_chosen)
+        self.even.clicked.connect(self._take_even)
+        for spin in self.colours:
+            spin.valueChanged.connect(self._colours_chosen)
+        for spin in (self.one, *self.colours):
+            spin.noted.connect(self.noted)
+        self._colour()
+        self.hide()
+
+    def changeEvent(self, event: QEvent) -> None:
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange:
+            self._colour()
+
+    def _colour(self) -> None:
+        for letter, colour in zip(self._letters, theme_of(self).channels, strict=False):
+            set_ink(letter, colour)
+
+    def show_bands(self, bands: BandStack | None, choice: BandChoice) -> None:
+        """Show which of these bands are chosen; hidden without bands."""
+        self._bands, self.choice = bands, choice
+        self.setVisible(bands is not None)
+        if bands is None:
+            return
+        self._writing = True
+        whole = "sum" if bands.density else "mean"
+        self.shown.setItemText(0, _TEXTS["all"].format(whole=whole))
+        self.shown.setCurrentIndex(self.shown.findData(choice.shown))
+        self.slider.setRange(0, bands.count - 1)
+        self.slider.setPageStep(max(1, bands.count // 10))
+        (place,) = replace(choice, shown="one").places(bands)
+        self.slider.setValue(place)
+        places = (place, *replace(choice, shown="colours").places(bands))
+        for spin, at in zip((self.one, *self.colours), places, strict=True):
+            spin.set_bands(bands)
+            spin.setValue(at)
+        self._writing = False
+        of_one: tuple[QWidget, ...] = (self.slider, self.one)
+        of_colours: tuple[QWidget, ...] = (*self.colours, *self._letters, self.even)
+        for widget in (*of_one, *of_colours):
+            widget.setVisible(choice.shown == ("one" if widget in of_one else "colours"))
+        self.even.setEnabled(choice.colours_um is not None)
+        self.about.show_text(_about(bands, choice, place))
+
+    def step(self, by: int) -> None:
+        """Show the next band, or the one before; from all of them go to the first, or the last."""
+        if self._bands is None:
+            return
+        if self.choice.shown == "one":
+            self.slider.setValue(self.slider.value() + by)
+        elif self.choice.shown == "all":
+            centres = self._bands.centres_um
+            self._choose(replace(self.choice, shown="one", one_um=centres[0 if by > 0 else -1]))
+
+    def take_line(self, line: int, wavelength_um: float) -> None:
+        """Take the band at a wavelength: the one, or the red, green or blue."""
+        if self.choice.shown == "one":
+            self._choose(replace(self.choice, one_um=wavelength_um))
+        elif self.choice.shown == "colours":
+            now = [spin.value() for spin in self.colours]
+            self._choose_colours(now, {line: wavelength_um})
+
+    def _lay(self) -> None:
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(2, 0, 2, 0)
+        layout.setSpacing(3)
+        layout.addWidget(self.shown)
+        layout.addWidget(self.slider, 3)
+        layout.addWidget(self.one)
+        for letter, spin in zip(self._letters, self.colours, strict=True):
+            letter.setBuddy(spin)
+            layout.addSpacing(3)
+            layout.addWidget(letter)
+            layout.addWidget(spin)
+        layout.addWidget(self.even)
+        layout.addSpacing(3)
+        layout.addWidget(self.about, 1)
+
+    def _shown_chosen(self, _index: int) -> None:
+        self._choose(replace(self.choice, shown=self.shown.currentData()))
+
+    def _one_chosen(self, place: int) -> None:
+        if self._bands is not None and not self._writing:
+            self._choose(replace(self.choice, one_um=self._bands.centres_um[place]))
+
+    def _colours_chosen(self, _place: int) -> None:
+        if not self._writing:
+            self._choose_colours([spin.value() for spin in self.colours], {})
+
+    def _choose_colours(self, places: list[int], changed: dict[int, float]) -> None:
+        if self._bands is None:
+            return
+        red, green, blue = (
+            changed.get(line, self._bands.centres_um[place]) for line, place in enumerate(places)
+        )
+        self._choose(replace(self.choice, colours_um=(red, green, blue)))
+
+    def _take_even(self) -> None:
+        self._choose(replace(self.choice, colours_um=None))
+
+    def _choose(self, choice: BandChoice) -> None:
+        if choice != self.choice:
+            self.show_bands(self._bands, choice)
+            self.chosen.emit(choice)
+
+
+def _about(bands: BandStack, choice: BandChoice, place: int) -> str:
+    """What there is to know of the bands, in a line."""
+    if choice.shown == "one":
+        return f"{bands.widths_um[place]:.3g} µm wide, {place + 1} of {bands.count}"
+    low, high = bands.band_um
+    return f"{bands.count} bands, {low:.4g} to {high:.4g} µm" if choice.shown == "all" else ""
+
+
+# A spin box that steps through the bands of a picture, and shows their wavelengths.
+
+_FEWEST, _MOST = 2, 5  # decimals
+UNIT = "µm"
+_UNITS = {UNIT: 1.0, "μm": 1.0, "um": 1.0, "nm": 1e-3}  # micro sign, Greek mu
+
+
+class WavelengthSpin(QSpinBox):
+    """Its value is the place of a band; a wavelength typed in µm or nm gives the nearest."""
+
+    noted = Signal(str)  # text: a line for the person: a typed wavelength is none of the picture's
+
+    _centres: tuple[float, ...] = (0.0,)  # Qt measures texts while it makes the widget
+    _decimals = _FEWEST
+    _ends = (-math.inf, math.inf)
+
+    def __init__(self, name: str, description: str, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setRange(0, 0)
+        labelled(self, name, description, description)
+        self.setKeyboardTracking(False)
+        self._text = ""
+        self.lineEdit().textEdited.connect(self._note)
+        self.editingFinished.connect(self._finish)
+
+    def set_bands(self, bands: BandStack) -> None:
+        """Step through the wavelengths of these bands."""
+        self._ends, centres_um = bands.band_um, bands.centres_um
+        if centres_um == self._centres:
+            return
+        self._centres = centres_um
+        self._decimals = decimals_of(centres_um)
+        self.setRange(0, len(centres_um) - 1)
+        self.updateGeometry()
+
+    def textFromValue(self, place: int) -> str:
+        place = min(place, len(self._centres) - 1)
+        return f"{self._centres[place]:.{self._decimals}f} {UNIT}"
+
+    def valueFromText(self, text: str) -> int:
+        wavelength = _number(text)
+        if wavelength is None:
+            return self.value()
+        return int(np.argmin(np.abs(np.array(self._centres) - wavelength)))
+
+    def validate(self, text: str, position: int) -> object:
+        """Whether it is a number, with its unit or without."""
+        state = QValidator.State
+        return (state.Intermediate if _number(text) is None else state.Acceptable, text, position)
+
+    def _note(self, text: str) -> None:
+        self._text = text
+
+    def _finish(self) -> None:
+        text, self._text = self._text, ""
+        wavelength = _number(text)
+        low, high = self._ends
+        if wavelength is not None and not low <= wavelength <= high:
+            self.noted.emit(
+                f"{wavelength:.4g} µm is outside the bands, {low:.4g} to {high:.4g} µm: the "
+                "nearest band is shown"
+            )
+
+
+def decimals_of(centres_um: tuple[float, ...]) -> int:
+    """As many as tell neighbouring bands apart, and one more."""
+    apart = np.abs(np.diff(centres_um))
+    least = float(apart[apart > 0].min()) if np.any(apart > 0) else 1.0
+    return min(max(math.ceil(-math.log10(least)) + 1, _FEWEST), _MOST)
+
+
+def _number(text: str) -> float | None:
+    """A wavelength in µm, typed in it or in a unit that stands behind it."""
+    bare = text.replace(",", ".").strip()
+    factor = 1.0
+    for unit, in_um in _UNITS.items():
+        if bare.endswith(unit):
+            bare, factor = bare.removesuffix(unit), in_um
+            break
+    try:
+        value = float(bare) * factor
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None

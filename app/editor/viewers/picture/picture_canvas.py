@@ -19,7 +19,7 @@ from app.editor.viewers.picture.region_overlay import RegionOverlay
 from app.editor.viewers.pixels.grey_levels import Table, colour_table
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import EndingAxis, bare, paint_axes
-from app.editor.widgets import named
+from app.editor.widgets import labelled
 
 Zoom = tuple[float, ...]
 Sides = Literal["first left", "second left", "second alone"]
@@ -459,7 +459,7 @@ class SideNames(QObject):
         self._lay()
 
     def _label(self, side: str) -> QLabel:
-        label = named(QLabel(self._canvas), f"side.{side}", f"What is on the {side}")
+        label = labelled(QLabel(self._canvas), f"side.{side}", f"What is on the {side}")
         label.setTextFormat(Qt.TextFormat.PlainText)
         label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         label.setMargin(_PAD)

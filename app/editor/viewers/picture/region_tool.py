@@ -12,7 +12,7 @@ from app.editor.session import Session
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.picture.region_overlay import Region, Size
 from app.editor.viewers.pixels.picture_query import Picture
-from app.editor.widgets import Menu, named
+from app.editor.widgets import Menu, labelled
 from core.chain.wires import Image
 from core.editing.operations import ABSENT, Operation, Together, set_parameter
 from core.errors import ImagechainError, ParameterError
@@ -227,7 +227,7 @@ class RegionTool(QObject):
         self._session.end_gesture()
 
     def _open_menu(self, at: QPoint) -> None:
-        menu = named(Menu(self._canvas), "region.menu")
+        menu = labelled(Menu(self._canvas), "region.menu")
         all_of_it = menu.addAction("&Whole Picture")
         all_of_it.setObjectName("region.whole")
         all_of_it.triggered.connect(self._take_whole)

@@ -15,7 +15,7 @@ from app.editor.evaluation.queries import Answer, PassDone, Passing, Query
 from app.editor.session import Session
 from app.editor.theme import FAINT, TEXT
 from app.editor.viewers.viewer import Viewer
-from app.editor.widgets import ElidedLabel, FlowLayout, filled, named
+from app.editor.widgets import ElidedLabel, FlowLayout, filled, labelled
 from app.run.figures import ELECTRONICS_FIGURES, SENSOR_FIGURES, sensor_node
 from app.run.output import HOW_TO_MARK, find_output, sound_part
 from core.chain.engine import Plan
@@ -102,9 +102,9 @@ class FiguresStrip(Viewer):
             return
         self._names = names
         for (head, value), (name, caption) in zip(self._slots[1:-1], shown, strict=True):
-            named(head, f"{self.owner}.{name}.caption", f"What {caption} means")
+            labelled(head, f"{self.owner}.{name}.caption", f"What {caption} means")
             head.show_text(caption)
-            named(value, f"{self.owner}.{name}", caption)
+            labelled(value, f"{self.owner}.{name}", caption)
 
     def _show(self, answer: Figures | None, why: str = "") -> None:
         figures = {} if answer is None else {figure.name: figure for figure in answer.figures}

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QWidget
 from app.editor.dialogs import SaveDialog, show_beside
 from app.editor.panels.fields.field_menu import offer
 from app.editor.viewers.plot.curves_query import TransferCurves
-from app.editor.widgets import Menu, named
+from app.editor.widgets import Menu, labelled
 from core.atomic import write_bytes, write_text
 from core.chain.results import CurveData, TableData
 from core.errors import ImagechainError, UsageError
@@ -134,13 +134,15 @@ def have_plot_menu(
 
 def plot_menu(widget: QWidget, report: Report, numbers: Numbers | None) -> Menu:
     """Copy what a widget shows or save it, and its numbers if it has some."""
-    menu = named(Menu(widget), "plot_menu")
+    menu = labelled(Menu(widget), "plot_menu")
     menu.aboutToHide.connect(menu.deleteLater)
     clipboard = QGuiApplication.clipboard()
 
     def ask() -> None:
         kinds = KINDS if numbers else dialog_filter("Pictures", *PICTURES)
-        dialog = named(SaveDialog(widget, "Save the plot", str(Path.cwd()), kinds), "plot_dialog")
+        dialog = labelled(
+            SaveDialog(widget, "Save the plot", str(Path.cwd()), kinds), "plot_dialog"
+        )
         dialog.setDefaultSuffix("png")
         dialog.fileSelected.connect(lambda name: save(Path(name)))
         show_beside(widget, dialog)

@@ -33,10 +33,9 @@ from app.editor.number_text import shown_figure
 from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.session import Session
 from app.editor.viewers.network_ports import PLOT_TYPES, PortChoice, followed, ports_by_node
-from app.editor.viewers.plot.bar_chart import BarChart
 from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery, TransferCurves
-from app.editor.viewers.plot.plot_canvas import PlotCanvas
+from app.editor.viewers.plot.plot_canvas import BarChart, PlotCanvas
 from app.editor.viewers.plot.plot_export import Data, csv_text, plot_menu, save_plot
 from app.editor.viewers.plot.plotted_lines import (
     Drawing,
@@ -52,7 +51,7 @@ from app.editor.widgets import (
     Toggle,
     centred_hint,
     filled,
-    named,
+    labelled,
     toggle_button,
     tool_button,
 )
@@ -208,10 +207,10 @@ class PlotViewer(Viewer):
 
     def _build(self) -> None:
         self.bar = PlotBar(self.session, self.owner, self)
-        self.canvas = named(PlotCanvas(self), f"{self.owner}.canvas")
-        self.bars = named(BarChart(self), f"{self.owner}.bars")
-        self.list = named(CurveList(self), f"{self.owner}.curves")
-        self.table = named(FigureTable(self), f"{self.owner}.table")
+        self.canvas = labelled(PlotCanvas(self), f"{self.owner}.canvas")
+        self.bars = labelled(BarChart(self), f"{self.owner}.bars")
+        self.list = labelled(CurveList(self), f"{self.owner}.curves")
+        self.table = labelled(FigureTable(self), f"{self.owner}.table")
         self.status = StatusLine(self.owner, "What is plotted", "Value at the cursor", self)
         self._curves = QWidget(self)
         self._beside = beside = QHBoxLayout(self._curves)
@@ -224,7 +223,7 @@ class PlotViewer(Viewer):
         self._pages = QStackedWidget(self)
         self._pages.addWidget(self._curves)
         self._pages.addWidget(self.table)
-        self.hint = named(centred_hint("", self), f"{self.owner}.hint")
+        self.hint = labelled(centred_hint("", self), f"{self.owner}.hint")
         self._pages.addWidget(self.hint)
         filled(QVBoxLayout(self), self.bar, (self._pages, 1), self.status, spacing=1)
         self.bar.ports.chosen.connect(self._choose_port)
@@ -478,7 +477,7 @@ class PlotBar(QWidget):
         self.angle.setSingleStep(5.0)
         self.angle.setSuffix("°")
         self.angle.setKeyboardTracking(False)
-        self.parts = named(QComboBox(self), f"{owner}.parts", "MTF, PTF or both")
+        self.parts = labelled(QComboBox(self), f"{owner}.parts", "MTF, PTF or both")
         for name, text in PARTS.items():
             self.parts.addItem(text, name)
         self.log = toggle_button(f"{owner}.log", "Log", "Logarithmic ordinate", self)

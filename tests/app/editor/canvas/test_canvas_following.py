@@ -3,7 +3,7 @@
 import pytest
 
 from app.editor.canvas.items.node_item import NodeItem
-from app.editor.canvas.items.wire_item import WireItem
+from app.editor.canvas.items.wires import WireItem
 from app.editor.evaluation.queries import Badge
 from app.editor.theme import LIGHT
 from core.editing.document import Document

@@ -6,9 +6,9 @@ import pytest
 from PySide6.QtCore import QPointF
 
 from app.editor.canvas.canvas import Canvas
-from app.editor.canvas.items import wire_item
+from app.editor.canvas.items import wires
 from app.editor.canvas.items.hits import distance
-from app.editor.canvas.items.routing import Ground, course_of, overlap, wire_path
+from app.editor.canvas.items.wires import Ground, course_of, overlap, wire_path
 from canvas_networks import long_chain
 from core.editing.document import Document
 from core.editing.operations import Move, Remove
@@ -109,7 +109,7 @@ def test_a_move_leads_few_wires(session, canvas, library, monkeypatch):
         led.append(given)
         return course_of(*given)
 
-    monkeypatch.setattr(wire_item, "course_of", count)
+    monkeypatch.setattr(wires, "course_of", count)
     x, y = session.network.layout["jitter_397"]
     session.do(Move({"jitter_397": (x, y + 50)}))
     assert 0 < len(led) <= 40  # of 797

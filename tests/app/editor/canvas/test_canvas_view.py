@@ -5,7 +5,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QAction, QFont
 from PySide6.QtWidgets import QApplication
 
-from app.editor.canvas.view.canvas_view import LARGEST_ZOOM, SMALLEST_ZOOM
+from app.editor.canvas.canvas_view import LARGEST_ZOOM, SMALLEST_ZOOM
 from app.editor.theme import DARK, LIGHT
 from core.editing.backdrops import around
 from core.network.network import Link

@@ -5,7 +5,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from app.editor.canvas.view.node_thumbnails import SmallCurve, SmallPicture
+from app.editor.canvas.node_thumbnails import SmallCurve, SmallPicture
 from core.editing.operations import Move, Remove, set_node_field, set_parameter
 from core.evaluation.policy import Policy
 

@@ -12,7 +12,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from scipy.special import erf
 
-from app.editor.docks.edge_canvas import edge_look
+from app.editor.docks.edges import edge_look
 from app.editor.docks.measure_view import MeasureView
 from app.editor.theme import LIGHT
 from app.measure.measurement_text import REFUSED, REMOVED, USED

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from app.editor.evaluation import evaluator as evaluator_module
-from app.editor.evaluation import pace as pace_module
+from app.editor.evaluation import runner as pace_module
 from app.editor.evaluation import runner as runner_module
 from app.editor.evaluation.evaluator import Evaluator, OwnedQueries
 from app.editor.evaluation.queries import Answer

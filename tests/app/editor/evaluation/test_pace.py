@@ -9,10 +9,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.editor.evaluation import pace as pace_module
+from app.editor.evaluation import runner as pace_module
 from app.editor.evaluation.mailbox import Snapshot
-from app.editor.evaluation.pace import Pace
-from app.editor.evaluation.runner import Task, overtaken
+from app.editor.evaluation.runner import Pace, Task, overtaken
 from core.network.network import Network
 
 SLOW, FAST = 0.4, 0.05

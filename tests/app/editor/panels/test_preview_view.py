@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.evaluation.queries import Answer
 from app.editor.panels.preview_view import PreviewView, preview_query
-from app.editor.panels.shrinking import shrunk
+from app.editor.panels.transfer_preview import shrunk
 from app.editor.theme import DARK, LIGHT
 from battery_settings import EXAMPLES
 from core.editing.document import Document

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from app.editor.canvas.view.node_thumbnails import NodeThumbnailQuery
+from app.editor.canvas.node_thumbnails import NodeThumbnailQuery
 from app.editor.evaluation.queries import Passing
 from app.editor.viewers.pixels.grey_levels import grey_levels
 from app.editor.viewers.pixels.picture_query import PictureQuery

@@ -5,7 +5,7 @@ import pytest
 from app.editor.panels.node_panel import NodePanel
 from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from app.editor.window.shortcut_list import shortcuts_of
+from app.editor.window.help import shortcuts_of
 from app.run.shipped import shipped_networks
 from core.editing.document import Document
 from core.editing.operations import Add, Placed, SetOutput

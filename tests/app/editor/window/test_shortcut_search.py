@@ -6,7 +6,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from shiboken6 import isValid
 
-from app.editor.window.shortcut_list import OR, ShortcutList, shortcuts_of
+from app.editor.window.help import OR, ShortcutList, shortcuts_of
 from window_hands import CTRL, KEY, SHIFT, WindowHands
 
 ALT = Qt.KeyboardModifier.AltModifier

@@ -14,9 +14,9 @@ from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QPushButton, QW
 from app.editor.recovery_files import DELAY_MS
 from app.editor.theme import DARK, LIGHT
 from app.editor.window.actions import ACTIONS
+from app.editor.window.help import OR, shortcuts_of
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
-from app.editor.window.shortcut_list import OR, shortcuts_of
 from app.editor.window.start import built, show_painted
 from app.options.command_options import Options
 from core.editing.operations import set_parameter

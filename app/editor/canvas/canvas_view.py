@@ -44,7 +44,7 @@ from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.node_item import head_colour
 from app.editor.canvas.items.nodegraphqt import NodeViewer
 from app.editor.gestures import accept_copy
-from app.editor.widgets import named
+from app.editor.widgets import labelled
 
 SMALLEST_ZOOM, LARGEST_ZOOM = 0.02, 4.0  # of the natural zoom; 200 nodes in a row are framed
 _SMALLEST_FRAMED = 0.001  # of the natural zoom: a square of 60,000 nodes is 150 pixels wide
@@ -100,7 +100,7 @@ class GraphView(NodeViewer):
         self._ready = False
         super().__init__(parent)
         self._ready = True
-        named(self, "canvas.view", "Canvas")
+        labelled(self, "canvas.view", "Canvas")
         self.setMouseTracking(True)
         self.setFrameShape(QGraphicsView.Shape.NoFrame)
         self.setCacheMode(QGraphicsView.CacheModeFlag.CacheNone)

@@ -29,7 +29,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.widgets import named
+from app.editor.widgets import labelled
 
 _ROLE = Qt.ItemDataRole.UserRole
 _ROWS = 9
@@ -96,11 +96,11 @@ class ChoicePopup(QFrame):
         self.setObjectName("canvas.popup")
         self.setAutoFillBackground(True)
         self.setBackgroundRole(QPalette.ColorRole.Window)  # a view's children take its own
-        self.title = named(QLabel(), "canvas.popup.title")
-        self.field = named(QLineEdit(), "canvas.popup.field")
+        self.title = labelled(QLabel(), "canvas.popup.title")
+        self.field = labelled(QLineEdit(), "canvas.popup.field")
         self.field.setPlaceholderText("Type to search")
         self.field.setClearButtonEnabled(True)
-        self.list = named(QListWidget(), "canvas.popup.list")
+        self.list = labelled(QListWidget(), "canvas.popup.list")
         self.list.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         # A click beside the field would otherwise give the focus to what lies below.
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)

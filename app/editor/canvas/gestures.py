@@ -9,12 +9,11 @@ from PySide6.QtCore import QObject, QPoint, QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QLabel, QWidget
 
+from app.editor.canvas.canvas_view import GraphView
 from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.hits import Hit, hit, wires_crossed
-from app.editor.canvas.items.wire_item import LiveWire
-from app.editor.canvas.view.canvas_view import GraphView
-from app.editor.level import Level
-from app.editor.session import Session
+from app.editor.canvas.items.wires import LiveWire
+from app.editor.session import Level, Session
 from core.editing.layout import Point
 from core.editing.operations import Rewire
 

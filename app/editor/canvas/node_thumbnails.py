@@ -16,10 +16,8 @@ from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.content import Content
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Passing, Query
-from app.editor.level import Level
-from app.editor.panels.shrinking import shrunk
-from app.editor.panels.transfer_preview import transfer_lines
-from app.editor.session import Session
+from app.editor.panels.transfer_preview import shrunk, transfer_lines
+from app.editor.session import Level, Session
 from app.editor.viewers.pixels.grey_levels import between_ends, grey_levels
 from core.chain.engine import Plan
 from core.chain.wires import Image, Pupil

@@ -8,12 +8,12 @@ from dataclasses import replace
 from PySide6.QtCore import QPoint, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QMouseEvent
 
-from app.editor.canvas.hands.adding import insertion_at, with_way_made
-from app.editor.canvas.hands.gestures import Cut, Gesture, Pan, RubberBand, Surface, whole
+from app.editor.canvas.adding import insertion_at, with_way_made
+from app.editor.canvas.gestures import Cut, Gesture, Pan, RubberBand, Surface, whole
 from app.editor.canvas.items.backdrop_item import SMALLEST, BackdropItem
 from app.editor.canvas.items.hits import Hit, Marks, node_at, place_on_wire, port_near, wires_near
 from app.editor.canvas.items.node_item import NodePort
-from app.editor.canvas.items.wire_item import WireItem
+from app.editor.canvas.items.wires import WireItem
 from core.editing.backdrops import Backdrop, change, nodes_on
 from core.editing.links import refusal
 from core.editing.operations import Move, Operation, Rewire, Together

@@ -1,1 +1,0 @@
-"""What the mouse and the keys do on the canvas."""
