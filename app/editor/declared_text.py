@@ -126,7 +126,6 @@ def choice_text(choice: Any) -> str:
 
 
 def placeholder_of(parameter: Parameter) -> str:
-    """What an empty field shows: the value taken then, where the declaration names it."""
     _, marker, meant = parameter.param.text.partition("empty: ")
     return re.split(r"[;,.]", meant)[0].strip() if marker else "empty"
 

@@ -51,7 +51,6 @@ class FileDialog(QFileDialog):
 
 
 def show_beside(window: QWidget, dialog: QDialog) -> None:
-    """Show a dialog beside the work, in the place of another of its name."""
     drop_dialogs(window, dialog.objectName(), but=dialog)
     dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     dialog.setModal(False)  # as a message box begins

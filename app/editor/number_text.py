@@ -59,12 +59,7 @@ def _brief(text: str) -> str:
 def number_of(text: str, parameter: Parameter) -> float | int | str | None:
     """The number a person typed; None for nothing, the text itself where it is no number.
 
-    A comma is a decimal point. One that might set thousands apart is refused.
-
-    Raises
-    ------
-    ParameterError
-        For a text such as ``1,000``.
+    A comma is a decimal point. One that might set thousands apart, as in ``1,000``, is refused.
     """
     text = text.strip().replace("\N{MINUS SIGN}", "-")
     if not text:
@@ -188,12 +183,7 @@ def typed_number(text: str, parameter: Parameter) -> float | int | str | None:
     """The number a person typed, in the parameter's unit; the text where it is none.
 
     ``600 urad`` typed for mrad is 0.6, ``2*0.3`` is 0.6 in any unit. A comma is a decimal point
-    except between the arguments of a function.
-
-    Raises
-    ------
-    ParameterError
-        For arithmetic that has no value, or a unit that does not fit; and as `number_of`.
+    except between the arguments of a function. Arithmetic without a value is refused.
     """
     number = number_of(text, parameter)
     if not isinstance(number, str) or not _ARITHMETIC.search(number):

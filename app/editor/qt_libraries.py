@@ -43,15 +43,8 @@ WINDOW = {
 def check_libraries(*, window: bool) -> None:
     """Refuse to load Qt where something of the system that it needs cannot be loaded.
 
-    Parameters
-    ----------
-    window : bool
-        Whether a window on an X server is wanted; else what draws to memory is enough.
-
-    Raises
-    ------
-    UsageError
-        Naming all of it, and the packages that have it.
+    Without a `window` on an X server, what draws to memory is enough. The `UsageError` names all
+    that is missing, and the packages that have it.
     """
     if not sys.platform.startswith("linux"):
         return

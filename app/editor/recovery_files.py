@@ -56,14 +56,8 @@ class Autosave:
     def write_if_changed(self) -> bool:
         """Write the recovery file if the document has changed since; whether it did.
 
-        Of a document that is saved as it is, there is none.
-
-        Raises
-        ------
-        FileError
-            If it cannot be written: what was kept before is still there.
-        NetworkError
-            If the network holds what no file can.
+        Of a document that is saved as it is, there is none. Where it cannot be written, a
+        `FileError` or `NetworkError` is raised, and what was kept before is still there.
         """
         with self._busy:
             if not self._document.modified:
@@ -77,7 +71,6 @@ class Autosave:
             return True
 
     def finish(self) -> None:
-        """Remove the recovery file: the work is saved, or given up on purpose."""
         with self._busy:
             self._remove()
 
@@ -129,24 +122,11 @@ class Autosave:
 
 @dataclass(frozen=True)
 class Recovered:
-    """Work that a process has left behind.
+    """Work that a process has left behind; `problem` says why it cannot be used.
 
-    Parameters
-    ----------
-    file : Path
-        Its recovery file.
-    original : Path or None
-        The file it was opened from; None where it was never saved.
-    time : float
-        When it was kept, in seconds since 1970.
-    problem : str
-        Why it cannot be used, empty where it can.
-    text : str
-        The text of its network file.
-    folder : Path or None
-        What file names are relative to in work that was never saved.
-    stored : str or None
-        The mark of what the original file held, None where that was not kept.
+    `file` is its recovery file, `original` the file it was opened from, `time` in seconds since
+    1970. Work that was never saved has no original, and its file names are relative to `folder`.
+    `stored` is the mark of what the original file held, None where that was not kept.
     """
 
     file: Path
@@ -160,12 +140,8 @@ class Recovered:
     def document(self, library: Library) -> Document:
         """The work as an unsaved document of its original file.
 
-        In work that was never saved, file names are made relative to the present folder.
-
-        Raises
-        ------
-        NetworkError
-            If the file is damaged, or holds no network that can be worked on.
+        In work that was never saved, file names are made relative to the present folder. A damaged
+        file raises a `NetworkError`.
         """
         if self.problem:
             raise NetworkError(f"{self.file}: {self.problem}")
@@ -255,7 +231,6 @@ def _path(content: Any, name: str) -> Path | None:
 
 
 def _here() -> str | None:
-    """The present folder, unless it has been removed."""
     with contextlib.suppress(OSError):
         return str(Path.cwd())
     return None
@@ -315,7 +290,6 @@ class Autosaver(QObject):
         return self.write()
 
     def write(self) -> ImagechainError | None:
-        """Write now, and wait until it is on the disk. Returns what went wrong."""
         error = self._thread.submit(self._autosave.write_if_changed).exception()
         if error is not None and not isinstance(error, ImagechainError):
             raise error

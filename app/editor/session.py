@@ -56,10 +56,6 @@ class Session(QObject):
 
     @property
     def network(self) -> Network:
-        """The network as it stands, with the nodes inside of macros beside all others.
-
-        They are called ``camera/blur``, and operations given to `do` may name them so.
-        """
         return self._network
 
     @property
@@ -121,7 +117,6 @@ class Session(QObject):
 
     @property
     def folder(self) -> Path:
-        """What file names in the network are relative to."""
         return self._document.folder
 
     @property
@@ -134,7 +129,6 @@ class Session(QObject):
 
     @property
     def selection(self) -> tuple[str, ...]:
-        """Ids of the selected nodes, the one selected last at the end."""
         return self._selection
 
     @property
@@ -145,12 +139,10 @@ class Session(QObject):
         return self.selection if alike and nodes[1:] else ()
 
     def declared(self, name: str) -> Declaration | None:
-        """The declaration of a node's module; None of an unknown module."""
         node = self.network.nodes.get(name)
         return declared_node(node, self.library) if node is not None else None
 
     def local_name(self, name: str) -> str:
-        """A node's own id, without those of the macros it lies in."""
         return path_of(self._document.network, name)[-1]
 
     def open(self, document: Document) -> None:
@@ -177,13 +169,7 @@ class Session(QObject):
             return False
 
     def check(self, operation: Operation) -> None:
-        """Refuse an operation that does not fit, and change nothing.
-
-        Raises
-        ------
-        NetworkError, ParameterError
-            Saying why it does not.
-        """
+        """Refuse an operation that does not fit, with an error that says why; change nothing."""
         network = self._document.network
         addressed(network, operation).apply(network)
 
@@ -350,7 +336,6 @@ class Level(QObject):
             self.go_to((*self._path, name))
 
     def leave(self) -> None:
-        """Show what lies around this macro, with the macro selected."""
         if self._path:
             macro = self._path[-1]
             self.go_to(self._path[:-1])
@@ -370,7 +355,6 @@ class Level(QObject):
         self.opened.emit()
 
     def _follow(self, before: Any, after: Any) -> None:
-        """Show the same macro, by its new name; where it is gone, what was around it."""
         old, new = renamed_node(before, after) or ("", "")
         path = self._path
         for depth in range(1, len(path) + 1):

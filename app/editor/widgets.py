@@ -59,8 +59,6 @@ B = TypeVar("B", bound=QToolButton)
 
 
 class Toggle(QToolButton):
-    """A button that stays down, in the accent colour."""
-
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setCheckable(True)
@@ -75,8 +73,6 @@ class Toggle(QToolButton):
 
 
 class Radio(QRadioButton):
-    """A radio button with a ring round its indicator."""
-
     def paintEvent(self, event: QPaintEvent) -> None:
         super().paintEvent(event)
         _outline(self, QStyle.SubElement.SE_RadioButtonIndicator, round_=True)
@@ -86,7 +82,6 @@ class Check(QCheckBox):
     """A check box with a frame round its indicator, its text in the foreground's role."""
 
     def initStyleOption(self, option: QStyleOptionButton) -> None:
-        """Write in that role, which Qt's own style does not look at."""
         super().initStyleOption(option)
         palette = QPalette(option.palette)
         ink = palette.color(self.foregroundRole())
@@ -273,8 +268,6 @@ class FlowLayout(QLayout):
 
 
 class PageTabs(QWidget):
-    """One button for each page; one of them is down."""
-
     turned = Signal()  # another page is to be shown
 
     def __init__(self, pages: tuple[str, ...], parent: QWidget | None = None) -> None:
@@ -443,7 +436,6 @@ class CopiedTable(QTableWidget):
         raise NotImplementedError
 
     def copy(self) -> None:
-        """Put the marked rows, or all, on the clipboard: cells between tabs."""
         marked = sorted({index.row() for index in self.selectedIndexes()})
         rows = [self.cells(row) for row in marked or range(self.rowCount())]
         QGuiApplication.clipboard().setText("\n".join("\t".join(row) for row in rows if row))

@@ -174,7 +174,6 @@ class Canvas(QWidget):
             self._take_look()
 
     def _take_look(self) -> None:
-        """Draw in the colours and the letters that the window has now."""
         theme, style = theme_of(self), self._style
         if not style.is_of(theme, self.font()):  # to measure letters takes long
             style = self._style = CanvasStyle(theme, self.font())
@@ -248,7 +247,7 @@ TEXT = "Tab or double-click adds a module; drag one from the library; drop a fil
 
 
 class EmptyHint(QLabel):
-    """A line in the middle of an empty canvas, through which the mouse reaches the canvas."""
+    """Through it the mouse reaches the canvas."""
 
     def __init__(self, session: Session | Level, ground: QWidget) -> None:
         super().__init__(TEXT, ground)

@@ -114,12 +114,10 @@ class GraphView(NodeViewer):
 
     @property
     def zoom(self) -> float:
-        """Pixels for each unit of the scene."""
         return self._zoom
 
     @property
     def relative_zoom(self) -> float:
-        """The zoom over the natural one, at which text is as large as the window's."""
         return self._zoom / self.style_of_canvas.natural_zoom
 
     @property

@@ -82,8 +82,6 @@ def _rank(choice: Choice, word: str) -> int:
 
 
 class ChoicePopup(QFrame):
-    """The list with its field to type in."""
-
     chosen = Signal(object)  # (value): an entry was chosen; the popup has closed
     abandoned = Signal()  # it was closed by Esc, or because the focus went elsewhere
 

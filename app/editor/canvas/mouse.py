@@ -193,7 +193,6 @@ class DragWire(Gesture):
             item.update()
 
     def _begin(self) -> None:
-        """Mark which ports it fits."""
         surface = self.surface
         if self._carried is not None:
             self._carried.setVisible(False)

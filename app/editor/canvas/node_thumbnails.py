@@ -260,8 +260,6 @@ class SmallPicture:
 
 @dataclass(frozen=True, eq=False)
 class SmallCurve:
-    """A curve along x, its frequencies over the highest, its values between `low` and `high`."""
-
     places: NDArray[np.float64]
     values: NDArray[np.float64]
     low: float

@@ -146,7 +146,6 @@ class AddRun(QDialog):
         return box
 
     def _row(self, name: str, label: str, field: QWidget, kinds: tuple[Kind, ...]) -> None:
-        """A field with its label, and below it the line that says what is wrong with it."""
         inner = field.focusProxy() or field
         inner.setObjectName(f"add_run.{name}")
         if not isinstance(field, Check):

@@ -156,7 +156,6 @@ class FigureTable(CopiedTable):
         return self._rows[row]
 
     def show_rows(self, rows: Sequence[tuple[str, str, str, str]]) -> None:
-        """Show name, value, unit and meaning of figures."""
         self._rows = tuple((meaning, value, unit) for _, value, unit, meaning in rows)
         self.setRowCount(len(self._rows))
         for row, texts in enumerate(self._rows):
@@ -288,8 +287,6 @@ _HINT = (
 
 
 class EdgeCanvas(QWidget):
-    """Draws one picture of a measurement and its edges."""
-
     # (place): an edge was clicked: its place among those of the measurement; -1 beside all
     chosen = Signal(int)
     stepped = Signal(int)  # (by): a key goes to the next edge, or the one before
@@ -311,7 +308,6 @@ class EdgeCanvas(QWidget):
         self._drag: tuple[QPointF, QPointF] | None = None
 
     def show_measured(self, measured: PictureMeasurement | None, picture: int = 0) -> None:
-        """Show a picture of a measurement, by its number; None shows the hint."""
         preview = None
         if measured is not None and measured.previews:
             preview = measured.previews[min(picture, len(measured.previews) - 1)]

@@ -126,8 +126,6 @@ def limited_parameters(task: FitTask) -> tuple[FreeParameter, ...]:
 
 
 class _Paced:
-    """Shows the edges as values change, no more often than can be seen."""
-
     def __init__(self, check: Callable[[], None], watch: Watch) -> None:
         self._check, self._watch = check, watch
         self._next = 0.0

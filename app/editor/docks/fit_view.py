@@ -88,7 +88,6 @@ class FitView(WorkerView):
 
     @property
     def pictures(self) -> Pictures | None:
-        """Those that were chosen here, or else those that were measured last."""
         return self._own if self._own is not None else self._default()
 
     def choose_pictures(self, pictures: Pictures) -> None:
@@ -301,7 +300,6 @@ class FitView(WorkerView):
         self._show_edges(() if outcome is None else outcome.edges)
 
     def _show_edges(self, edges: tuple[DrawnEdge, ...]) -> None:
-        """List them anew, with the one of the most samples chosen."""
         self._edges = {one.name: one for one in edges}
         self.which.blockSignals(True)
         self.which.clear()
@@ -463,8 +461,6 @@ _UNDETERMINED = "not determined"
 
 
 class FreeTable(QTableWidget):
-    """Every free parameter in a row."""
-
     refused = Signal(str)  # (text): why a limit is not taken
 
     def __init__(self, session: Session, parent: QWidget) -> None:

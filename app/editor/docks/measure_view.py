@@ -170,7 +170,6 @@ class MeasureView(WorkerView):
             menu.addAction("No viewer shows a picture").setEnabled(False)
 
     def export(self, path: Path) -> None:
-        """Write the results in the background: .json, .csv or .html, by the name."""
         measured = self.measured
         if measured is None:
             self._say("nothing has been measured yet", failed=True)
@@ -460,7 +459,6 @@ class BandBox(QSpinBox):
 
     @property
     def band(self) -> int | None:
-        """The band; None where none is chosen."""
         return None if self.value() == _NONE else self.value()
 
     def choose_none(self) -> None:

@@ -103,7 +103,6 @@ class MeasureWorker(QObject):
             self.cancelled.emit()
 
     def drop(self) -> None:
-        """Stop the job without a word."""
         if self._stop is not None:
             self._stop.set()
             self._stop = None
@@ -209,7 +208,6 @@ class PictureDrops(QObject):
 
 
 def _dropped(data: QMimeData) -> tuple[Path, ...]:
-    """The picture files that are dragged; none where anything else is among them."""
     paths = tuple(Path(url.toLocalFile()) for url in data.urls() if url.isLocalFile())
     network = any(path.suffix.lower() in JSON.suffixes for path in paths)
     return () if network or len(paths) < len(data.urls()) else paths

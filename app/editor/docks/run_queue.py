@@ -31,28 +31,8 @@ _PIECES = ("sweep", "frames", "files")
 class Entry:
     """A run in the list.
 
-    Parameters
-    ----------
-    number : int
-        Which one it is, never another's.
-    title : str
-        What it does, in a few words.
-    job : Job
-        What it does.
-    state : str
-        What has become of it.
-    share : float
-        How much of it is done.
-    doing : str
-        What is being made.
-    begun, seconds : float
-        When it began on the monotonic clock, and how long it took in all.
-    first : (float, float) or None
-        When its first part was begun, and the share done by then: what came before was loading.
-    text : str
-        Why it failed.
-    result : Result or None
-        What it has made.
+    `begun` is on the monotonic clock, `first` when its first part was begun, and the share done by
+    then: what came before was loading. `text` says why it failed.
     """
 
     number: int
@@ -127,7 +107,6 @@ class RunQueue(QObject):
         return entry.number
 
     def cancel(self, number: int) -> None:
-        """Take back a run that waits, or stop the one that runs."""
         entry = self._entries.get(number)
         if entry is None:
             return
@@ -237,7 +216,6 @@ class RunProcess(QObject):
         self._process.write((job_text(self._job) + "\n").encode("ascii"))
 
     def stop(self) -> None:
-        """Let it clear away what it has begun, and end; `ended` comes then."""
         if self._stopping or self._over:
             return
         self._stopping = True
@@ -284,7 +262,6 @@ class RunProcess(QObject):
             self._end("failed", _last_line(self._errors.decode("utf-8", "replace")))
 
     def _clear_away(self) -> None:
-        """Remove what a process that was killed could not."""
         output = self._job.output
         with contextlib.suppress(OSError):
             sweep(next(folder for folder in (output, *output.parents) if folder.is_dir()))

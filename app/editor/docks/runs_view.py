@@ -60,8 +60,6 @@ _DROP_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 
 
 class RunsView(QWidget):
-    """The queue's entries with what one can do to them."""
-
     add_wanted = Signal()  # another run is to be added
 
     def __init__(self, queue: RunQueue) -> None:
@@ -134,7 +132,6 @@ class RunsView(QWidget):
             self.list.setCurrentItem(self._items[number])
 
     def open(self) -> None:
-        """Open what the marked run has made: its report or trade-off, else its folder."""
         entry = self.current
         if entry is not None and entry.state == "done":
             if entry.page is not None:
@@ -246,7 +243,6 @@ class RunsView(QWidget):
             self._queue.cancel(entry.number)
 
     def _drop(self) -> None:
-        """Cancel what waits or runs, take off the list what has ended."""
         entry = self.current
         if entry is not None and entry.is_over:
             self._queue.remove(entry.number)
@@ -265,8 +261,6 @@ class RunsView(QWidget):
 
 
 class _RunList(QTreeWidget):
-    """The entries; keys do what a person expects of a list."""
-
     opened = Signal()  # Enter or a double click
     dropped = Signal()
 
@@ -294,8 +288,6 @@ class _RunList(QTreeWidget):
 
 
 class _Progress(QStyledItemDelegate):
-    """The state of a run over a bar that grows with what is done of it."""
-
     def paint(
         self,
         painter: QPainter,
@@ -319,8 +311,6 @@ class _Progress(QStyledItemDelegate):
 
 
 class ReportStatus(QWidget):
-    """Follows the report that was begun last."""
-
     message = Signal(str, str)  # (kind, text): how it has ended, as `Session.message`
 
     def __init__(self, queue: RunQueue, parent: QWidget) -> None:

@@ -305,7 +305,6 @@ class Snapshots(QObject):
         self._want(state, SnapshotQuery(state.source, curves=(query,)))
 
     def _ports(self) -> list[str]:
-        """Wires on display; without any, those that the viewers would show."""
         images = self._images.values()
         seen = [viewer.choices.port for viewer in images if viewer.isVisible()]
         ports = seen or [viewer.choices.port for viewer in images]
@@ -432,7 +431,6 @@ def changed_figures(before: Figures, now: Figures) -> tuple[list[str], int]:
 
 
 def _digits(value: Any, unit: str) -> str:
-    """The value in six digits with its unit; empty where there is none."""
     if value is None:
         return ""
     return f"{number_text(without_rounding(value, unit))} {unit}".rstrip()

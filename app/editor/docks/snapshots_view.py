@@ -215,8 +215,6 @@ class SnapshotList(QTreeWidget):
 
 
 class _NameEditor(QStyledItemDelegate):
-    """What is typed is the name alone, without the mark of A."""
-
     def setEditorData(self, editor: QWidget, index: QModelIndex | QPersistentModelIndex) -> None:
         assert isinstance(editor, QLineEdit)
         if not editor.isModified():  # else the list was filled anew while one types
@@ -224,5 +222,4 @@ class _NameEditor(QStyledItemDelegate):
 
 
 def _state_of(item: Any) -> Any:
-    """The item's `Snapshot`; None of one that is to be filled."""
     return item.data(_NAME, _STATE)

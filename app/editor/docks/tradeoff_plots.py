@@ -38,8 +38,6 @@ _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_PageUp: 10, Qt.Ke
 
 @dataclass(frozen=True, eq=False)
 class Graph:
-    """One figure: its title with the unit, and its values; NaN leaves a gap."""
-
     name: str
     title: str
     x: Vector
@@ -167,7 +165,6 @@ class TradeOffPlots(QWidget):
             self.released.emit()
 
     def _across(self) -> int:
-        """So many charts beside one another that each has a good shape."""
         line, count = self.fontMetrics().height(), len(self.graphs)
         most = max(1, min(count, self.width() // (11 * line)))
 
@@ -220,7 +217,6 @@ class TradeOffPlots(QWidget):
         painter.restore()
 
     def _paint_gaps(self, painter: QPainter, frame: QRectF, shares: Sequence[float]) -> None:
-        """A cross at the foot of each value that has no figure."""
         painter.setPen(QPen(QColor(theme_of(self).error), 1.4))
         for share in shares:
             x, foot = frame.left() + share * frame.width(), frame.bottom()

@@ -135,8 +135,6 @@ _STEP = 0.01  # of the range, for an arrow key
 
 
 class Varied:
-    """A parameter of a node of the open document, or none."""
-
     def __init__(self, session: Session, refuse: Callable[[str], None]) -> None:
         self.node, self.name = "", ""
         self._session = session
@@ -218,8 +216,6 @@ _NOTHING = "Choose a parameter"
 
 
 class ParameterChoice(NodeChoice):
-    """Every number of every node, under the names of the nodes."""
-
     chosen = Signal(str, str)  # (node, parameter): the person has chosen one
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:

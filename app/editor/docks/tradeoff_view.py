@@ -65,8 +65,6 @@ _HOW = "The vertical line marks the current value: drag it, or press ← and →
 
 
 class TradeOffView(Viewer):
-    """Charts of figures over one parameter."""
-
     def __init__(
         self,
         session: Session,
@@ -112,13 +110,11 @@ class TradeOffView(Viewer):
         self.ask()
 
     def export(self, path: Path) -> None:
-        """Write the charts (``.png``, ``.svg``), or their numbers (``.csv``)."""
         if not (numbers := self._numbers()):
             raise UsageError("the trade-off has no curves to save")
         save_plot(self.plots, numbers, path)
 
     def _numbers(self) -> str:
-        """All points as CSV; empty where there are none."""
         parameter, span = self.varied.parameter, self.span
         if parameter is None or span is None or not self.points:
             return ""
@@ -249,7 +245,6 @@ class TradeOffView(Viewer):
         self._show_gaps()
 
     def _show_gaps(self) -> None:
-        """Show how many values have a gap, and why the first has."""
         names = [figure.text for figure in self.shown]
         gaps = [
             next(reason for name, reason in point.reasons.items() if name in names)
@@ -301,7 +296,6 @@ _MOST_FIRST = 2
 
 
 def title_of(figure: Figure, shown: Sequence[Figure] = ()) -> str:
-    """Name and unit; with its node where others are called alike."""
     if figure.is_total:
         return _PLACES[figure.name] + (", with electronics" if figure.node == SYSTEM else "")
     unit = f" ({figure.unit})" if figure.unit else ""
@@ -318,7 +312,6 @@ def listed_title(figure: Figure) -> str:
 
 
 def renamed(text: str, old: str, new: str) -> str:
-    """A figure's name, ``NODE.NAME``, once a node is called otherwise."""
     node, _, name = text.rpartition(".")
     return f"{new}.{name}" if node == old else text
 
@@ -363,8 +356,6 @@ def first_figures(
 
 @dataclass(frozen=True)
 class Part:
-    """Points of a trade-off; parts of the same `state` of the network belong together."""
-
     state: Hashable
     points: tuple[Point, ...]
 
@@ -463,8 +454,6 @@ _ROWS = 16  # of figures that are seen at once, at most
 
 
 class TradeOffBar(QWidget):
-    """What is varied, from where to where, and in how many steps."""
-
     span_chosen = Signal(object)  # (span): another range
     refused = Signal(str)  # (text): why what was typed is no range
 
@@ -527,7 +516,6 @@ class TradeOffBar(QWidget):
             widget.blockSignals(False)
 
     def _word(self, text: str) -> QLabel:
-        """In the middle of its line."""
         word = QLabel(text, self)
         word.setMinimumHeight(self.low.sizeHint().height())
         return word
@@ -567,8 +555,6 @@ class TradeOffBar(QWidget):
 
 
 class FigureMenu(Menu):
-    """A line to search in, and the list; wide enough for every name."""
-
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.search = labelled(QLineEdit(self), "tradeoff.search", "Search figures")
@@ -587,7 +573,6 @@ class FigureMenu(Menu):
         self.search.setFocus(Qt.FocusReason.PopupFocusReason)
 
     def fit(self) -> None:
-        """Have room for the longest name, and for many of them."""
         frame, bar = 2 * self.list.frameWidth(), self.list.verticalScrollBar().sizeHint().width()
         rows = min(self.list.count(), _ROWS) * max(self.list.sizeHintForRow(0), 1)
         self.list.setFixedSize(self.list.sizeHintForColumn(0) + frame + bar + 4, rows + frame)

@@ -34,22 +34,9 @@ def badges(
 ) -> dict[str, Badge]:
     """Badges by node; a node that only runs has none.
 
-    An error stands on the node it belongs to alone; the nodes after it wait for that.
-
-    Parameters
-    ----------
-    plan : Plan
-        The network as it is shown.
-    library : mapping
-        Modules by key.
-    stale : collection of str
-        Nodes held back that would give something else by now.
-    met : iterable of ImagechainError
-        Errors met while computing.
-    skipped : mapping of str to str, optional
-        What is left out of a node's work, from `skip_texts`.
-    warned : iterable of Caution
-        Warnings for which samples were looked at.
+    An error stands on the node it belongs to alone; the nodes after it wait for that. `stale` names
+    nodes held back that would give something else by now, `met` are errors met while computing,
+    `skipped` is from `skip_texts`, `warned` are warnings for which samples were looked at.
     """
     by_node: dict[str, Badge] = {}
     warned = tuple(warned)

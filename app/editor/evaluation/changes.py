@@ -69,23 +69,7 @@ def plan_held(
 ) -> Planned:
     """Plan a network; unless all is generated, nodes held back stay as they were.
 
-    Parameters
-    ----------
-    engine : Engine
-        Plans.
-    network : Network
-        The document as it stands.
-    folder : Path
-        What its file names are relative to.
-    last : Planned or None
-        The same document before, None if it was opened just now: all is generated then.
-    generate : bool
-        Whether to generate what is held back too.
-
-    Raises
-    ------
-    ImagechainError
-        If the network as a whole cannot be planned, as with a cycle.
+    `last` is the same document before, None if it was opened just now: all is generated then.
     """
     before = last.fresh if last is not None else None
     fresh = engine.plan(network, folder=folder, previous=before)

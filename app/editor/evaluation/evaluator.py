@@ -32,12 +32,9 @@ QUIET_S = 1.0
 
 
 class _Bell(QObject):
-    """Rung by the worker; its signal arrives in the window's thread."""
-
     rung = Signal()
 
     def ring(self) -> None:
-        """Signal that there is something to take."""
         self.rung.emit()
 
 
@@ -46,28 +43,14 @@ class Evaluator(QObject):
 
     Lives in the window's thread; all work is done in another. Of edits that come while a pass
     runs, the next pass takes the newest.
-
-    Signals
-    -------
-    planned(plan)
-        The first `Plan` of an opened document, before anything is computed.
-    answered(answer)
-        An `Answer`; what is wanted most urgently comes first.
-    badges_changed(badges)
-        What every node shows: a dict of node to `Badge`; nodes without one are left out.
-    busy_changed(busy)
-        A `Busy` while a pass takes long, None when it has ended.
-    pass_done(done)
-        A `PassDone`.
-    behind_changed(behind)
-        Whether something is shown as it was before the last changes, since `cancel`.
     """
 
-    planned = Signal(object)
-    answered = Signal(object)
-    badges_changed = Signal(object)
-    busy_changed = Signal(object)
-    pass_done = Signal(object)
+    planned = Signal(object)  # the first `Plan` of an opened document: nothing is computed yet
+    answered = Signal(object)  # an `Answer`; what is wanted most urgently comes first
+    badges_changed = Signal(object)  # by node; nodes without a `Badge` are left out
+    busy_changed = Signal(object)  # a `Busy` while a pass takes long, None when it has ended
+    pass_done = Signal(object)  # a `PassDone`
+    # Whether something is shown as it was before the last changes, since `cancel`.
     behind_changed = Signal(bool)
 
     def __init__(
@@ -131,12 +114,10 @@ class Evaluator(QObject):
 
     @property
     def generation(self) -> int:
-        """Number of the newest state of the window that was posted."""
         return self._generation
 
     @property
     def badges(self) -> dict[str, Badge]:
-        """What every node shows, as signalled last."""
         return dict(self._shown_badges)
 
     def ask(self, owner: str, queries: Sequence[Query]) -> None:
@@ -148,7 +129,6 @@ class Evaluator(QObject):
             self._post_soon()
 
     def forget(self, owner: str) -> None:
-        """Drop the queries of that owner."""
         self._queries.drop(owner)
         self._post_soon()
 
@@ -164,7 +144,6 @@ class Evaluator(QObject):
             self._inbox.cancel(self._generation)
 
     def close(self) -> None:
-        """Stop the worker and wait for it, a second at most."""
         if self._closed:
             return
         self._closed = True
@@ -332,14 +311,12 @@ class Frames(QObject):
         self._pause.timeout.connect(self._end)
 
     def notify(self) -> None:
-        """Take the news now, or when the pause ends."""
         if self._pause.isActive():
             self._waiting = True
         else:
             self._pass_on()
 
     def stop(self) -> None:
-        """Drop what is still waiting."""
         self._pause.stop()
         self._waiting = False
 
@@ -419,12 +396,7 @@ _COUNT, _WAS_ON = "imagechain_collectors", "imagechain_collection_was_on"
 class Collector(QObject):
     """Takes the place of Python's own collector from `start` to `stop`.
 
-    Parameters
-    ----------
-    is_quiet : callable
-        Whether a stop of a tenth of a second would go unnoticed.
-    parent : QObject, optional
-        Qt's owner.
+    `is_quiet` tells whether a stop of a tenth of a second would go unnoticed.
     """
 
     def __init__(self, is_quiet: Callable[[], bool], parent: QObject | None = None) -> None:
@@ -434,7 +406,6 @@ class Collector(QObject):
         self._timer.timeout.connect(self._look)
 
     def start(self) -> None:
-        """Collect here from now on; to be called before the first thread begins."""
         if not self._timer.isActive():
             self._timer.start()
             _count(1)
@@ -442,10 +413,7 @@ class Collector(QObject):
     def stop(self, *, resume: bool = True) -> None:
         """Collect no more; the last one switches Python's own collection on if it was on before.
 
-        Parameters
-        ----------
-        resume : bool
-            False where a thread goes on computing: Python's own collection stays off.
+        It stays off without `resume`, for a thread that goes on computing.
         """
         if self._timer.isActive():
             self._timer.stop()
@@ -482,13 +450,7 @@ OLD_AFTER_MS = 250  # an answer sooner than that is no older than the picture
 
 
 class Freshness(QObject):
-    """Follows edits and full passes: a preview of the pictures leaves all else as it was.
-
-    Signals
-    -------
-    changed(old)
-        Whether what is shown is of the network before the last edit.
-    """
+    """Follows edits and full passes: a preview of the pictures leaves all else as it was."""
 
     changed = Signal(bool)
 
@@ -521,7 +483,6 @@ class Freshness(QObject):
         self._set(False)
 
     def _pass_done(self, done: Any) -> None:
-        """All that a full pass had to answer has been."""
         if isinstance(done, PassDone) and done.reduced == 1 and not done.cancelled:
             self.catch_up(done.generation)
 

@@ -28,24 +28,10 @@ class Request:
 class Snapshot:
     """The state of the window that a pass works on.
 
-    Parameters
-    ----------
-    generation : int
-        Number of the snapshot; later ones have larger numbers.
-    document : int
-        Number of the document.
-    network, folder
-        The document.
-    requests : tuple of Request
-        All queries on it.
-    edits, generates : int
-        How many edits, openings and generations there have been, and how many of the last.
-    gestures : int
-        How many edits there have been with a pause before them.
-    edited_at : float
-        When the last edit was, on the clock of `time.perf_counter`.
-    only_planned : bool
-        Whether nothing is to be computed: what to show first is chosen by the plan.
+    Of `generation` and `document` later ones have larger numbers. `edits` counts edits, openings
+    and generations, `generates` the last of these, `gestures` the edits with a pause before them;
+    `edited_at` is on the clock of `time.perf_counter`. `only_planned`: nothing is to be computed,
+    as what to show first is chosen by the plan.
     """
 
     generation: int
@@ -78,11 +64,9 @@ class Inbox:
 
     @property
     def newest(self) -> Snapshot | None:
-        """The snapshot posted last, taken or not."""
         return self._newest
 
     def post(self, snapshot: Snapshot) -> None:
-        """Put a snapshot in the place of the last one."""
         with self._changed:
             self._newest = snapshot
             self._changed.notify()
@@ -141,10 +125,7 @@ class News:
 class Outbox:
     """Gathers what the worker delivers until the window takes it.
 
-    Parameters
-    ----------
-    wake : callable
-        Called from the worker's thread once there is something to take.
+    `wake` is called from the worker's thread once there is something to take.
     """
 
     def __init__(self, wake: Callable[[], None]) -> None:
@@ -161,7 +142,6 @@ class Outbox:
                 self._news = News(document)
 
     def deliver(self, **latest: Any) -> None:
-        """Deliver the latest of these fields of `News`."""
         with self._delivering() as news:
             for name, value in latest.items():
                 setattr(news, name, value)
@@ -172,7 +152,6 @@ class Outbox:
             news.answers[answer.owner, answer.query] = answer
 
     def done(self, done: PassDone) -> None:
-        """Deliver the end of a pass."""
         with self._delivering() as news:
             news.done.append(done)
 

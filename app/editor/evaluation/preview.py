@@ -152,17 +152,9 @@ _DRAWN_NEARLY = ("dormitory", "airfield", "siemens_star")
 def reduced_network(plan: Plan, factor: int, *, edited: Collection[str] = ()) -> Network | None:
     """The network with pictures smaller by `factor` along each side; None where it cannot be.
 
-    A picture whose pixels are combined later is reduced by what is left of the factor then.
-
-    Parameters
-    ----------
-    plan : Plan
-        The network, planned at full size.
-    factor : int
-        2 or above.
-    edited : collection of str
-        Nodes under edit: a test scene among them is drawn at the reduced size, as to draw it at
-        full size each time would leave nothing to gain. Others were drawn already.
+    A picture whose pixels are combined later is reduced by what is left of the factor then. A test
+    scene among the nodes that are `edited` is drawn at the reduced size, as to draw it at full size
+    each time would leave nothing to gain. Others were drawn already.
     """
     reducing = _Reducing(plan, factor, edited)
     try:

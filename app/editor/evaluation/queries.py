@@ -18,17 +18,9 @@ BadgeKind = Literal["stale", "running", "error", "incomplete", "warning", "skipp
 class Passing:
     """One pass over a network, as a query is answered from it.
 
-    Parameters
-    ----------
-    engine : Engine
-        Makes values of the plan's ports.
-    plan : Plan
-        The network, planned; never changes.
-    work : Work
-        The evaluation; raises `Cancelled` when the pass is to stop.
-    reduced : int
-        1, or how many times smaller each side of the pictures is in a preview: at their sources.
-        Where pixels are combined later, less is left of it.
+    `work` raises `Cancelled` when the pass is to stop. `reduced` is 1, or how many times smaller
+    each side of the pictures is in a preview: at their sources. Where pixels are combined later,
+    less is left of it.
     """
 
     engine: Engine
@@ -60,31 +52,16 @@ class Query(ABC):
     def answer(self, passing: Passing) -> Any:
         """The answer, ready to be shown; in the worker's thread, without Qt.
 
-        Raises
-        ------
-        ImagechainError
-            What the window shows instead.
+        An `ImagechainError` is what the window shows instead.
         """
 
 
 @dataclass(frozen=True)
 class Answer:
-    """The answer to a query.
+    """The answer to a query; None with an `error`.
 
-    Parameters
-    ----------
-    generation : int
-        Number of the pass; later ones have larger numbers.
-    owner : str
-        Name of the part of the window that posted it.
-    query : Query
-        The question.
-    value : object
-        The answer, None where there is an `error`.
-    error : ImagechainError or None
-        Why there is none.
-    reduced : int
-        Above 1 in a preview: how many times smaller each side of the pictures is.
+    Of `generation`, the number of the pass, later ones are larger. `owner` is the part of the
+    window that posted the query. `reduced` is above 1 in a preview.
     """
 
     generation: int

@@ -57,26 +57,11 @@ class Due:
 
 @dataclass(frozen=True)
 class Task:
-    """One pass.
+    """One pass: what it works on, its plan, and what to answer, pictures first.
 
-    Parameters
-    ----------
-    snapshot : Snapshot
-        What it works on.
-    plan : Plan
-        The network, planned, in a preview that of reduced pictures.
-    due : sequence of Due
-        What to answer, pictures first.
-    change : Change
-        What was edited since the last pass that was finished.
-    reduced : int
-        Above 1 in a preview.
-    expected : float
-        Seconds its pictures took the last time; 0 if unknown.
-    has_preview : bool
-        Whether an edit meanwhile would be followed by a preview.
-    preview : Task or None
-        The pass to make first.
+    `change` was edited since the last pass that was finished; `expected` is what its pictures took
+    the last time. `has_preview`: an edit meanwhile would be followed by a preview. `preview` is the
+    pass to make first; in that one, the plan is of reduced pictures.
     """
 
     snapshot: Snapshot
@@ -124,7 +109,6 @@ class Runner:
         self._warned: dict[str, Caution | None] = {}
 
     def run(self) -> None:
-        """Work on snapshots as they come, until stopped."""
         with np.errstate(all="ignore"):  # what matters is watched by the engine
             while (snapshot := self._inbox.take()) is not None:
                 try:
@@ -346,7 +330,6 @@ class Runner:
         return self._inbox.cancelled >= snapshot.generation
 
     def _is_edited(self, snapshot: Snapshot) -> bool:
-        """Whether it has been edited since the last complete pass."""
         return self._done is None or self._done.edits != snapshot.edits
 
     def _must_stop(self, task: Task, position: Position) -> bool:
@@ -450,39 +433,31 @@ class Position:
 
     @property
     def seconds(self) -> float:
-        """How long the pass has been going on."""
         return time.perf_counter() - self.started
 
     @property
     def node(self) -> str | None:
-        """The node under computation, None between nodes."""
         nodes = tuple(self._nodes)
         return next((node for node in reversed(nodes) if node), None)
 
     def check(self) -> None:
-        """Raise `Cancelled` if the pass is to stop."""
         if self.stopped or self._must_stop(self):
             self.stopped = True
             raise Cancelled("stopped on request")
 
     def enter(self, node: str | None) -> None:
-        """A recipe of that node is computed from now on."""
         self._nodes.append(node)
 
     def leave(self) -> None:
-        """It is done: the computation that needed it goes on."""
         self._nodes.pop()
 
 
 class PassWork(Work):
-    """One evaluation within a pass."""
-
     def __init__(self, policy: Policy, store: Store, workers: Workers, position: Position) -> None:
         super().__init__(policy, store, workers=workers)
         self._position = position
 
     def check(self) -> None:
-        """Raise `Cancelled` if the pass is to stop."""
         self._position.check()
 
     def _compute(self, recipe: Recipe, region: Region | None = None) -> Any:
@@ -525,7 +500,6 @@ class Pace:
         return self._seconds.get((change, reduced), 0.0)
 
     def took(self, change: Hashable, seconds: float, reduced: int = 1) -> None:
-        """Pictures took so long after such an edit."""
         known = self._seconds.pop((change, reduced), None)
         if reduced > 1 and known is None:
             seconds = 0.0  # the first preview makes small pictures of what the others start from
@@ -534,11 +508,9 @@ class Pace:
             del self._seconds[next(iter(self._seconds))]
 
     def shown(self) -> None:
-        """A picture was sent to the window."""
         self._wasted = 0.0
 
     def gave_way(self, seconds: float) -> None:
-        """Note that a pass was stopped after so long."""
         self._wasted += seconds
 
     def rest_took(self, seconds: float) -> None:
@@ -557,15 +529,7 @@ class Pace:
 
         Before a preview, always. Without one, only to another gesture and not again and again: a
         drag of passes of 0.4 s that each gave way to the next edit would show no picture.
-
-        Parameters
-        ----------
-        elapsed, expected : float
-            Seconds since it began, and that it took the last time.
-        has_preview : bool
-            Whether the edit will be followed by a preview, which is always finished.
-        new_gesture : bool
-            Whether an edit is among those that have come before which there was a pause.
+        `expected` is what the pass took the last time.
         """
         if max(elapsed, expected) < SLOW_S:
             return False

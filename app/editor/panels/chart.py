@@ -50,7 +50,6 @@ class Chart:
         self._paint_axes(columns, rows)
 
     def at(self, x: float, y: float) -> QPointF:
-        """Where a point of the chart lies."""
         frame = self.frame
         across, along = float(self._x.share(x)), float(self._y.share(y))
         return QPointF(
@@ -65,7 +64,7 @@ class Chart:
         style: Qt.PenStyle = Qt.PenStyle.SolidLine,
         width: float = 1.6,
     ) -> None:
-        """A line through points; broken where a value is NaN."""
+        """Broken where a value is NaN."""
         frame = self.frame
         across = frame.left() + self._x.share(x) * frame.width()
         shares = np.clip(self._y.share(y), -_FURTHEST, _FURTHEST)
@@ -111,7 +110,6 @@ class Chart:
         self.text(QPointF(point.x(), point.y() + (line + 0.6) * height), text)
 
     def level(self, y: float) -> None:
-        """A faint line at a height."""
         self._painter.setPen(_pen(self._theme.line, 1.0, Qt.PenStyle.DotLine))
         self._painter.drawLine(self.at(self._x.low, y), self.at(self._x.high, y))
 
@@ -214,7 +212,6 @@ def ordinate_ticks(y: Axis, height: float, metrics: QFontMetricsF) -> tuple[Tick
 
 
 def room_for_ticks(ticks: Sequence[Tick], metrics: QFontMetricsF) -> float:
-    """What the widest of their texts needs left of the frame."""
     widest = max((metrics.horizontalAdvance(tick.text) for tick in ticks), default=0.0)
     return widest + metrics.height() * 0.4
 

@@ -39,8 +39,6 @@ _LEAST_LINES = 6  # that it is high at least
 
 
 class TitleBar(QWidget):
-    """A coloured bar with a title and small buttons."""
-
     folded = Signal(bool)  # on: whether all below is to be hidden
 
     def __init__(self, title: str, parent: QWidget | None = None) -> None:
@@ -63,7 +61,6 @@ class TitleBar(QWidget):
     def add_button(
         self, name: str, text: str, about: str, *, checkable: bool = False
     ) -> QToolButton:
-        """Put a button at the right end."""
         button = (toggle_button if checkable else tool_button)(name, text, about, self)
         button.setAutoRaise(True)
         button.setToolTip(tip(about))
@@ -240,7 +237,6 @@ class PanelHead(QWidget):
         show_or_hide(self.problem, shown)
 
     def follow(self, node: Node) -> None:
-        """Show the node's name and toggles; setting them does not count as a click."""
         self.bar.title.show_text(self._module if says_more(self._module, node.id) else "")
         self.name.show_text(node.id)
         self.show_name_error("")
@@ -249,13 +245,11 @@ class PanelHead(QWidget):
         self.pin.setChecked(node.extra.get("pinned") is True)
 
     def show_name_error(self, text: str) -> None:
-        """Show why a name was refused; nothing if it was not."""
         show_or_hide(self.name_problem, text)
         if text:
             self.name.mark()
 
     def set_badge(self, badge: Badge | None) -> None:
-        """Show what is wrong with the node, or special about it; nothing of one that runs."""
         if badge is not None and badge.kind == "running":
             return
         self._badge = badge

@@ -47,8 +47,6 @@ from core.network.network import Link, Network, Node
 
 
 class ModuleBody(QWidget):
-    """The panel of a node of a known module, below its head."""
-
     def __init__(
         self,
         declaration: Declaration,
@@ -106,8 +104,6 @@ class ModuleBody(QWidget):
 
 
 class PortsView(QWidget):
-    """Inputs and outputs; an input shows what its wire brings."""
-
     def __init__(
         self, declaration: Declaration, node: PanelNode, parent: QWidget | None = None
     ) -> None:
@@ -183,8 +179,6 @@ class _PortRow(QObject):
 
 
 class _Dot(QWidget):
-    """The mark of a port, in the colour of its type."""
-
     def __init__(self, kind: str, parent: QWidget) -> None:
         super().__init__(parent)
         self._kind = kind
@@ -248,8 +242,6 @@ _AT_FIRST = 340  # dots that a panel is wide, until it is laid out
 
 
 class SectionsView(QWidget):
-    """Fields for all parameters of a module."""
-
     def __init__(
         self, declaration: Declaration, node: PanelNode, parent: QWidget | None = None
     ) -> None:
@@ -268,7 +260,6 @@ class SectionsView(QWidget):
         self._node: Node | None = None
 
     def field(self, name: str) -> Field:
-        """The first field of a parameter."""
         return next(field for field in self.fields if field.parameter.name == name)
 
     def page_of(self, name: str) -> str:

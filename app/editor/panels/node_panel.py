@@ -123,7 +123,6 @@ class NodePanel(QFrame):
 
     @property
     def folded(self) -> bool:
-        """Whether all but the title is hidden."""
         return self.head.bar.fold.isChecked()
 
     @folded.setter
@@ -140,13 +139,11 @@ class NodePanel(QFrame):
         self.body.follow(before, after)
 
     def set_badge(self, badge: Badge | None) -> None:
-        """Show what is wrong with the node, or special about it."""
         self.head.set_badge(badge)
         if isinstance(self.body, ModuleBody) and (badge is None or badge.kind != "running"):
             self.body.readouts.set_held_back(badge is not None and badge.kind == "stale")
 
     def edit_name(self) -> None:
-        """Open the node's name for editing."""
         self.folded = False
         self.head.name.setFocus(Qt.FocusReason.OtherFocusReason)
         self.head.name.selectAll()
@@ -286,7 +283,6 @@ class SetsMenu(Menu):
 
 
 def add_sets_menu(button: QToolButton, of: PanelNode, folder: Path) -> SetsMenu:
-    """Have a button open the menu of a node's sets of parameters."""
     menu = SetsMenu(of, folder, button)
     button.setMenu(menu)
     button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)

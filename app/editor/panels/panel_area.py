@@ -67,7 +67,6 @@ class PanelArea(WheelScrollArea):
         return QSize(52 * unit, 80 * unit)
 
     def set_badges(self, badges: Any) -> None:
-        """Show on the panels what is wrong with their nodes, by node."""
         self._badges = badges
         for name, panel in self.panels.items():
             panel.set_badge(badges.get(name))
@@ -78,7 +77,6 @@ class PanelArea(WheelScrollArea):
             panel.head.fit(self.viewport().height())
 
     def _illustrate(self, module: str, on: bool) -> None:
-        """Show the illustration on all panels of a kind, or on none."""
         self.illustrations ^= {module}
         for panel in self.panels.values():
             if panel.module == module:
@@ -86,7 +84,6 @@ class PanelArea(WheelScrollArea):
         self.illustrations_changed.emit(self.illustrations)
 
     def edit_name(self) -> None:
-        """Open the name of the node selected last for editing."""
         panel = self.panels.get(next(iter(self._session.selection[-1:]), ""))
         if panel is not None:
             panel.edit_name()
@@ -139,7 +136,6 @@ class PanelArea(WheelScrollArea):
             self.verticalScrollBar().setValue(0)
 
     def _arrange(self, selection: tuple[str, ...]) -> None:
-        """Have the panels that are wanted, in order, and no others."""
         for name in self._unwanted(selection):
             self._drop(name)
         wanted = self._wanted(selection)
@@ -185,8 +181,6 @@ class PanelArea(WheelScrollArea):
 
 
 class NetworkPanel(QFrame):
-    """Name, description and seed of the network, and how many nodes it has."""
-
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         labelled(self, "panel.network", "control panel of the network")
@@ -294,7 +288,6 @@ class Words(QPlainTextEdit):
         self.setMinimumHeight(self.fontMetrics().height() * 5)
 
     def show_text(self, text: str) -> None:
-        """Show the document's text; what was typed is gone."""
         if text != self.toPlainText() or self.document().isUndoAvailable():
             self.setPlainText(text)
         self.document().setModified(False)

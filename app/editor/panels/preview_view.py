@@ -138,7 +138,6 @@ class PreviewView(Viewer):
         return () if query is None else (query,)
 
     def take(self, answer: Answer) -> None:
-        """Show an answer, or why there is none."""
         if answer.error is not None:
             self._show_problem(self.in_short(answer.error))
         elif answer.value is None:
@@ -150,7 +149,6 @@ class PreviewView(Viewer):
             self.update()
 
     def _show_problem(self, problem: str) -> None:
-        """Show a line of text in the place of the picture."""
         self.problem = problem
         self._describe(problem)
         self.update()
@@ -170,7 +168,6 @@ class PreviewView(Viewer):
         return error_text(error, on_node=True)
 
     def missing_inputs(self) -> tuple[str, ...]:
-        """Inputs that the node needs and that have no wire."""
         linked = {link.input for link in self.session.network.links_into(self.node)}
         ports = declaration(self._module).inputs
         return tuple(p.name for p in ports if p.required and p.name not in linked)
@@ -180,15 +177,12 @@ class PreviewView(Viewer):
         return round(self.fontMetrics().height() * (self._module.preview_lines + more))
 
     def sizeHint(self) -> QSize:
-        """As high as its lines of text."""
         return QSize(self.fontMetrics().height() * 20, self._height())
 
     def minimumSizeHint(self) -> QSize:
-        """As narrow as it is read, and as low as the panel has room for it."""
         return QSize(self.fontMetrics().height() * 14, 0)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Paint the preview, or the line that stands in its place."""
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             area = QRectF(self.rect())
@@ -374,7 +368,6 @@ def _coloured(values: NDArray[np.float64], theme: Theme) -> NDArray[np.uint32]:
 
 
 def _paint_scale(painter: QPainter, area: QRectF, picture: Picture, theme: Theme) -> None:
-    """The colours of a signed picture from −`high` to `high`, and what they stand for."""
     shades = _coloured(np.linspace(-1, 1, _SHADES)[np.newaxis], theme)
     image = QImage(shades.data, _SHADES, 1, 4 * _SHADES, QImage.Format.Format_RGB32)
     metrics = QFontMetricsF(painter.font())

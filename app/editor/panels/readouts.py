@@ -157,7 +157,6 @@ class ReadoutsView(Viewer):
 
     @property
     def is_old(self) -> bool:
-        """Whether the values are of an older state of the network."""
         behind = self._freshness is not None and self._freshness.is_old
         return behind or self._is_held_back
 
@@ -170,7 +169,6 @@ class ReadoutsView(Viewer):
             self._mark()
 
     def set_held_back(self, on: bool) -> None:
-        """Whether the node stays as it was until all is generated."""
         self._is_held_back = on
         self._mark()
 

@@ -42,8 +42,6 @@ _SHARPENINGS = 2  # each to 1/256 of the step before
 
 @dataclass(frozen=True, eq=False)
 class TransferLine:
-    """A transfer function along one axis."""
-
     # frequency, values: shape (points,): cycles/mrad from 0 on; signed MTF, or PTF in radians
     frequency: Vector
     values: Vector
@@ -180,7 +178,6 @@ def _turn(planned: PlannedNode) -> float | None:
 
 
 def _alike(x: TransferLine, y: TransferLine) -> bool:
-    """Whether both axes have the same curve."""
     return (
         x.values.shape == y.values.shape
         and np.allclose(x.frequency, y.frequency, rtol=1e-6, atol=0)
@@ -189,7 +186,6 @@ def _alike(x: TransferLine, y: TransferLine) -> bool:
 
 
 def _preview(part: Part, x: TransferLine, y: TransferLine, turn: float | None) -> Preview:
-    """Both curves; a frequency `turn` needs a logarithmic axis to be seen."""
     alike = _alike(x, y)
     named = [(x, "x = y", 0)] if alike else [(x, "x", 0), (y, "y", 1)]
     curves: list[Curve] = []
@@ -228,7 +224,6 @@ def _uprights(x: TransferLine, y: TransferLine) -> Iterator[Upright]:
 
 
 def _in_words(part: Part, x: TransferLine, y: TransferLine) -> str:
-    """The essential numbers."""
     unit = "" if part == "mtf" else " rad"
     text = f"{part.upper()} at the Nyquist frequency {pair(x.nyquist, y.nyquist)} cyc/mrad: "
     text += _both(x.at_nyquist, y.at_nyquist, unit)

@@ -120,7 +120,6 @@ class NodeChoice(QComboBox):
         raise NotImplementedError
 
     def take_at(self, index: int) -> None:
-        """Choose the entry at a place of the list."""
         self.take(self.itemData(index, VALUE))
 
     def show_value(self, value: str) -> None:
@@ -129,7 +128,6 @@ class NodeChoice(QComboBox):
         self.setToolTip(value or self._nothing)
 
     def showPopup(self) -> None:
-        """Make the list as wide as its longest line."""
         bar = self.view().verticalScrollBar().sizeHint().width()
         width = self.view().sizeHintForColumn(0) + bar
         self.view().setMinimumWidth(max(width, self.width()))
@@ -163,8 +161,6 @@ def entry(text: str, value: str, tooltip: str = "") -> QStandardItem:
 
 
 class PortChoice(NodeChoice):
-    """A list of ports under the names of their nodes."""
-
     chosen = Signal(str)  # port: the person has chosen a port; an empty text is none
 
     def __init__(
@@ -178,7 +174,6 @@ class PortChoice(NodeChoice):
 
     @property
     def port(self) -> str:
-        """The port that is chosen, ``NODE.PORT``; empty for none."""
         return self.value
 
     def choose(self, port: str | None) -> None:

@@ -76,13 +76,11 @@ class Viewer(QWidget):
         self.posted.emit()
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Post queries from now on."""
         super().showEvent(event)
         self._active = True
         self.ask()
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Withdraw the queries."""
         super().hideEvent(event)
         if self._active:
             self._active = False

@@ -21,24 +21,11 @@ Scope = Literal["application", "window", "canvas"]
 
 @dataclass(frozen=True)
 class ActionSpec:
-    """One action.
+    """One action, with its text in a menu, its tooltip and its keys, the first one shown.
 
-    Parameters
-    ----------
-    menu, name, text : str
-        Menu it stands in, its name in the window, and its text in the menu.
-    tip : str
-        What it does, in one line.
-    keys : tuple of str
-        Its shortcuts, the first one shown.
-    scope : "application", "window" or "canvas"
-        Whether the keys work everywhere, in dialogs and open menus too; in the window; or only
-        while the canvas has the focus: single letters must not interfere with lists and fields
-        elsewhere.
-    checkable : bool
-        Whether it is something that is on or off.
-    needs_selection : bool
-        Whether it works on the selected nodes.
+    Keys of `scope` "application" work everywhere, in dialogs and open menus too; of "window" in the
+    window; of "canvas" while the canvas has the focus: single letters must not interfere with lists
+    and fields elsewhere.
     """
 
     menu: str
@@ -221,8 +208,6 @@ _SCOPES = {
 
 
 class Actions(dict[str, QAction]):
-    """Every action by name. `targets` has what each does; its keys work in `window` or `canvas`."""
-
     def __init__(
         self, targets: Mapping[str, Callable[[], object]], *, window: QWidget, canvas: QWidget
     ) -> None:

@@ -125,7 +125,6 @@ class BackgroundRuns(QObject):
         self._session.message.emit(kind, text)
 
     def _drop_dialogs(self) -> None:
-        """They are about a document that is closed."""
         for name in ("add_run", "report_dialog"):
             drop_dialogs(self._window, name)
 

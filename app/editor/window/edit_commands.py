@@ -32,8 +32,6 @@ _NEW_NOTE = (220.0, 90.0)
 
 
 class EditCommands(QObject):
-    """Commands on the selection; each is one undo step."""
-
     def __init__(self, session: Level, canvas: Canvas, parent: QObject) -> None:
         super().__init__(parent)
         self._session = session
@@ -79,7 +77,6 @@ class EditCommands(QObject):
             paste_values(whole, whole.selection)
 
     def duplicate(self) -> None:
-        """Copy the selected nodes on free ground near them, fed by the same wires."""
         session = self._session
         if session.selection:
             names, operation = duplicated(
@@ -122,7 +119,6 @@ class EditCommands(QObject):
         self._session.select(self._session.network.nodes)
 
     def disable(self) -> None:
-        """Let the selected nodes pass their input through; all disabled: enable them."""
         nodes = [self._session.network.nodes[name] for name in self._session.selection]
         off = not all(node.disabled for node in nodes)
         steps: list[Operation] = [

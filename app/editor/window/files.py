@@ -108,7 +108,6 @@ class Files(QObject):
             self._session.message.emit("note", opened.remark)
 
     def save(self, following: Next | None = None) -> None:
-        """Save to the document's file, or one the person chooses; then go on, if it was saved."""
         self.about_to_save.emit()
         path = self._session.document.path
         if path is None:
@@ -167,7 +166,6 @@ class Files(QObject):
             self._wait_for_file()
 
     def close(self) -> None:
-        """Have the file open no longer."""
         if self._mark is not None:
             self._mark.let_go()
         self._mark = None
@@ -191,7 +189,6 @@ class Files(QObject):
         self._told = said
 
     def has_unsaved_work(self) -> bool:
-        """Whether there is work that no file holds, what is being typed included."""
         self.about_to_save.emit()
         return self._session.document.modified
 
@@ -291,11 +288,6 @@ def open_network_file(path: Path, *, library: Library) -> Opened:
 
     Unknown modules stay as placeholders and values that are not allowed stay on their nodes, to be
     mended there. Faults of the wiring, which no canvas could show, are refused.
-
-    Raises
-    ------
-    FileError, NetworkError
-        With one line on what is wrong.
     """
     text = read_text(path)
     network = parse_network(text, library=library, name_of_source=str(path))
@@ -432,7 +424,6 @@ class Drops(QObject):
         return True
 
     def _stored(self, path: Path) -> str:
-        """Relative to the network's folder where it lies below it."""
         folder = self._session.folder.absolute()
         inside = path.is_relative_to(folder)
         return (path.relative_to(folder) if inside else path).as_posix()

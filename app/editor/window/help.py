@@ -68,8 +68,6 @@ _PICTURES = ";;".join(
 
 
 class Help(QObject):
-    """What the Help menu shows, and Export."""
-
     def __init__(
         self,
         session: Session,
@@ -139,7 +137,6 @@ class Help(QObject):
             self._session.message.emit("note", f"wrote {path}")
 
     def _viewer(self) -> Exported:
-        """The viewer that has the focus, else the first."""
         focus = QApplication.focusWidget()
         viewers = self._viewers
         others: list[Exported] = [viewers.plot, viewers.tradeoff]
@@ -222,8 +219,6 @@ _IMAGE = int(QTextDocument.ResourceType.ImageResource.value)
 
 
 class ModuleText(QDialog):
-    """A window with a module's text, typeset formulas, and its parameters in a table."""
-
     more_wanted = Signal(str)  # (key): the module's page in the handbook is to be opened
 
     def __init__(self, declared: Declaration, parent: QWidget) -> None:
@@ -491,7 +486,6 @@ def _table(parent: QWidget) -> QTableWidget:
 
 
 def rows_for(rows: Sequence[ShortcutRow], text: str) -> list[ShortcutRow]:
-    """The rows that have every word of a text, first those whose keys or action it is."""
     whole, words = text.casefold().strip(), text.casefold().split()
 
     def rank(row: ShortcutRow) -> int:

@@ -35,8 +35,6 @@ _START = "Start"
 
 
 class HistoryModel(QAbstractListModel):
-    """The positions of the document's history; it reads them off the document when drawn."""
-
     def __init__(self, session: Session, parent: QObject) -> None:
         super().__init__(parent)
         self._session = session

@@ -130,7 +130,6 @@ class MainWindow(QMainWindow):
         self.actions_by_name["light"].setChecked(theme.look == "light")
 
     def toggle_light(self) -> None:
-        """From dark to light, or back; remembered."""
         look: Look = "dark" if self.theme.look == "light" else "light"
         self.settings.look = look
         self.set_theme(THEMES[look])
@@ -145,7 +144,6 @@ class MainWindow(QMainWindow):
             )
 
     def toggle_welcome(self) -> None:
-        """Show the first page, or from there the network that is open."""
         if self.pages.at_first and self.session.network.nodes:
             self.show_canvas()
         else:
@@ -212,7 +210,6 @@ class MainWindow(QMainWindow):
         return problem
 
     def close_for_good(self) -> None:
-        """Close without a question; what runs is stopped, nothing is left to recover."""
         self._end()
         self.close()
 
@@ -500,7 +497,6 @@ class MainWindow(QMainWindow):
         target()
 
     def _group(self) -> None:
-        """Group, and have the macro's name typed in its panel."""
         history = self.session.document.history
         steps = history.position
         self.edits.group()

@@ -105,10 +105,7 @@ DOCKS_VERSION = 2  # of the docks' stored places; of an earlier one the default 
 class Settings:
     """Settings in an ini file of the user; a damaged one counts as empty.
 
-    Attributes
-    ----------
-    first : bool
-        Whether there was no file: the program is started for the first time.
+    `first`: there was no file, so the program is started for the first time.
     """
 
     def __init__(self, path: Path | None = None) -> None:
@@ -137,7 +134,6 @@ class Settings:
 
     @property
     def recent(self) -> tuple[Path, ...]:
-        """The ten files opened or saved last that are there, the last one first."""
         there = (path for path in map(Path, self._stored_recent()) if path.is_file())
         return tuple(islice(there, MOST_RECENT))
 
@@ -178,7 +174,6 @@ class Settings:
         self._stored.sync()
 
     def restore_window(self, window: QMainWindow) -> bool:
-        """Give a window the size and docks remembered; whether there were docks to restore."""
         geometry, docks = self._bytes("geometry"), self._bytes("docks")
         if geometry is not None:
             window.restoreGeometry(geometry)

@@ -48,11 +48,6 @@ def start(options: Options, stop_requested: threading.Event) -> None:
     """Open the window and stay until it is closed, or draw it to a file.
 
     On a signal to end it closes without a question: unsaved work is kept to be recovered.
-
-    Raises
-    ------
-    ImagechainError
-        If a screenshot cannot be made, or unsaved work cannot be kept.
     """
     app = application()
     qInstallMessageHandler(_quiet)
@@ -143,8 +138,6 @@ _SETTLE_S = 0.4  # queued answers and repaints after the last pass
 
 @dataclass(frozen=True)
 class Shot:
-    """A picture to be taken: where to, the window's size, its colours, and what part of it."""
-
     file: Path
     size: tuple[int, int]
     look: Look

@@ -56,7 +56,6 @@ class StatusBar(QWidget):
 
     @property
     def error(self) -> str:
-        """The error that is said; empty where there is none."""
         return self._of("error")
 
     @property
@@ -68,7 +67,6 @@ class StatusBar(QWidget):
         return self._of("information")
 
     def add(self, widget: QWidget) -> None:
-        """Show another part of the window here, at the right."""
         self._row.addWidget(widget)
 
     def report(self, kind: str, text: str) -> None:
@@ -94,7 +92,6 @@ class StatusBar(QWidget):
             self._drop("information")
 
     def show_busy(self, busy: Any) -> None:
-        """Show how far a long computation is: a `Busy`; or None, that none runs."""
         for widget in (self._where, self._progress, self._cancel):
             widget.setVisible(busy is not None)
         if busy is not None:
@@ -103,7 +100,6 @@ class StatusBar(QWidget):
             self._progress.setValue(busy.done)
 
     def show_behind(self, behind: bool) -> None:
-        """Say that what is shown is older than the network, or stop saying so."""
         self._behind.show_text(_BEHIND if behind else "", "warning")
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
@@ -129,7 +125,6 @@ class StatusBar(QWidget):
             self._show()
 
     def _show(self) -> None:
-        """Show the latest."""
         severity, text = self._said[-1] if self._said else ("information", "")
         self._notice.show_text(text, severity)
 

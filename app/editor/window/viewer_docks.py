@@ -99,7 +99,6 @@ class ViewerDocks(QObject):
         bring_forward(self.tradeoff_dock, self.tradeoff.bar.parameter)
 
     def forget_pictures(self) -> None:
-        """Show nothing, as for another document; viewers beyond the first close."""
         for number, viewer in self.images.items():
             viewer.look_at(None)
             if number > 2:
@@ -173,7 +172,6 @@ def bring_forward(dock: QDockWidget, focus: QWidget) -> None:
 
 
 def toggle_dock(dock: QDockWidget, focus: QWidget) -> None:
-    """Show a dock with the focus in it, or hide it where it is in front."""
     if in_front(dock):
         dock.hide()
     else:
@@ -221,7 +219,6 @@ class FullScreen(QObject):
             focus.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def leave(self) -> None:
-        """Put the viewer back into its dock, with the focus where it was in it."""
         page, self.page = self.page, None
         if page is None or self._used is None:
             return
@@ -259,18 +256,10 @@ DIFFERENCE = "difference"  # the output of what a node's picture differs in from
 
 @dataclass(frozen=True)
 class FirstLook:
-    """Ports and a node to look at.
+    """What to look at first: a node whose panel is opened, a curve, and pictures.
 
-    Parameters
-    ----------
-    node : str or None
-        The node whose panel is opened.
-    curve : str or None
-        What is plotted; None for the chain's transfer functions.
-    pictures : tuple of str
-        What the image viewers show: as many as there are, up to two.
-    front : int
-        Number of the viewer in front.
+    Without a `curve` the chain's transfer functions are plotted. There are as many `pictures` as
+    image viewers show, up to two; `front` is the number of the viewer in front.
     """
 
     node: str | None
@@ -470,7 +459,6 @@ class FocusRing(QWidget):
 
 
 def in_sight(part: QWidget) -> bool:
-    """Whether it is shown, and not behind another tab."""
     if not part.isVisible():
         return False
     window = part.window()

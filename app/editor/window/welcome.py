@@ -120,7 +120,6 @@ class WelcomePage(QScrollArea):
         return row
 
     def offer_back(self, network: str) -> None:
-        """Let the person return to the network that is open; none is for an empty name."""
         self.back.setVisible(bool(network))
         self.back.setText(f"Back to {network}".replace("&", "&&"))
 
@@ -188,8 +187,6 @@ Line = tuple[int, list[tuple[int, int]]]  # of which colour; its points in thous
 
 
 class Gallery(QWidget):
-    """The cards under their headings, in as many columns as there is room for."""
-
     chosen = Signal(str)  # (name): open this network
 
     def __init__(self, library: Library, parent: QWidget | None = None) -> None:
@@ -229,8 +226,6 @@ class Gallery(QWidget):
 
 
 class NetworkCard(QToolButton):
-    """A network: what is special of it, its name and line, and its chain."""
-
     def __init__(self, name: str, file: Path, line: str, groups: Mapping[str, str]) -> None:
         super().__init__()
         network = read_network(file, library={})  # which loads no module
@@ -266,8 +261,6 @@ class NetworkCard(QToolButton):
 
 
 class SpecialDrawing(QWidget):
-    """A network's curves where it is about curves, else its picture."""
-
     def __init__(self, name: str, pictures: Path) -> None:
         super().__init__()
         self.curves: Sequence[Line] = read_data(CURVES).get(name, ())
@@ -294,8 +287,6 @@ class SpecialDrawing(QWidget):
 
 
 class ChainDrawing(QWidget):
-    """The nodes where the network has them, in the colours of the library's groups."""
-
     def __init__(self, network: Network, groups: Mapping[str, str]) -> None:
         super().__init__()
         self._boxes = {n: QRectF(*at, NARROWEST, _NODE) for n, at in points_of(network).items()}
@@ -329,7 +320,6 @@ def read_data(name: str) -> Any:
 
 
 def heading(text: str, size: float) -> QLabel:
-    """A line in bold letters of so many times the usual size."""
     label = QLabel(text)
     font = label.font()
     font.setPointSizeF(font.pointSizeF() * size)

@@ -234,7 +234,6 @@ def _headings_width(library: QDockWidget) -> int:
 
 
 def size(window: QMainWindow, layout: LayoutName) -> None:
-    """Give each dock the layout's share of the window as large as it is now."""
     docks = Docks(window)
     unit, line = window.fontMetrics().averageCharWidth(), window.fontMetrics().height()
     width, height = window.width(), window.height()
@@ -375,7 +374,6 @@ class Pages(QStackedWidget):
                 dock.hide()
 
     def choose_layout(self, name: LayoutName) -> None:
-        """Place the docks by a named layout; beside the first page they stay hidden until later."""
         self.show_docks()
         self._layout.choose(name)
         self._hide_at_first()
@@ -384,7 +382,6 @@ class Pages(QStackedWidget):
         return self._window.saveState(DOCKS_VERSION), self._layout.state()
 
     def restore_layout(self, docks: QByteArray, state: str) -> None:
-        """Place them as `places` gave."""
         self.show_docks()
         with self._layout.placing():
             self._window.restoreState(docks, DOCKS_VERSION)
@@ -428,7 +425,6 @@ class LayoutMenu(Menu):
         dialog.open()
 
     def _keep(self, name: str, *places: object) -> None:
-        """Store these places under a name; none forget it."""
         others = {one: kept for one, kept in self._settings.layouts.items() if one != name}
         new = {name.strip(): list(places)} if places and name.strip() else {}
         self._settings.layouts = others | new

@@ -107,7 +107,6 @@ class BackdropItem(AbstractNodeItem):
         self._corner(painter, frame)
 
     def _text(self, painter: QPainter, area: QRectF, zoom: float) -> None:
-        """The text of a note, in the largest readable letters that fit."""
         readable = round(_READABLE_PX * self.style.natural_zoom / zoom)
         painter.setPen(self.style.text)
         for size in range(max(_TEXT, readable), _TEXT - 1, -1):

@@ -142,8 +142,6 @@ TINTS: tuple[str, ...] = tuple(_TINTS["dark"])
 
 
 class CanvasStyle:
-    """What the items are drawn with, of the theme's colours and the window's family of letters."""
-
     def __init__(self, theme: Theme, font: QFont) -> None:
         self.theme = theme
         self.natural_zoom = max(QFontInfo(font).pixelSize(), 6) / _PLAIN
@@ -198,7 +196,6 @@ class CanvasStyle:
         return self._metrics[role].elidedText(text, Qt.TextElideMode.ElideRight, width)
 
     def port(self, types: tuple[str, ...]) -> QColor:
-        """Colour of a port that takes these types: the first one's."""
         return self._ports.get(types[0], self.faint) if types else self.faint
 
     def lane(self, types: tuple[str, ...]) -> float:

@@ -332,8 +332,6 @@ class End(NamedTuple):
 
 
 class MacroEnds(QGraphicsItem):
-    """Draws what `follow` is told of; nothing of it can be clicked."""
-
     def __init__(self, style: CanvasStyle) -> None:
         super().__init__()
         self.style = style

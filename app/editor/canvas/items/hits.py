@@ -54,7 +54,6 @@ def hit(content: Content, point: QPointF, zoom: float) -> Hit:
 
 
 def node_at(content: Content, point: QPointF) -> NodeItem | None:
-    """The foremost node whose frame holds the point."""
     under_point = [item for item in content.nodes.values() if item.frame().contains(point)]
     return max(reversed(under_point), key=NodeItem.zValue, default=None)
 
@@ -96,7 +95,6 @@ def place_on_wire(wire: WireItem, point: QPointF) -> int:
 
 
 def wires_near(content: Content, point: QPointF, reach: float) -> list[WireItem]:
-    """The wires that pass within reach, the nearest first."""
     nearby = []
     for wire in content.wires.values():
         around = wire.boundingRect().adjusted(-reach, -reach, reach, reach)

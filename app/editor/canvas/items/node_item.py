@@ -157,7 +157,6 @@ class NodeItem(AbstractNodeItem):
         return self._title[1]
 
     def plate(self, zoom: float) -> QRectF:
-        """The node as it is drawn in the overview: its frame, and more where its title needs it."""
         frame, title = self.geometry.frame, self.title_at(zoom)
         if title is None:
             return frame
@@ -190,7 +189,6 @@ _PORT_RECT = QRectF(-8, -7, 16, 14)
 
 
 def head_colour(item: NodeItem) -> QColor:
-    """The colour the user gave the node, else that of its group."""
     return item.style.tint(item.face.colour) or item.style.head(item.face.group)
 
 

@@ -52,7 +52,6 @@ class WireItem(QGraphicsPathItem):
         self.restyle()
 
     def lead(self, dots: Sequence[QPointF], ground: Ground) -> None:
-        """Follow the ports, through these dots or else past the nodes on the ground."""
         if (led := tuple(dots)) != self.dots:  # else all that is drawn would be drawn anew
             self.prepareGeometryChange()  # dots reach beyond the curve
             self.dots = led
@@ -207,7 +206,6 @@ def dotted_path(start: QPointF, end: QPointF, dots: Sequence[QPointF]) -> QPaint
 
 
 def _way(points: Sequence[QPointF], place: int, long: float) -> QPointF:
-    """Where a wire goes at one of its points, of that length."""
     if place in (0, len(points) - 1):
         return QPointF(long, 0)
     way = points[place + 1] - points[place - 1]
@@ -219,7 +217,6 @@ def length(way: QPointF) -> float:
 
 
 def _go_back(path: QPainterPath, start: QPointF, end: QPointF, lane: float) -> None:
-    """Turn round to the lane, go left along it, and turn into the end."""
     turn = QPointF(_TURN, 0)
     at_lane, from_lane = QPointF(start.x(), lane), QPointF(end.x(), lane)
     path.cubicTo(start + turn, at_lane + turn, at_lane)

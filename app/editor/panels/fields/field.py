@@ -130,7 +130,6 @@ class Field(QWidget):
         """Show what the document has but may not have."""
 
     def line_up(self, label: int, unit: int) -> None:
-        """Give the columns that the fields of a panel share their widths."""
         self.label.set_column(label)
         if self.lines_up:
             self.unit.setFixedWidth(unit)
@@ -198,17 +197,14 @@ class Field(QWidget):
             self._show_problem(f"{error.message} (still {self.standing})")
 
     def show_free(self, on: bool) -> None:
-        """Mark it as free for a fit, or not."""
         text = f"{self.title} · free" if on else self.title
         if self.label.text() != text:
             self.label.setText(text)
 
     def take(self, text: str) -> None:
-        """Offer the choice, or the state of a switch, that a text names."""
         self.offer(chosen(self.parameter, text))
 
     def restore(self) -> None:
-        """Show the document's value again."""
         self._show_problem("")
         self._settle()
 
@@ -217,12 +213,10 @@ class Field(QWidget):
         discard_typing(self)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """By the right button, or the menu key."""
         self.open_menu(event.globalPos())
         event.accept()
 
     def open_menu(self, at: QPoint) -> None:
-        """What can be done with the value, beside editing it."""
         edit = self.focusWidget()
         if isinstance(edit, TypeIn) and edit.hasFocus():
             menu: QMenu = edit.createStandardContextMenu()
@@ -265,14 +259,12 @@ class Field(QWidget):
 
     @property
     def copied_text(self) -> str:
-        """The value with its unit, the expression behind ``=``; empty for none."""
         if self.link is not None:
             return f"= {self.link.text}"
         unit = self.parameter.param.unit
         return "" if self.value is None else text_with_unit(self.parameter, self.value, unit)
 
     def _paste(self, text: str) -> None:
-        """Take the value of a text, or the one of its parameter of a node that was copied."""
         self.discard_typing()
         try:
             self.take(typed_text(self.parameter, text))
@@ -299,7 +291,6 @@ class Field(QWidget):
         label.setForegroundRole(CHANGED if self.changed else TEXT)
 
     def marked_label(self) -> QWidget:
-        """The widget that shows the parameter's name."""
         return self.label
 
     def _show_problem(self, text: str) -> None:
@@ -334,7 +325,6 @@ class TypedField(Field):
         self.edit.show_text(text)
 
     def refuse(self, error: ParameterError) -> None:
-        """Frame it in red, and show why."""
         super().refuse(error)
         self.edit.mark()
 
@@ -360,7 +350,6 @@ class DragLabel(QLabel):
     _column = 0
 
     def set_column(self, width: int) -> None:
-        """Be so wide, where there is room."""
         if width != self._column:
             self._column = width
             self.updateGeometry()
@@ -369,7 +358,6 @@ class DragLabel(QLabel):
         return QSize(self._column, super().sizeHint().height())
 
     def set_drags(self, on: bool) -> None:
-        """Whether it can be dragged; the cursor shows it."""
         self._drags = on
         self._show_cursor()
 
@@ -450,13 +438,10 @@ MOST_LETTERS = 16
 
 
 def choices_of(parameter: Parameter) -> tuple[Any, ...]:
-    """What can be chosen, nothing included where that is allowed."""
     return ((None,) if parameter.empty else ()) + parameter.choices
 
 
 class ButtonsField(Field):
-    """Radio buttons beside the name; those that do not fit there stand on lines below."""
-
     def build(self) -> None:
         self.choices = choices_of(self.parameter)
         flow = filled(FlowLayout(across=6, down=2), self.label)
@@ -541,8 +526,6 @@ class ListField(Field):
 
 
 class SwitchField(Field):
-    """A check box."""
-
     def build(self) -> None:
         self.box = Check(self.title, self)
         self.box.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
@@ -554,7 +537,6 @@ class SwitchField(Field):
         self.row.addStretch()
 
     def marked_label(self) -> QWidget:
-        """The box bears the parameter's name."""
         return self.box
 
     def show_value(self, value: Any) -> None:
@@ -581,8 +563,6 @@ class TextField(TypedField):
 
 
 class NumbersField(TypedField):
-    """A list of numbers: ``0, 0.1``."""
-
     def build(self) -> None:
         edit = self.build_edit()
         edit.setPlaceholderText("none: type numbers, as in 0, 0.1")

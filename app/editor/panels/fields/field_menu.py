@@ -33,7 +33,6 @@ _SWITCH = {"on": True, "true": True, "yes": True, "off": False, "false": False, 
 def offer(
     menu: QMenu, name: str, text: str, act: Callable[[], object], *, about: str = ""
 ) -> QAction:
-    """Add an action that calls without arguments."""
     action = menu.addAction(text.replace("&", "&&"))
     action.setObjectName(name)
     if about:
@@ -54,13 +53,7 @@ def chosen(parameter: Parameter, text: str) -> Any:
 
 
 def typed_text(parameter: Parameter, text: str) -> str:
-    """What is to be typed for a text with a unit, or for the values of a node that was copied.
-
-    Raises
-    ------
-    ParameterError
-        There is no value of the parameter among those of the node.
-    """
+    """What is to be typed for a text with a unit, or for the values of a node that was copied."""
     try:
         text = (_value_of_node(parameter, text) if VALUES_FORMAT in text else text).strip()
     except ParameterError:
@@ -84,7 +77,6 @@ def _value_of_node(parameter: Parameter, text: str) -> str:
 
 
 def text_with_unit(parameter: Parameter, value: Any, unit: str) -> str:
-    """A value as it is copied."""
     if parameter.kind in ("number", "integer") and type(value) in (int, float):
         return f"{shown_number(value)} {unit}".strip()
     return "" if value in ((), []) else shown_value(parameter, value)
@@ -94,7 +86,6 @@ def text_with_unit(parameter: Parameter, value: Any, unit: str) -> str:
 
 
 def add_fit_action(menu: QMenu, session: Session, node: str, parameter: str) -> None:
-    """Offer to free a number that may lie between others, or to fix it."""
     is_free = session.free.has(node, parameter)
     if not is_free and parameter in session.network.nodes[node].linked:
         return  # what it follows can be free

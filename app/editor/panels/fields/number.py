@@ -86,7 +86,6 @@ class NumberField(TypedField):
         self.slider.show_position(self.scale.position_of(value))
 
     def take(self, text: str) -> None:
-        """Offer what was typed as a number, or behind = as an expression to follow."""
         text = text.strip()
         if text.startswith("="):
             self._offer_link(text[1:].strip())
@@ -99,7 +98,6 @@ class NumberField(TypedField):
         self.offer(number)
 
     def add_link_actions(self, menu: QMenu) -> None:
-        """Follow other parameters, or stop and keep the value."""
         if self.link is None:
             about = "Type an expression after ="
             offer(menu, "link", "Link to other parameters…", self._begin_link, about=about)
@@ -141,7 +139,6 @@ class NumberField(TypedField):
         self.edit.setModified(True)
 
     def _unlink(self) -> None:
-        """Follow nothing any more, and keep the value."""
         self.discard_typing()
         node, name = self.node, self.parameter.name
         if node.is_there:
@@ -259,8 +256,6 @@ _STEPS = {
 
 
 class Slider(QSlider):
-    """Horizontal, from 0 to `positions`."""
-
     moved = Signal(int)  # position: dragged, clicked, or sent to an end
     # steps: by keys or the wheel: small steps from the value, whatever the position shows of it
     stepped = Signal(int)
@@ -279,7 +274,6 @@ class Slider(QSlider):
         self._rest.timeout.connect(self.finished)
 
     def show_position(self, position: int) -> None:
-        """Show a value of the document, unless the person is dragging it."""
         if not self.isSliderDown():
             with QSignalBlocker(self):
                 self.setValue(position)
@@ -383,7 +377,6 @@ class Scale:
 
     @property
     def positions(self) -> int:
-        """The last position."""
         if self.logarithmic:
             return math.ceil(PER_DECADE * math.log10(self.high / self.low))
         span = self.high - self.low
@@ -407,7 +400,6 @@ class Scale:
         return round(value) if self.whole else value
 
     def position_of(self, value: float | None) -> int:
-        """The position next to a number; of `rest` for none."""
         if value is None:
             value = self.rest
         if value <= self.low:

@@ -18,8 +18,6 @@ from core.network.macro import unfolded
 
 
 class Requests(QObject):
-    """What panels ask for."""
-
     view = Signal(
         str, str, int
     )  # node, port, viewer: show that output in the viewer of that number
@@ -39,7 +37,6 @@ class PanelNode:
 
     @property
     def is_there(self) -> bool:
-        """Whether the network still has it."""
         return self.name in self.session.network.nodes
 
     def given(self, parameter: str) -> object:

@@ -32,7 +32,6 @@ class PathLine(TypeIn):
         return elided_path(self.text(), self.fontMetrics(), self._room().width())
 
     def draw_line(self, event: QPaintEvent) -> None:
-        """Draw the shortened text in place of the one that is edited."""
         text = self.shown_text()
         if text == self.text():
             super().draw_line(event)
@@ -110,7 +109,6 @@ class PathField(TypedField):
         self.edit.setToolTip(tip(f"{whole}\n{about(self.parameter)}") if whole else "")
 
     def open_dialog(self) -> None:
-        """Open a dialog to choose a file; returns at once."""
         for other in self.findChildren(QFileDialog, "field.dialog"):
             other.reject()
         dialog = labelled(FileDialog(self, self._dialog_title()), "field.dialog")
@@ -130,7 +128,6 @@ class PathField(TypedField):
         dialog.activateWindow()
 
     def _dialog_title(self) -> str:
-        """What is opened or written, and for which node: a few words, as others title dialogs."""
         verb = "Write file" if self._writes else "Open file"
         return f"{verb}: {self.node.name} · {self.title}"
 

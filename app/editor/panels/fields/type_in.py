@@ -59,7 +59,6 @@ class TypeIn(QLineEdit):
         return self.isModified() or self.marked
 
     def show_text(self, text: str) -> None:
-        """Show a value of the document; what was typed is gone."""
         if text != self.text() or self.isUndoAvailable() or self.isRedoAvailable():
             self.setText(text)
             self.setCursorPosition(0)
@@ -67,7 +66,6 @@ class TypeIn(QLineEdit):
         self._unmark()
 
     def mark(self) -> None:
-        """Frame what was refused."""
         self.marked = True
         self.update()
 
@@ -171,7 +169,6 @@ class TypeIn(QLineEdit):
 
 
 def discard_typing(widget: QWidget) -> None:
-    """Forget what was typed in a widget's lines and not taken yet."""
     for edit in widget.findChildren(TypeIn):
         if edit.unsettled:
             edit.give_up()

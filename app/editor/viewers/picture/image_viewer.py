@@ -55,12 +55,8 @@ class KeptSide:
 class ImageViewer(Viewer):
     """Shows one wire, or two compared, or one as it is beside what was kept of it.
 
-    Viewers of the window are numbered.
-
-    Attributes
-    ----------
-    window_actions : tuple of QAction
-        Actions of the window that its menu offers, too.
+    Viewers of the window are numbered. `window_actions` are actions of the window that its menu
+    offers, too.
     """
 
     def __init__(
@@ -89,7 +85,6 @@ class ImageViewer(Viewer):
         self._follow_choices()
 
     def look_at(self, port: str | None) -> None:
-        """Show what is on ``node.port``; None shows nothing."""
         self._lost = None
         self._choose(port=port or None, mapping=self._mapping_of(port))
 
@@ -116,7 +111,6 @@ class ImageViewer(Viewer):
         self.bar.compare.menu.addActions(actions)
 
     def compare_kept(self, side: KeptSide | None) -> None:
-        """Compare with an earlier state of the wire; None ends it."""
         if side == self.kept_side:
             return
         self.kept_side = side
@@ -151,18 +145,11 @@ class ImageViewer(Viewer):
         self.links.apply_zoom()
 
     def one_to_one(self) -> None:
-        """Show each sample one dot of the screen wide."""
         self.canvas.one_to_one()
         self.links.apply_zoom()
 
     def save_as(self, path: Path) -> None:
-        """Write the picture as it looks (``.png``), or its samples (``.npy .csv .tif .exr``).
-
-        Raises
-        ------
-        ImagechainError
-            If nothing is shown, or it cannot be written.
-        """
+        """Write the picture as it looks (``.png``), or its samples (``.npy .csv .tif .exr``)."""
         if self.picture is None:
             raise UsageError("the viewer shows no picture")
         picture, side = self.picture, self.kept_side
@@ -171,7 +158,6 @@ class ImageViewer(Viewer):
         save_picture(picture, path, colour_table(self._colours), self.canvas.split)
 
     def copy(self) -> None:
-        """Copy the picture as it looks to the clipboard."""
         if self.picture is not None:
             table = colour_table(self._colours)
             picture = as_drawn(self.picture, self.kept_side)
@@ -244,7 +230,6 @@ class ImageViewer(Viewer):
         return None
 
     def follow_opening(self) -> None:
-        """Show nothing of another document."""
         self.kept_side = self._compared = None
         self.look_at(None)
 
@@ -457,7 +442,6 @@ class ZoomLinks:
         self._linked: weakref.WeakSet[ZoomLinks] = weakref.WeakSet()
 
     def link(self, other: ZoomLinks, on: bool) -> None:
-        """Link to another, or end the link."""
         for one, two in ((self, other), (other, self)):
             (one._linked.add if on else one._linked.discard)(two)
         if on:
@@ -467,7 +451,6 @@ class ZoomLinks:
         return other in self._linked
 
     def apply_zoom(self) -> None:
-        """Zoom the others to the part that is seen now."""
         for other in list(self._linked):
             other._canvas.set_zoom(self._canvas.zoom)
 

@@ -74,13 +74,11 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
             line.setHoverPen(theme.text)
 
     def set_colours(self, name: str) -> None:
-        """Show another colour map."""
         self.gradient.setColorMap(colour_map(name))
         self.gradient.showTicks(False)
 
     @property
     def is_behind(self) -> bool:
-        """Whether a newer histogram is about to be drawn."""
         return self._next is not None
 
     def show_spread(self, spread: Spread, levels: Range, channels: tuple[Spread, ...] = ()) -> None:

@@ -29,8 +29,6 @@ from core.chain.band_stack import BandStack
 
 
 class PictureBar(QWidget):
-    """Wire, menus and zoom of an image viewer."""
-
     opening = Signal()  # the menu of other wires and viewers is about to open
 
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
@@ -88,7 +86,6 @@ class Radio(QObject):
         self._group.triggered.connect(self._triggered)
 
     def choose(self, name: str) -> None:
-        """Mark one as chosen, without a signal."""
         self._actions[name].setChecked(True)
 
     def _triggered(self, action: QAction) -> None:
@@ -142,7 +139,6 @@ class CompareMenu(QObject):
         self.links.triggered.connect(self._choose_link)
 
     def fill_others(self, groups: Iterable[NodePorts], chosen: str | None) -> None:
-        """Offer these ports, each node's in a menu of its own."""
         self._empty(self.others)
         for group in groups:
             menu = Menu(group.node.replace("&", "&&"), self.others)
@@ -155,7 +151,6 @@ class CompareMenu(QObject):
         self.others.setEnabled(not self.others.isEmpty())
 
     def fill_links(self, viewers: Mapping[int, bool]) -> None:
-        """Offer these viewers, and whether they are moved with."""
         self._empty(self.links)
         for number, linked in viewers.items():
             action = self.links.addAction(f"Viewer &{number}")
@@ -242,7 +237,6 @@ class BandBar(QWidget):
             set_ink(letter, colour)
 
     def show_bands(self, bands: BandStack | None, choice: BandChoice) -> None:
-        """Show which of these bands are chosen; hidden without bands."""
         self._bands, self.choice = bands, choice
         self.setVisible(bands is not None)
         if bands is None:
@@ -363,7 +357,6 @@ class WavelengthSpin(QSpinBox):
         self.editingFinished.connect(self._finish)
 
     def set_bands(self, bands: BandStack) -> None:
-        """Step through the wavelengths of these bands."""
         self._ends, centres_um = bands.band_um, bands.centres_um
         if centres_um == self._centres:
             return

@@ -35,8 +35,6 @@ _WIPE_STEP = 0.01  # of the width, for a key
 
 
 class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
-    """Draws the picture it is given, without a query of its own."""
-
     # place: the cursor is at a place of the axes, a tuple; None where it is on no picture
     pointed = Signal(object)
     stepped = Signal(int, int)  # columns, rows: an arrow key moves the probe
@@ -158,12 +156,10 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
                 self._place_elsewhere(self._picture)
 
     def make_faint(self) -> None:
-        """Show that the picture is not that of the network as it stands."""
         for item in (self.first, self.second):
             item.setOpacity(_FAINT)
 
     def set_colours(self, name: str) -> None:
-        """Draw with another colour map."""
         self._colours = name
         self.levels.set_colours(name)
         for item in (self.first, self.second):
@@ -185,7 +181,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._widen(dots * step)
 
     def zoom_by(self, factor: float) -> None:
-        """Enlarge what is seen."""
         if self._picture is not None:
             self._widen(self.view.viewRect().width() / factor)
 
@@ -449,7 +444,6 @@ class SideNames(QObject):
         view.sigResized.connect(self._moved)
 
     def show(self, left: str, right: str) -> None:
-        """Have these names; an empty one is not written."""
         self._texts = left, right
         self._lay()
 

@@ -25,8 +25,6 @@ from nodes.files.formats import PNG, SAVED
 
 
 class PictureProbe(QObject):
-    """Shows the sample at one place of the picture."""
-
     # place: the row and column of a picture, at its full size; None where it is on none
     placed = Signal(object)
 
@@ -100,14 +98,7 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
 
     ``.png`` is what is shown, in its colours and levels; all else the samples, planes in the
     order of the FFT as the command line writes them. Of a wipe, `split` is the first one's share
-    of the width; samples are those of the first.
-
-    Raises
-    ------
-    UsageError
-        For another suffix, and for a preview.
-    ImagechainError
-        From the writer.
+    of the width; samples are those of the first. Another suffix, or a preview, is refused.
     """
     if not any(file_format.matches(path) for file_format in SAVED):
         raise UsageError(f"{path}: a picture is written as {' '.join(suffixes(*SAVED))}")

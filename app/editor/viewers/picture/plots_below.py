@@ -56,7 +56,6 @@ class PlotBelow(QObject):
 
     @property
     def height(self) -> float:
-        """What the plot takes of the layout."""
         return float(self.plot.minimumHeight()) if self.shown else 0.0
 
     def set_theme(self, theme: Theme) -> None:
@@ -75,7 +74,6 @@ class PlotBelow(QObject):
         """Give what is in the plot the theme's colours."""
 
     def _put(self, shown: bool) -> None:
-        """Take a row of the layout, or none."""
         # A hidden item would keep its room in the layout.
         if shown and not self.shown:
             self._layout.addItem(self.plot, row=self._row, col=0, colspan=2)
@@ -114,7 +112,6 @@ class ProfileLine(PlotBelow):
         self._draw()
 
     def show_picture(self, picture: Picture) -> None:
-        """Show the profile along the line in another picture."""
         moved = self._picture is None or self._picture.facts.extent != picture.facts.extent
         self._picture = picture
         if moved:
@@ -122,7 +119,6 @@ class ProfileLine(PlotBelow):
         self._draw()
 
     def clear(self) -> None:
-        """Show no profile: there is no picture."""
         self._picture = None
         if self._plot is None:
             return
@@ -196,7 +192,6 @@ class ProfileLine(PlotBelow):
         self._other.setData(distance * shorter, value)
 
     def _on(self, picture: Picture) -> tuple[Place, Place]:
-        """The ends as fractional indices of columns and rows."""
         columns, rows = picture.facts.columns, picture.facts.rows
         x0, y0, x1, y1 = self.ends
         return (x0 * columns - 0.5, y0 * rows - 0.5), (x1 * columns - 0.5, y1 * rows - 0.5)
@@ -250,7 +245,6 @@ class Spectra(PlotBelow):
         return mean, SampleSpectrumQuery(self._port, *self._place)
 
     def switch(self, on: bool) -> None:
-        """Show the plot, where there is something to plot, or not."""
         if on != self._on:
             self._on = on
             self._show_where_it_fits()
@@ -355,7 +349,6 @@ class Spectra(PlotBelow):
             self._see(drawn)
 
     def _show_sample(self, values: Vector | None, name: str) -> None:
-        """Show the spectrum of a sample, of that name; none without values."""
         self._draw(self.sample, values)
         if name != self._name:
             self._name = name

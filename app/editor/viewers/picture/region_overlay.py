@@ -50,8 +50,6 @@ _CURSORS = {
 
 @dataclass(frozen=True)
 class Region:
-    """A rectangle of whole samples."""
-
     left: int
     top: int
     width: int
@@ -161,7 +159,6 @@ class RegionOverlay(QGraphicsObject):
         self._show_anew()
 
     def clear(self) -> None:
-        """Show none; what is being dragged is given up."""
         self._end(accepted=False)
         self.hold(False)
         self.region = None
@@ -169,14 +166,12 @@ class RegionOverlay(QGraphicsObject):
         self.title.hide()
 
     def arm(self, on: bool) -> None:
-        """Switch on or off that the next drag draws a region."""
         if on != self.armed:
             self.prepareGeometryChange()
             self.armed = on
             self.armed_changed.emit(on)
 
     def hold(self, on: bool) -> None:
-        """Switch on or off that the arrow keys move the region."""
         if on != self.held:
             self.held = on
             self._show_anew()
@@ -237,7 +232,6 @@ class RegionOverlay(QGraphicsObject):
 
     @property
     def _movable(self) -> bool:
-        """Whether there is somewhere to move it to."""
         return self.region is not None and (self.region.width, self.region.height) != self._size
 
     def _handles(self) -> dict[Grip, QPointF]:

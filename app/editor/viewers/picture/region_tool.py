@@ -163,7 +163,6 @@ class RegionTool(QObject):
         return before and self._shape(self._port) == self._shape(source) is not None
 
     def _source(self, name: str) -> str | None:
-        """The port that a node's picture comes from."""
         declared = self._session.declared(name)
         for link in self._session.network.links_into(name):
             port = declared.input(link.input) if declared is not None else None
@@ -172,7 +171,6 @@ class RegionTool(QObject):
         return None
 
     def _before(self, name: str) -> set[str]:
-        """All nodes upstream of one."""
         network = self._session.network
         upstream: set[str] = set()
         rest = [name]
@@ -183,7 +181,6 @@ class RegionTool(QObject):
         return upstream
 
     def _size(self, name: str | None) -> tuple[int, int] | None:
-        """Columns and rows of a node's picture at full size."""
         shape = self._shape(self._source(name)) if name is not None else None
         return None if shape is None else (shape[1], shape[0])
 
@@ -244,7 +241,6 @@ class RegionTool(QObject):
 
 
 def has_region(declared: Declaration | None) -> bool:
-    """Whether a module has the parameters of a region."""
     return declared is not None and all(declared.parameter(name) for name in PARAMETERS)
 
 
@@ -289,7 +285,6 @@ def as_it_was(node: Node) -> Operation:
 
 
 def whole(node: str) -> Operation:
-    """Make the region all of the node's picture."""
     return _set(node, dict.fromkeys(PARAMETERS, ABSENT))
 
 

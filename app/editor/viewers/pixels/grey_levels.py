@@ -29,8 +29,6 @@ _NARROWEST, _WIDEST = 1e-30, 1e38  # ranges in which single precision can be sca
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """How the samples of a picture are spread."""
-
     low: float  # low, high: least and greatest sample
     high: float
     # shape (BINS,): samples in equal bins from low to high; all in the first bin where these are
@@ -39,7 +37,6 @@ class Spread:
 
     @property
     def centres(self) -> NDArray[np.float64]:
-        """Middles of the bins."""
         share = (np.arange(BINS) + 0.5) / BINS
         return np.asarray(self.low * (1.0 - share) + self.high * share)
 
@@ -71,14 +68,8 @@ def grey_levels(samples: Array, low: float, high: float, *, for_each: ForEach = 
 def between_ends(low: float, high: float, bits: int | None) -> Range:
     """Levels of a picture of whole numbers: all of their range where each sample is at one end.
 
-    A saturated picture is white so, and one of zeros black.
-
-    Parameters
-    ----------
-    low, high : float
-        Levels by the samples alone.
-    bits : int or None
-        Samples are whole numbers from 0 to 2^bits − 1; None where they have no known ends.
+    A saturated picture is white so, and one of zeros black. `bits`: samples are whole numbers from
+    0 to 2^bits − 1; None where they have no known ends.
     """
     if bits is None or low != high:
         return low, high
@@ -237,5 +228,4 @@ def colour_table(name: str) -> Table:
 
 
 def colour_map(name: str) -> pg.ColorMap:
-    """As pyqtgraph's items take it."""
     return pg.ColorMap(None, colour_table(name)[::15])

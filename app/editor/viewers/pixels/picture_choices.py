@@ -65,7 +65,6 @@ ALL = BandChoice()
 
 
 def bands_of(value: Any) -> BandStack | None:
-    """The bands of what is on a wire; None where it has none."""
     return value.bands if isinstance(value, Image) else None
 
 
@@ -106,7 +105,6 @@ class Choices:
 
     @property
     def compares(self) -> bool:
-        """Whether two wires are shown."""
         return self.mode != "alone" and self.other is not None
 
     def moved(self, before: Network, after: Network) -> Choices:

@@ -21,8 +21,6 @@ _MOST_OBLONG = 8.0  # longer over shorter side; a pixel beyond is drawn square
 
 @dataclass(frozen=True)
 class Axis:
-    """Where samples lie along rows or columns."""
-
     first: float  # first, step: place of the first sample, and from one to the next
     step: float
     label: str  # label, unit: quantity along the axis, and its unit
@@ -33,7 +31,6 @@ class Axis:
         return f"{self.label} ({self.unit})" if self.unit else self.label
 
     def at(self, index: float) -> float:
-        """Place of a sample."""
         return self.first + index * self.step
 
     def index(self, place: float) -> float:
@@ -42,8 +39,6 @@ class Axis:
 
 @dataclass(frozen=True)
 class Facts:
-    """What is shown, beside the samples."""
-
     kind: Kind  # samples in space, in frequency with zero in the middle, or in the aperture
     rows: int  # rows, columns: size
     columns: int
@@ -60,7 +55,6 @@ class Facts:
 
     @property
     def title(self) -> str:
-        """What the samples are, with their unit."""
         return f"{self.quantity} ({self.unit})" if self.unit else self.quantity
 
     @property
@@ -148,7 +142,6 @@ def _pixel_shape(image: Image) -> float:
 
 
 def spectrum_facts(image: Image) -> Facts:
-    """Of an image's spectrum: frequencies where the sampling is known, else samples."""
     known = image.interval_x_mrad and image.interval_y_mrad
     axes = (
         _frequencies(image.grid()) if known else _axes(image.rows, image.columns, 1, 1, "samples")
@@ -157,7 +150,6 @@ def spectrum_facts(image: Image) -> Facts:
 
 
 def plane_facts(value: SpectrumWire | Transfer, rows: int, columns: int, own: Any = None) -> Facts:
-    """Of a magnitude, phase or transfer function; `own` is a `SampledTransfer`, if it is one."""
     if own is not None:
         axes = _axes(rows, columns, own.interval_x, own.interval_y)
     else:
@@ -172,7 +164,6 @@ def plane_facts(value: SpectrumWire | Transfer, rows: int, columns: int, own: An
 
 
 def pupil_facts(pupil: Pupil) -> Facts:
-    """Of an exit pupil's samples."""
     axes = Axis(0, 1, "column"), Axis(0, 1, "row")
     return Facts("pupil", pupil.rows, pupil.columns, "transmission", "", *axes)
 

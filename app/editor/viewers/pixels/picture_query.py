@@ -55,8 +55,6 @@ WHOLE: Range = (0.0, 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One colour of a picture composed of three bands."""
-
     samples: NDArray[Any]  # shape (rows, columns): its samples, not mapped
     # extremes and histogram of the mapped samples, as shares of what lies between its automatic
     # levels: 0 at the lower one, 1 at the upper
@@ -109,8 +107,6 @@ class KeptPicture:
 
 @dataclass(frozen=True)
 class PictureQuery(Query):
-    """What is on one wire, or on two compared."""
-
     urgency: ClassVar[int] = 0
     from_preview: ClassVar[bool] = True
 
@@ -151,13 +147,7 @@ class PictureQuery(Query):
         return replace(left, other=right)
 
     def kept_picture(self, passing: Passing) -> KeptPicture:
-        """What is on the wire now, to be compared with what will be.
-
-        Raises
-        ------
-        ImagechainError
-            If it cannot be shown.
-        """
+        """What is on the wire now, to be compared with what will be."""
         source = self._source(passing, self.port)
         node = self.port.rpartition(".")[0]
         try:
@@ -312,7 +302,6 @@ def _recipes(bands: BandStack, places: tuple[int, ...]) -> tuple[Recipe, ...]:
 
 
 def _less(first: _Source, second: _Source) -> _Source:
-    """The difference of two."""
     a, b = first.facts, second.facts
     if (a.rows, a.columns, a.kind) != (b.rows, b.columns, b.kind):
         raise DataError(
@@ -394,7 +383,6 @@ def logarithm(_work: Work, samples: Array) -> Array:
 
 @ends_lineage
 def difference(_work: Work, samples: Array, other: Array) -> Array:
-    """Samples less those of another picture."""
     return np.asarray(samples - other)
 
 
@@ -406,13 +394,7 @@ def one_of(_work: Work, pictures: Array, *, index: int) -> Array:
 
 @ends_lineage
 def finite_spread(work: Work, samples: Array, *, name: str) -> Spread:
-    """Extremes and histogram.
-
-    Raises
-    ------
-    DataError
-        If samples are not finite.
-    """
+    """Extremes and histogram; a `DataError` if samples are not finite."""
     with np.errstate(invalid="ignore"):
         low, high = float(samples.min()), float(samples.max())
     if not (np.isfinite(low) and np.isfinite(high)):
@@ -444,7 +426,6 @@ class Layer:
     bits: int | None = None
 
     def range_of(self, work: Work, levels: Levels) -> Range:
-        """What becomes black and white."""
         if not isinstance(levels, str):
             return levels
         low, high = self.spread.low, self.spread.high
@@ -456,7 +437,6 @@ class Layer:
         return between_ends(low, high, self.bits)
 
     def grey(self, work: Work, levels: Range) -> NDArray[np.uint8]:
-        """The mapped samples from black to white."""
         work.check()
         return grey_levels(self.mapped, *levels, for_each=work.for_each)
 

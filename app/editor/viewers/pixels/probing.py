@@ -31,7 +31,6 @@ class Probe:
 
 
 def probe(picture: Picture, row: int, column: int) -> Probe | None:
-    """The sample at an index; None outside the picture."""
     facts = picture.facts
     if not (0 <= row < facts.rows and 0 <= column < facts.columns):
         return None
@@ -60,7 +59,6 @@ def other_probe(picture: Picture, other: Picture, row: int, column: int) -> Prob
 
 
 def place_text(picture: Picture, sample: Probe) -> str:
-    """For people: where a sample lies."""
     facts = picture.facts
     x, y = facts.across.at(sample.column), facts.along.at(sample.row)
     if facts.kind == "plane":
@@ -117,7 +115,6 @@ def facts_text(picture: Picture, choices: Choices, kept: str = "", way: str = ""
 
 
 def bands_text(wavelengths_um: tuple[float, ...]) -> str:
-    """The bands that are shown alone or as colours, by their middles."""
     if len(wavelengths_um) == 1:
         return f"at {wavelengths_um[0]:.4g} µm"
     named = zip(CHANNELS, wavelengths_um, strict=True)
@@ -152,19 +149,10 @@ def sample_text(
 
 
 def along_line(samples: NDArray[Any], start: Place, end: Place) -> tuple[Vector, Vector]:
-    """Samples along a line, bilinear between them, at steps of about one sample.
+    """Distance and value along a line, bilinear between samples, at steps of about one sample.
 
-    Parameters
-    ----------
-    samples : ndarray, shape (rows, columns)
-        The picture.
-    start, end : (float, float)
-        Column and row of the ends as fractional indices; what lies outside the picture is cut off.
-
-    Returns
-    -------
-    distance, value : ndarray
-        Distance from the start in samples; both empty if the line misses the picture.
+    `start` and `end` are column and row as fractional indices; what lies outside the picture is cut
+    off. Both arrays are empty if the line misses the picture.
     """
     (x0, y0), (x1, y1) = start, end
     length = math.hypot(x1 - x0, y1 - y0)

@@ -18,8 +18,6 @@ _UNCHECKED = Qt.CheckState.Unchecked
 
 
 class CurveList(QListWidget):
-    """Entries with a box to tick."""
-
     toggled = Signal(str, bool)  # name, shown: the person has ticked one, or the other way round
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -87,14 +85,12 @@ class CurveList(QListWidget):
         self.updateGeometry()
 
     def scroll_to_ticked(self) -> None:
-        """Have the first entry that is ticked in sight."""
         for row in range(self.count()):
             if self.item(row).checkState() == _CHECKED:
                 self.scrollToItem(self.item(row), QListWidget.ScrollHint.PositionAtTop)
                 return
 
     def _icon(self, pen: QPen) -> QIcon:
-        """A piece of the line, drawn for the screen's dots."""
         ratio = self.devicePixelRatioF()
         size = self.iconSize()
         picture = QPixmap(size * ratio)

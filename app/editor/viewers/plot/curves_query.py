@@ -29,8 +29,6 @@ FINEST = 1025  # points of a curve
 
 @dataclass(frozen=True, eq=False)
 class TransferCurve:
-    """One stage's transfer function along the line."""
-
     name: str  # the node's id, or that of a product
     title: str  # for people, unique in the plot
     kind: Kind  # whether it leads to the final picture, stands beside, or is a product
@@ -39,14 +37,11 @@ class TransferCurve:
 
     @property
     def acts(self) -> bool:
-        """Whether it does anything along the line."""
         return bool((self.mtf != 1).any() or self.ptf.any())
 
 
 @dataclass(frozen=True, eq=False)
 class TransferCurves:
-    """What is plotted of a chain."""
-
     angle_deg: float  # direction of the line
     frequency: Vector  # cycles/mrad along the line
     curves: tuple[TransferCurve, ...]  # the stages and products

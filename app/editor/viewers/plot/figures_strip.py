@@ -78,7 +78,6 @@ class FiguresStrip(Viewer):
             self._freshness.catch_up(answer.generation)
 
     def follow_opening(self) -> None:
-        """Show nothing of another document."""
         self._show(None)
         self.label(RUN_TIME).show_text(NONE)
 
@@ -96,7 +95,6 @@ class FiguresStrip(Viewer):
         self._slots.append((head, value))
 
     def _name_slots(self, shown: Sequence[tuple[str, str]]) -> None:
-        """Give the places between output and run time to these figures."""
         names = tuple(name for name, _ in shown)
         if names == self._names:
             return
@@ -172,8 +170,6 @@ class Figure:
 
 @dataclass(frozen=True)
 class Figures:
-    """The read-outs of one node."""
-
     # the electronics; None where there is none, or it is not clear which leads to the output
     node: str | None
     figures: tuple[Figure, ...] = ()  # its read-outs

@@ -171,7 +171,6 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             self._cursors.append(cursor)
 
     def _write_axes(self) -> None:
-        """Name the axes; of other ones than before, all is shown."""
         drawing = self.drawing
         last = len(drawing.panels) - 1
         axes = [
@@ -364,7 +363,7 @@ class PlotMark:
             self._label.setFormat(text)
 
     def hide(self) -> None:
-        """Mark nothing. It stays in the plot: to take lines with names out may crash."""
+        """It stays in the plot: to take lines with names out may crash."""
         for line in self._lines:
             line.setVisible(False)
 
@@ -378,8 +377,6 @@ _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 
 
 class BarChart(QScrollArea):
-    """Draws a `Drawing` of bars, from the top down; scrolls where they are many."""
-
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAccessibleName("Bars")
@@ -412,7 +409,6 @@ class _Bars(QWidget):
         self.pens: Mapping[str, QPen] = {}
 
     def descriptions(self) -> list[str]:
-        """Each bar's name and values."""
         return [
             f"{name}: {', '.join(_text(line.y, place) for line in self._lines())}"
             for place, name in enumerate(self.drawing.bars)

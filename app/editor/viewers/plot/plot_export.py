@@ -34,7 +34,6 @@ _SHARPNESS = 2  # dots of a PNG for each of the window
 
 
 def save_plot(widget: QWidget, numbers: str, path: Path) -> None:
-    """Write a picture of the widget, or its numbers, by the suffix of the file."""
     if numbers and CSV.matches(path):
         write_text(path, numbers)
     else:

@@ -94,7 +94,6 @@ def bare(plot: pg.PlotItem) -> None:
 
 
 def paint_axes(plot: pg.PlotItem, theme: Theme) -> None:
-    """Axes, their titles and frame in the theme's colours."""
     for name in ("left", "bottom"):
         paint_axis(plot.getAxis(name), theme)
 
@@ -142,12 +141,10 @@ def entry_pens(entries: Iterable[Entry], theme: Theme) -> dict[str, QPen]:
 
 
 def mark_pen(theme: Theme) -> QPen:
-    """Of lines that mark a place."""
     return thick(theme.faint_text, 1, Qt.PenStyle.DashLine)
 
 
 def see_through(colour: str, alpha: int) -> QColor:
-    """A translucent colour, `alpha` 0 to 255."""
     mixed = QColor(colour)
     mixed.setAlpha(alpha)
     return mixed

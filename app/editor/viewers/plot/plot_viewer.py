@@ -95,7 +95,6 @@ class PlotViewer(Viewer):
         self._follow_choices()
 
     def look_at(self, port: str | None) -> None:
-        """Plot the curve or table on ``node.port``; None plots the chain's transfer functions."""
         self._lost = None
         if port != self.port or self._bare:
             self.port, self._bare = port, ""
@@ -130,7 +129,6 @@ class PlotViewer(Viewer):
             self._follow_choices()
 
     def set_parts(self, parts: str) -> None:
-        """Plot "mtf", "ptf" or "both"."""
         if parts in get_args(Parts) and parts != self.parts:
             self.parts = parts  # type: ignore[assignment]
             self._follow_choices()
@@ -150,7 +148,6 @@ class PlotViewer(Viewer):
             self._draw()
 
     def export(self, path: Path) -> None:
-        """Write what is shown (``.png``, ``.svg``), or all of its numbers (``.csv``)."""
         if self.data is None or self._bare:
             raise UsageError("the viewer shows no curves")
         save_plot(self._pages.currentWidget(), csv_text(self.data), path)
@@ -198,7 +195,6 @@ class PlotViewer(Viewer):
             self._follow_choices()
 
     def follow_opening(self) -> None:
-        """Plot the chain of another document."""
         self.data, self._kept, self._node = None, (None, ""), ""
         self.canvas.framed = True
         self._switched.clear()
@@ -365,7 +361,6 @@ class PlotViewer(Viewer):
         }
 
     def _show_transfer_status(self, curves: TransferCurves) -> None:
-        """Show what is missing, and what lies beyond the plot."""
         if curves.trouble:
             self.status.show_text(curves.trouble, failed=True)
             return
@@ -434,13 +429,11 @@ class FigureTable(CopiedTable):
         self.resizeRowsToContents()
 
     def cells(self, row: int) -> Sequence[str]:
-        """Name, value with all digits, unit and meaning."""
         figure = self._figures[row]
         return figure.name, _exact(figure), figure.unit, figure.meaning
 
 
 def _exact(figure: TableRow) -> str:
-    """The value with all its digits; nothing where there is none."""
     if figure.value is None:
         return ""
     return figure.value if isinstance(figure.value, str) else repr(figure.value)
@@ -500,7 +493,6 @@ class PlotBar(QWidget):
     def show_choices(
         self, port: str | None, angle_deg: float, parts: str, *, bare: bool = False
     ) -> None:
-        """Show what is chosen, without a signal; `bare`: nothing is, though it has no port."""
         self.ports.choose(port)
         if bare:
             self.ports.setCurrentIndex(-1)
@@ -545,7 +537,6 @@ class OutputButtons(QWidget):
         self._row = filled(QHBoxLayout(self), spacing=1)
 
     def show_port(self, port: str | None) -> None:
-        """Show a port as chosen beside the others of its node, without a signal."""
         ports = self._beside(port)
         if ports != tuple(self.buttons):
             self._make(ports)

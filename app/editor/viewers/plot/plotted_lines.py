@@ -38,8 +38,6 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """The points of an entry in one panel."""
-
     name: str
     x: Vector
     y: Vector
@@ -80,7 +78,6 @@ class Drawing:
 
     @property
     def x_range(self) -> tuple[float, float] | None:
-        """Least and greatest abscissa as drawn; None without points."""
         drawn = [self.drawn_x(line.x) for panel in self.panels for line in panel.lines]
         there = [values[np.isfinite(values)] for values in drawn]
         there = [values for values in there if len(values)]
