@@ -9,8 +9,6 @@ from typing import Any, TypeVar
 
 from PySide6.QtCore import (
     QEvent,
-    QModelIndex,
-    QPersistentModelIndex,
     QPoint,
     QRect,
     QSize,
@@ -96,12 +94,7 @@ class Check(QCheckBox):
 class OutlinedItems(QStyledItemDelegate):
     """Items of a list with a frame round the box to tick."""
 
-    def paint(
-        self,
-        painter: QPainter,
-        option: QStyleOptionViewItem,
-        index: QModelIndex | QPersistentModelIndex,
-    ) -> None:
+    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Any) -> None:
         super().paint(painter, option, index)
         item = QStyleOptionViewItem(option)
         self.initStyleOption(item, index)

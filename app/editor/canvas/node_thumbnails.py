@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
-from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene, QStyleOptionGraphicsItem, QWidget
+from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.content import Content
@@ -183,12 +183,7 @@ class ThumbnailItem(QGraphicsItem):
     def frame(self) -> QRectF:
         return self._box.translated(self.pos())
 
-    def paint(
-        self,
-        painter: QPainter,
-        _option: QStyleOptionGraphicsItem,
-        _widget: QWidget | None = None,
-    ) -> None:
+    def paint(self, painter: QPainter, *_: Any) -> None:
         style, box = self.style, self._box
         painter.fillRect(box, QColor(style.theme.base))
         if box.height() * painter.worldTransform().m11() < _LEAST_PX:

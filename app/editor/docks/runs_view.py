@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import time
+from typing import Any
 
 from PySide6.QtCore import (
     QEvent,
-    QModelIndex,
-    QPersistentModelIndex,
     QRect,
     QSize,
     Qt,
@@ -288,12 +287,7 @@ class _RunList(QTreeWidget):
 
 
 class _Progress(QStyledItemDelegate):
-    def paint(
-        self,
-        painter: QPainter,
-        option: QStyleOptionViewItem,
-        index: QModelIndex | QPersistentModelIndex,
-    ) -> None:
+    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Any) -> None:
         share = index.data(_SHARE)
         if share is not None:
             room: QRect = option.rect.adjusted(1, 2, -1, -2)

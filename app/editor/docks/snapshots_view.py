@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QSignalBlocker, QSize, Qt
+from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QKeyEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -215,7 +215,7 @@ class SnapshotList(QTreeWidget):
 
 
 class _NameEditor(QStyledItemDelegate):
-    def setEditorData(self, editor: QWidget, index: QModelIndex | QPersistentModelIndex) -> None:
+    def setEditorData(self, editor: QWidget, index: Any) -> None:
         assert isinstance(editor, QLineEdit)
         if not editor.isModified():  # else the list was filled anew while one types
             editor.setText(index.data(_STATE).name)

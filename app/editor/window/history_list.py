@@ -8,7 +8,6 @@ from PySide6.QtCore import (
     QAbstractListModel,
     QModelIndex,
     QObject,
-    QPersistentModelIndex,
     QPointF,
     QSize,
     Qt,
@@ -29,7 +28,6 @@ from PySide6.QtWidgets import QListView, QWidget
 from app.editor.session import Session
 from core.editing.history import History
 
-_Index = QModelIndex | QPersistentModelIndex
 _ROLE, _PALETTE = Qt.ItemDataRole, QPalette.ColorRole
 _START = "Start"
 
@@ -55,10 +53,10 @@ class HistoryModel(QAbstractListModel):
             self.endRemoveRows()
         self.dataChanged.emit(self.index(0), self.index(rows - 1), [])
 
-    def rowCount(self, parent: _Index = QModelIndex()) -> int:  # noqa: B008
+    def rowCount(self, parent: Any = QModelIndex()) -> int:  # noqa: B008
         return 0 if parent.isValid() else self._rows
 
-    def data(self, index: _Index, role: int = _ROLE.DisplayRole) -> Any:
+    def data(self, index: Any, role: int = _ROLE.DisplayRole) -> Any:
         history, row = self._history, index.row()
         if not 0 <= row <= history.last:  # changed, and not followed yet
             return None

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QBrush, QColor, QFont, QFontMetricsF, QPainter, QPainterPath, QPen
-from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
+from PySide6.QtWidgets import QGraphicsItem
 
 from app.editor.canvas.items.canvas_style import (
     BADGE_ROOM,
@@ -107,12 +108,7 @@ class NodeItem(AbstractNodeItem):
         x, y = self.x(), self.y()
         return x, y, x + self._width, y + self._height
 
-    def paint(
-        self,
-        painter: QPainter,
-        _option: QStyleOptionGraphicsItem,
-        _widget: QWidget | None = None,
-    ) -> None:
+    def paint(self, painter: QPainter, *_: Any) -> None:
         zoom = max(painter.worldTransform().m11(), 1e-3)
         relative = zoom / self.style.natural_zoom
         if not self.face.known:
@@ -385,12 +381,7 @@ class BadgeItem(QGraphicsItem):
     def boundingRect(self) -> QRectF:
         return _BOUNDS
 
-    def paint(
-        self,
-        painter: QPainter,
-        _option: QStyleOptionGraphicsItem,
-        _widget: QWidget | None = None,
-    ) -> None:
+    def paint(self, painter: QPainter, *_: Any) -> None:
         zoom = max(painter.worldTransform().m11(), 1e-3)
         painter.save()
         scale = min(max(1.0, _SMALLEST_PX / (_RADIUS * zoom)), _LARGEST)

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import (
     QGraphicsPathItem,
-    QStyleOptionGraphicsItem,
-    QWidget,
 )
 
 from app.editor.canvas.items.canvas_style import CanvasStyle
@@ -110,12 +108,7 @@ class WireItem(QGraphicsPathItem):
             path.lineTo(point + QPointF(0, 4))
         return path
 
-    def paint(
-        self,
-        painter: QPainter,
-        _option: QStyleOptionGraphicsItem,
-        _widget: QWidget | None = None,
-    ) -> None:
+    def paint(self, painter: QPainter, *_: Any) -> None:
         zoom = max(painter.worldTransform().m11(), 1e-3)
         pen = QPen(self._pen_colour, max(self._pen_width, _LEAST_PX / zoom))
         if self.output_port.node.disabled or self.input_port.node.disabled:
