@@ -7,14 +7,7 @@ import time
 from collections.abc import Collection, Sequence
 from typing import Any, TypeVar
 
-from PySide6.QtCore import (
-    QEvent,
-    QPoint,
-    QRect,
-    QSize,
-    Qt,
-    Signal,
-)
+from PySide6.QtCore import QEvent, QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import (
     QFont,
     QFontMetricsF,

@@ -6,15 +6,7 @@ import math
 import time
 from typing import Any
 
-from PySide6.QtCore import (
-    QEvent,
-    QRect,
-    QSize,
-    Qt,
-    QTimer,
-    QUrl,
-    Signal,
-)
+from PySide6.QtCore import QEvent, QRect, QSize, Qt, QTimer, QUrl, Signal
 from PySide6.QtGui import (
     QColor,
     QDesktopServices,

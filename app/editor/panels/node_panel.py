@@ -8,14 +8,7 @@ from pathlib import Path
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import (
-    QFrame,
-    QLineEdit,
-    QToolButton,
-    QVBoxLayout,
-    QWidget,
-    QWidgetAction,
-)
+from PySide6.QtWidgets import QFrame, QLineEdit, QToolButton, QVBoxLayout, QWidget, QWidgetAction
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
@@ -29,13 +22,7 @@ from app.editor.panels.preview_view import PreviewView, preview_query
 from app.editor.session import Session
 from app.editor.widgets import Menu, filled
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
-from core.editing.operations import (
-    ABSENT,
-    Rename,
-    has_picture,
-    output_toggled,
-    set_node_field,
-)
+from core.editing.operations import ABSENT, Rename, has_picture, output_toggled, set_node_field
 from core.errors import ImagechainError
 from core.modules.declaration import where_absent
 from core.network.macro import SEPARATOR

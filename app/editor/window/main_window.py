@@ -46,13 +46,7 @@ from app.editor.window.viewer_docks import (
     toggle_dock,
 )
 from app.editor.window.welcome import WelcomePage
-from app.editor.window.window_layout import (
-    DEFAULT,
-    LayoutMenu,
-    LayoutName,
-    Pages,
-    WindowLayout,
-)
+from app.editor.window.window_layout import DEFAULT, LayoutMenu, LayoutName, Pages, WindowLayout
 from core.editing.layout import EDGES, WAYS
 from core.errors import ImagechainError
 from core.modules.declaration import Library

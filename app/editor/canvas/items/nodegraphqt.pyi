@@ -1,14 +1,7 @@
 """What we use of NodeGraphQt's view layer, with its types."""
 
 from PySide6.QtCore import QRectF
-from PySide6.QtWidgets import (
-    QGraphicsItem,
-    QGraphicsView,
-    QMenu,
-    QMenuBar,
-    QRubberBand,
-    QWidget,
-)
+from PySide6.QtWidgets import QGraphicsItem, QGraphicsView, QMenu, QMenuBar, QRubberBand, QWidget
 
 class NodeViewer(QGraphicsView):
     """A graphics view of nodes and wires."""

@@ -9,9 +9,7 @@ from typing import Any, NamedTuple
 
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
-from PySide6.QtWidgets import (
-    QGraphicsPathItem,
-)
+from PySide6.QtWidgets import QGraphicsPathItem
 
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.node_item import NodePort

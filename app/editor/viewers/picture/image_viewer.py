@@ -21,12 +21,7 @@ from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
 from app.editor.viewers.picture.picture_probe import PictureProbe, save_picture, shown_png
 from app.editor.viewers.picture.region_tool import RegionTool
 from app.editor.viewers.pixels.grey_levels import colour_table
-from app.editor.viewers.pixels.picture_choices import (
-    AUTOMATIC_LEVELS,
-    Choices,
-    Scale,
-    bands_of,
-)
+from app.editor.viewers.pixels.picture_choices import AUTOMATIC_LEVELS, Choices, Scale, bands_of
 from app.editor.viewers.pixels.picture_facts import Facts, laid_over
 from app.editor.viewers.pixels.picture_query import KeptPicture, Picture, PictureQuery
 from app.editor.viewers.pixels.probing import facts_text
