@@ -12,7 +12,7 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QToolButton, QWidget
 
 from app.editor.canvas.canvas_view import GraphView
-from app.editor.canvas.items.backdrop_item import BackdropItem
+from app.editor.canvas.items.node_item import BackdropItem
 from app.editor.declared_text import tip
 from app.editor.session import Level
 from app.editor.theme import FAINT, RAISED

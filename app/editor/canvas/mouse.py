@@ -10,9 +10,8 @@ from PySide6.QtGui import QMouseEvent
 
 from app.editor.canvas.adding import insertion_at, with_way_made
 from app.editor.canvas.gestures import Cut, Gesture, Pan, RubberBand, Surface, whole
-from app.editor.canvas.items.backdrop_item import SMALLEST, BackdropItem
 from app.editor.canvas.items.hits import Hit, Marks, node_at, place_on_wire, port_near, wires_near
-from app.editor.canvas.items.node_item import NodePort
+from app.editor.canvas.items.node_item import SMALLEST, BackdropItem, NodePort
 from app.editor.canvas.items.wires import WireItem
 from core.editing.backdrops import Backdrop, change, nodes_on
 from core.editing.links import refusal

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QComboBox, QCompleter, QLineEdit, QWidget
 from app.editor.declared_text import label_of, tip, titled
 from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, scale_of
 from app.editor.session import Session
-from app.editor.viewers.network_ports import VALUE, NodeChoice, entry
+from app.editor.viewers.viewer import VALUE, NodeChoice, entry
 from app.run.output import ANALYSIS
 from app.tradeoff.values import is_number, spaced
 from core.editing.operations import set_parameter

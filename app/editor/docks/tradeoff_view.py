@@ -38,12 +38,11 @@ from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure, shown_number
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Session, renamed_node
-from app.editor.viewers.network_ports import ports_depend_on
 from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.plot_export import have_plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import thick
 from app.editor.viewers.plot.plotted_lines import Entry
-from app.editor.viewers.viewer import StatusLine, Viewer
+from app.editor.viewers.viewer import StatusLine, Viewer, ports_depend_on
 from app.editor.widgets import Check, FlowLayout, Menu, filled, labelled, menu_button
 from app.run.output import ancestors
 from app.run.responses import SYSTEM, TOTAL

@@ -15,8 +15,17 @@ from PySide6.QtGui import QGuiApplication
 
 from app.editor.evaluation.badges import with_macros
 from app.editor.evaluation.changes import computes_alike
-from app.editor.evaluation.mailbox import Inbox, Outbox, Request, Snapshot
-from app.editor.evaluation.queries import Answer, Badge, Busy, PassDone, Query
+from app.editor.evaluation.queries import (
+    Answer,
+    Badge,
+    Busy,
+    Inbox,
+    Outbox,
+    PassDone,
+    Query,
+    Request,
+    Snapshot,
+)
 from app.editor.evaluation.runner import PAUSE_S, Runner
 from app.editor.session import Session
 from core.chain.engine import Plan

@@ -17,9 +17,17 @@ import numpy as np
 from app.editor.declared_text import error_text
 from app.editor.evaluation.badges import as_error, badges, skip_texts
 from app.editor.evaluation.changes import Change, Planned, edited, plan_held
-from app.editor.evaluation.mailbox import Inbox, Outbox, Request, Snapshot
 from app.editor.evaluation.preview import reduced_network, with_same_nodes
-from app.editor.evaluation.queries import Answer, Badge, PassDone, Passing
+from app.editor.evaluation.queries import (
+    Answer,
+    Badge,
+    Inbox,
+    Outbox,
+    PassDone,
+    Passing,
+    Request,
+    Snapshot,
+)
 from core.chain.engine import Engine, Plan
 from core.chain.skipped import skips
 from core.errors import Cancelled, ImagechainError

@@ -28,7 +28,7 @@ from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.path import PathField
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.theme import CHANGED, FAINT, theme_of
-from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
+from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.widgets import Menu, PageTabs, filled, plain_label, tool_button
 from core.editing.operations import ABSENT
 from core.modules.declaration import Declaration, Port

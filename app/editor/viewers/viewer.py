@@ -1,20 +1,25 @@
-"""What all viewers have in common: they post queries while visible, and show the answers."""
+"""What viewers have in common: their queries, status line, and lists of the network's ports."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Hashable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
-from PySide6.QtCore import Signal
-from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QHBoxLayout, QWidget
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QHideEvent, QShowEvent, QStandardItem, QStandardItemModel
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QSizePolicy, QWidget
 
+from app.editor.declared_text import titled
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.notices import Mark, close_button
 from app.editor.session import Session
 from app.editor.theme import ERROR, TEXT, Theme, theme_of
 from app.editor.widgets import ElidedLabel
+from core.modules.declaration import Library
+from core.network.macro import declared_node
+from core.network.network import Network, Node, passed_through
 
 
 class Viewer(QWidget):
@@ -126,3 +131,177 @@ class StatusLine(QWidget):
 
     def show_more(self, text: str) -> None:
         self.more.show_text(text)
+
+
+PICTURE_TYPES = ("image", "magnitude", "phase", "transfer", "pupil")
+"""Types of ports that are shown in the viewers of pictures."""
+
+PLOT_TYPES = ("curve", "table")
+"""Types of ports that are shown in the viewer of curves."""
+
+VIEWER_NUMBERS = tuple(range(1, 10))
+"""Of the viewers of pictures there may be."""
+
+
+@dataclass(frozen=True)
+class NodePorts:
+    """Outputs of one node: its id, its module's title, and its ports as ``NODE.PORT``."""
+
+    node: str
+    title: str
+    ports: tuple[str, ...]
+
+
+def ports_by_node(
+    network: Network, library: Library, types: Collection[str]
+) -> tuple[NodePorts, ...]:
+    """Outputs of these port types by node, in the document's order.
+
+    Of a disabled node, only what it passes on.
+    """
+    node_ports = []
+    for node in network.nodes.values():
+        declared = declared_node(node, library)
+        if declared is None:
+            continue
+        through = passed_through(declared)
+        ports = tuple(
+            f"{node.id}.{port.name}"
+            for port in declared.outputs
+            if port.types[0] in types and (port.name in through or not node.disabled)
+        )
+        if ports:
+            node_ports.append(NodePorts(node.id, declared.title, ports))
+    return tuple(node_ports)
+
+
+def ports_depend_on(network: Network) -> Hashable:
+    """What `ports_by_node` depends on: cheap to compare after each change."""
+    return tuple(
+        (node.id, node.module, node.disabled, node.macro and node.macro.extra.get("outputs"))
+        for node in network.nodes.values()
+    )
+
+
+def followed(port: str, before: Network, after: Network) -> str | None:
+    """Where the port is after a change: under its node's new name, or None if that is gone."""
+    name, _, output = port.rpartition(".")
+    if name in after.nodes:
+        return port
+    come = [new for new in after.nodes if new not in before.nodes]
+    old = before.nodes.get(name)
+    for new in come:
+        if old is not None and _alike(old, after.nodes[new]):
+            return f"{new}.{output}"
+    return None
+
+
+def _alike(old: Node, new: Node) -> bool:
+    """Whether it is the same node under another name, or grouped, or no longer so."""
+    return replace(old, id=new.id, noise=new.noise) == new
+
+
+# A list of what the nodes of a network have, to choose from, by node.
+
+VALUE = Qt.ItemDataRole.UserRole
+
+
+class NodeChoice(QComboBox):
+    """Entries under the names of their nodes; the first one, `nothing`, stands for none.
+
+    Subclasses give their entries in `groups` and say in `take` what a choice does. They call
+    `fill` once they are made.
+    """
+
+    def __init__(self, session: Session, nothing: str, parent: QWidget | None) -> None:
+        super().__init__(parent)
+        self.session = session
+        self.value = ""
+        """The entry that is chosen; empty for none."""
+        self._nothing = nothing
+        self._filled: Hashable = None
+        self.entries = QStandardItemModel(self)
+        self.setModel(self.entries)
+        self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self.setMaxVisibleItems(24)
+        self.activated.connect(self.take_at)
+        session.changed.connect(self._changed)
+        session.opened.connect(self.fill)
+
+    def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
+        """The names of nodes, with the entries below each."""
+        raise NotImplementedError
+
+    def take(self, value: str | None) -> None:
+        """An entry has been chosen: its value, empty for none; None where it has no value."""
+        raise NotImplementedError
+
+    def take_at(self, index: int) -> None:
+        self.take(self.itemData(index, VALUE))
+
+    def show_value(self, value: str) -> None:
+        self.value = value
+        self.setCurrentIndex(max(0, self.findData(value, VALUE)))
+        self.setToolTip(value or self._nothing)
+
+    def showPopup(self) -> None:
+        bar = self.view().verticalScrollBar().sizeHint().width()
+        width = self.view().sizeHintForColumn(0) + bar
+        self.view().setMinimumWidth(max(width, self.width()))
+        super().showPopup()
+
+    def fill(self) -> None:
+        self._filled = ports_depend_on(self.session.network)
+        rows = [entry(self._nothing, "")]
+        for name, entries in self.groups():
+            head = QStandardItem(name)
+            head.setFlags(Qt.ItemFlag.NoItemFlags)
+            rows += [head, *entries]
+        self.entries.clear()
+        self.entries.invisibleRootItem().appendRows(rows)  # at once: the box follows each insertion
+        self.show_value(self.value)
+
+    def _changed(self, _before: Any, after: Any) -> None:
+        if ports_depend_on(after) != self._filled:
+            self.fill()
+
+
+def entry(text: str, value: str, tooltip: str = "") -> QStandardItem:
+    item = QStandardItem(text)
+    item.setData(value, VALUE)
+    if tooltip:
+        item.setToolTip(tooltip)
+    return item
+
+
+# The choice of a wire: every output of the network that can be shown, by node.
+
+
+class PortChoice(NodeChoice):
+    chosen = Signal(str)  # port: the person has chosen a port; an empty text is none
+
+    def __init__(
+        self, session: Session, types: tuple[str, ...], nothing: str, parent: QWidget | None = None
+    ) -> None:
+        super().__init__(session, nothing, parent)
+        self._types = types
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setMinimumContentsLength(3)
+        self.fill()
+
+    @property
+    def port(self) -> str:
+        return self.value
+
+    def choose(self, port: str | None) -> None:
+        """Show a port as chosen, without a signal."""
+        self.show_value(port or "")
+
+    def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
+        for group in ports_by_node(self.session.network, self.session.library, self._types):
+            yield titled(group.node, group.title), [entry(port, port) for port in group.ports]
+
+    def take(self, value: str | None) -> None:
+        if value is not None:
+            self.value = value
+            self.chosen.emit(value)

@@ -23,12 +23,11 @@ from app.editor.panels.panel_area import PanelArea
 from app.editor.recovery_files import Autosaver, Recovered, recoverable
 from app.editor.session import Level, Session
 from app.editor.theme import THEMES, Look, Theme
-from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.viewers.plot.figures_strip import FiguresStrip
+from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.widgets import filled
-from app.editor.window.actions import CANVAS_MENU, NODE_MENU, Actions
+from app.editor.window.actions import CANVAS_MENU, NODE_MENU, Actions, EditCommands
 from app.editor.window.background_runs import BackgroundRuns
-from app.editor.window.edit_commands import EditCommands
 from app.editor.window.files import Drops, Files, Opened, PresetShelf
 from app.editor.window.help import Help
 from app.editor.window.history_list import HistoryList

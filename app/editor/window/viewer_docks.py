@@ -20,9 +20,9 @@ from shiboken6 import isValid
 from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
-from app.editor.viewers.network_ports import PICTURE_TYPES, PLOT_TYPES
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.editor.viewers.viewer import PICTURE_TYPES, PLOT_TYPES
 from app.editor.widgets import labelled
 from app.run.output import ANALYSIS, find_output, source_images
 from core.chain.engine import Plan

@@ -10,7 +10,6 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
-from app.editor.canvas.items.backdrop_item import BackdropItem, rect_of
 from app.editor.canvas.items.canvas_style import (
     INPUT,
     OUTPUT,
@@ -19,7 +18,7 @@ from app.editor.canvas.items.canvas_style import (
     Side,
     face_of,
 )
-from app.editor.canvas.items.node_item import GAP_BESIDE, NodeItem, NodePort
+from app.editor.canvas.items.node_item import GAP_BESIDE, BackdropItem, NodeItem, NodePort, rect_of
 from app.editor.canvas.items.wires import (
     DOT_RADIUS,
     Ground,

@@ -8,10 +8,9 @@ from operator import itemgetter
 
 from PySide6.QtCore import QPointF, QRectF
 
-from app.editor.canvas.items.backdrop_item import BackdropItem
 from app.editor.canvas.items.canvas_style import Side
 from app.editor.canvas.items.content import Content
-from app.editor.canvas.items.node_item import NodeItem, NodePort
+from app.editor.canvas.items.node_item import BackdropItem, NodeItem, NodePort
 from app.editor.canvas.items.wires import DOT_RADIUS, WireItem, length
 from core.network.network import Link
 

@@ -15,18 +15,23 @@ from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
-from app.editor.viewers.network_ports import PICTURE_TYPES, ports_by_node
 from app.editor.viewers.picture.picture_bar import BandBar, PictureBar
 from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
 from app.editor.viewers.picture.picture_probe import PictureProbe, save_picture, shown_png
 from app.editor.viewers.picture.region_tool import RegionTool
 from app.editor.viewers.pixels.grey_levels import colour_table
-from app.editor.viewers.pixels.picture_choices import AUTOMATIC_LEVELS, Choices, Scale, bands_of
-from app.editor.viewers.pixels.picture_facts import Facts, laid_over
+from app.editor.viewers.pixels.picture_facts import (
+    AUTOMATIC_LEVELS,
+    Choices,
+    Facts,
+    Scale,
+    bands_of,
+    laid_over,
+)
 from app.editor.viewers.pixels.picture_query import KeptPicture, Picture, PictureQuery
 from app.editor.viewers.pixels.probing import facts_text
 from app.editor.viewers.plot.plot_export import columns_text
-from app.editor.viewers.viewer import StatusLine, Viewer
+from app.editor.viewers.viewer import PICTURE_TYPES, StatusLine, Viewer, ports_by_node
 from app.editor.widgets import Menu, centred_hint, filled, labelled
 from core.errors import UsageError
 from core.network.network import Network

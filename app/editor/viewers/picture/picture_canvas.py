@@ -13,7 +13,7 @@ from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QPainter, QTransform
 from PySide6.QtWidgets import QGraphicsView, QLabel, QWidget
 
 from app.editor.theme import RAISED, Theme, theme_of
-from app.editor.viewers.picture.levels_bar import LevelsBar
+from app.editor.viewers.picture.picture_bar import LevelsBar
 from app.editor.viewers.picture.plots_below import ProfileLine, Spectra
 from app.editor.viewers.picture.region_overlay import RegionOverlay
 from app.editor.viewers.pixels.grey_levels import Table, colour_table

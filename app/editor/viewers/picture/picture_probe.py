@@ -12,7 +12,7 @@ from PySide6.QtGui import QImage
 
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.pixels.grey_levels import Levels, Table
-from app.editor.viewers.pixels.picture_choices import Choices
+from app.editor.viewers.pixels.picture_facts import Choices
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.pixels.probing import index_at, sample_text
 from app.editor.viewers.viewer import StatusLine

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.theme import Theme, theme_of
-from app.editor.viewers.pixels.picture_choices import CHANNELS, BandChoice, bands_of
+from app.editor.viewers.pixels.picture_facts import CHANNELS, BandChoice, bands_of
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.pixels.probing import Place, along_line
 from app.editor.viewers.plot.plot_looks import bare, paint_axes, see_through, thick

@@ -20,16 +20,14 @@ from app.editor.viewers.pixels.grey_levels import (
     quantiles,
     spread_of,
 )
-from app.editor.viewers.pixels.picture_choices import (
+from app.editor.viewers.pixels.picture_facts import (
     ALL,
     Automatic,
     BandChoice,
+    Facts,
     Levels,
     Mode,
     Scale,
-)
-from app.editor.viewers.pixels.picture_facts import (
-    Facts,
     check_is_picture,
     identity,
     of_bands,

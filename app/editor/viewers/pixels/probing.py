@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.viewers.pixels.picture_choices import CHANNELS, Choices
-from app.editor.viewers.pixels.picture_facts import Facts
+from app.editor.viewers.pixels.picture_facts import CHANNELS, Choices, Facts
 from app.editor.viewers.pixels.picture_query import Picture
 from nodes.input_output.examine_image import apparent_temperature
 from nodes.shared.shared_warnings import is_radiance

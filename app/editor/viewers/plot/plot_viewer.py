@@ -32,7 +32,6 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.number_text import shown_figure
 from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.session import Session
-from app.editor.viewers.network_ports import PLOT_TYPES, PortChoice, followed, ports_by_node
 from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery, TransferCurves
 from app.editor.viewers.plot.plot_canvas import BarChart, PlotCanvas
@@ -44,7 +43,14 @@ from app.editor.viewers.plot.plotted_lines import (
     transfer_drawing,
     with_kept,
 )
-from app.editor.viewers.viewer import StatusLine, Viewer
+from app.editor.viewers.viewer import (
+    PLOT_TYPES,
+    PortChoice,
+    StatusLine,
+    Viewer,
+    followed,
+    ports_by_node,
+)
 from app.editor.widgets import (
     CopiedTable,
     FlowLayout,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.editor.docks.add_run import typed_values
+from app.editor.window.background_runs import typed_values
 from core.errors import ImagechainError
 from core.modules.declaration import declaration
 from nodes.library import standard_library

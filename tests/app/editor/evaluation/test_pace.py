@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from app.editor.evaluation import runner as pace_module
-from app.editor.evaluation.mailbox import Snapshot
+from app.editor.evaluation.queries import Snapshot
 from app.editor.evaluation.runner import Pace, Task, overtaken
 from core.network.network import Network
 

@@ -5,7 +5,7 @@ import pytest
 
 from app.editor.evaluation.queries import Passing
 from app.editor.viewers.pixels.grey_levels import grey_levels
-from app.editor.viewers.pixels.picture_choices import Choices
+from app.editor.viewers.pixels.picture_facts import Choices
 from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.pixels.probing import facts_text, sample_text
 from core.evaluation.policy import Policy

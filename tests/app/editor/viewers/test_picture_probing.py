@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from app.editor.viewers.pixels.picture_choices import Choices
-from app.editor.viewers.pixels.picture_facts import laid_over, picture_facts
+from app.editor.viewers.pixels.picture_facts import Choices, laid_over, picture_facts
 from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.pixels.probing import along_line, index_at, probe, probe_text
 from core.physics.radiometry.planck import band_radiance

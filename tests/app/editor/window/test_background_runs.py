@@ -11,7 +11,7 @@ from PySide6.QtGui import QDesktopServices
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
 
-from app.editor.docks.add_run import AddRun
+from app.editor.window.background_runs import AddRun
 from command_line import run_here
 from core.editing.document import Document
 from core.editing.operations import set_parameter

@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.editor.panels.node_panel import NodePanel
+from app.editor.panels.panel_area import NodePanel
 from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.editor.window.help import shortcuts_of

@@ -5,7 +5,7 @@ import pytest
 
 from app.editor.evaluation.queries import Passing
 from app.editor.viewers.picture.plots_below import MeanSpectrumQuery, SampleSpectrumQuery
-from app.editor.viewers.pixels.picture_choices import ALL, BandChoice, Choices, evenly_spaced
+from app.editor.viewers.pixels.picture_facts import ALL, BandChoice, Choices, evenly_spaced
 from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.pixels.probing import facts_text, sample_text
 from core.chain.engine import Engine
