@@ -274,9 +274,7 @@ class Autosaver(QObject):
         self._autosave = Autosave(session.document, folder)
         self._warned = False
         self._leave_file = False
-        self._timer = QTimer(self)
-        self._timer.setSingleShot(True)
-        self._timer.setInterval(DELAY_MS)
+        self._timer = QTimer(self, singleShot=True, interval=DELAY_MS)
         self._timer.timeout.connect(self._write)
         self._written.connect(self._after)
         session.changed.connect(self._begin)

@@ -372,9 +372,7 @@ def plain_label(
     bold: bool = False,
 ) -> QLabel:
     """A text that is no markup and is broken into lines, in a colour of the palette."""
-    label = labelled(QLabel(text, parent), name)
-    label.setTextFormat(Qt.TextFormat.PlainText)
-    label.setWordWrap(True)
+    label = labelled(QLabel(text, parent, textFormat=Qt.TextFormat.PlainText, wordWrap=True), name)
     label.setForegroundRole(role)
     if bold:
         font = label.font()
@@ -390,10 +388,7 @@ def show_or_hide(label: QLabel, text: str) -> None:
 
 def centred_hint(text: str, parent: QWidget) -> QLabel:
     """What to do, in the middle of where nothing is shown yet."""
-    label = QLabel(text, parent)
-    label.setAlignment(Qt.AlignmentFlag.AlignCenter)
-    label.setWordWrap(True)
-    return label
+    return QLabel(text, parent, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
 
 
 class CopiedTable(QTableWidget):

@@ -95,8 +95,7 @@ class ChoicePopup(QFrame):
         self.setAutoFillBackground(True)
         self.setBackgroundRole(QPalette.ColorRole.Window)  # a view's children take its own
         self.title = labelled(QLabel(), "canvas.popup.title")
-        self.field = labelled(QLineEdit(), "canvas.popup.field")
-        self.field.setPlaceholderText("Type to search")
+        self.field = labelled(QLineEdit(placeholderText="Type to search"), "canvas.popup.field")
         self.field.setClearButtonEnabled(True)
         self.list = labelled(QListWidget(), "canvas.popup.list")
         self.list.setFocusPolicy(Qt.FocusPolicy.NoFocus)

@@ -202,8 +202,7 @@ class RunProcess(QObject):
         self._process.readyReadStandardError.connect(self._read_errors)
         self._process.finished.connect(self._finished)
         self._process.errorOccurred.connect(self._failed_to_start)
-        self._force = QTimer(self)
-        self._force.setSingleShot(True)
+        self._force = QTimer(self, singleShot=True)
         self._force.timeout.connect(self._process.kill)
 
     @property

@@ -61,8 +61,7 @@ class RunsView(QWidget):
         self._build()
         queue.listed.connect(self._fill)
         queue.changed.connect(self._follow)
-        self._tick = QTimer(self)
-        self._tick.setInterval(_TICK_MS)
+        self._tick = QTimer(self, interval=_TICK_MS)
         self._tick.timeout.connect(self._show_times)
         self._fill()
 

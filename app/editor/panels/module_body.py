@@ -78,9 +78,7 @@ class ModuleBody(QWidget):
             self.ports.follow(after)
 
     def _titled(self, title: QLabel, widget: QWidget) -> None:
-        line = QFrame(self)
-        line.setFrameShape(QFrame.Shape.HLine)
-        line.setFrameShadow(QFrame.Shadow.Sunken)
+        line = QFrame(self, frameShape=QFrame.Shape.HLine, frameShadow=QFrame.Shadow.Sunken)
         font = title.font()
         font.setBold(True)
         title.setFont(font)

@@ -240,8 +240,7 @@ class NetworkPanel(QFrame):
         self.count = plain_label("network_count", self.below)
         text = "Select a node to see its control panel here."
         hint = plain_label("network_hint", self.below, text, role=FAINT)
-        form = QFormLayout()
-        form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+        form = QFormLayout(fieldGrowthPolicy=QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
         form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
         form.addRow("Name", self.name)
         form.addRow("Seed", self.seed)
@@ -307,8 +306,7 @@ class Words(QPlainTextEdit):
     given_up = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setTabChangesFocus(True)
+        super().__init__(parent, tabChangesFocus=True)
         self.setMinimumHeight(self.fontMetrics().height() * 5)
 
     def show_text(self, text: str) -> None:

@@ -72,9 +72,7 @@ class ReadoutValue(QLineEdit):
     _width = 0
 
     def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setReadOnly(True)
-        self.setFrame(False)
+        super().__init__(parent, readOnly=True, frame=False)
         self.setTextMargins(0, 0, 0, 0)
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)

@@ -257,8 +257,7 @@ class AddRun(QDialog):
         self._fill_readers()
 
     def _line(self, placeholder: str) -> QLineEdit:
-        line = QLineEdit(self)
-        line.setPlaceholderText(placeholder)
+        line = QLineEdit(self, placeholderText=placeholder)
         line.setToolTip(placeholder)
         return line
 
@@ -275,8 +274,7 @@ class AddRun(QDialog):
         inner.setObjectName(f"add_run.{name}")
         if not isinstance(field, Check):
             inner.setAccessibleName(label.replace("&", ""))
-        error = labelled(QLabel(self), f"add_run.{name}.error")
-        error.setWordWrap(True)
+        error = labelled(QLabel(self, wordWrap=True), f"add_run.{name}.error")
         error.setForegroundRole(ERROR)
         error.hide()
         self.errors[name] = error

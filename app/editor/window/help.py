@@ -161,8 +161,7 @@ class HandbookOpening(QObject):
         self._process = QProcess(self)
         self._process.finished.connect(self._finished)
         self._process.errorOccurred.connect(self._failed_to_start)
-        self._long = QTimer(self)
-        self._long.setSingleShot(True)
+        self._long = QTimer(self, singleShot=True)
         self._long.timeout.connect(self._say_that_it_takes_long)
         self._closed = False
 

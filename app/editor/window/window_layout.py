@@ -42,8 +42,7 @@ class WindowLayout(QObject):
         self._shown = self._placing = False
         self._pressed: Sizes | None = None
         self._followed: set[str] = set()
-        self._soon = QTimer(self)
-        self._soon.setSingleShot(True)
+        self._soon = QTimer(self, singleShot=True)
         self._soon.timeout.connect(self.keep)
         window.installEventFilter(self)
 

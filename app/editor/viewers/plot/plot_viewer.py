@@ -533,8 +533,7 @@ class OutputButtons(QWidget):
     chosen = Signal(str)  # port: the person has chosen one, ``NODE.PORT``
 
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setAccessibleName("Outputs of the node that is plotted")
+        super().__init__(parent, accessibleName="Outputs of the node that is plotted")
         self._session = session
         self._owner = owner
         self.buttons: dict[str, Toggle] = {}
