@@ -44,19 +44,13 @@ class Session(QObject):
         self.library = library
         self.free = FreeNumbers(self)
         self._chosen: set[Path] = set()
-        self._document = Document(Network(), library=library)
-        self._document.listen(self._changed)
-        self._network = self._document.network
-        self._selection: tuple[str, ...] = ()
-        self._resolved = (self._network, ResolvedNetwork(self._network))
-
-    @property
-    def document(self) -> Document:
-        return self._document
-
-    @property
-    def network(self) -> Network:
-        return self._network
+        self.document = Document(Network(), library=library)
+        self.document.listen(self._changed)
+        # With the nodes inside of macros beside all others: they are called ``camera/blur``, and
+        # operations given to `do` may name them so.
+        self.network = self.document.network
+        self.selection: tuple[str, ...] = ()
+        self._resolved = (self.network, ResolvedNetwork(self.network))
 
     @property
     def head(self) -> str:
@@ -66,13 +60,13 @@ class Session(QObject):
     @property
     def plain(self) -> Network:
         """The network with its macros written out, which is what is computed."""
-        return expanded(self._document.network, self.library)
+        return expanded(self.document.network, self.library)
 
     @property
     def resolved(self) -> ResolvedNetwork:
         """The plain network with values in the place of its expressions."""
         of, before = self._resolved
-        document = self._document.network
+        document = self.document.network
         if of is not document:
             known = before.network.nodes.get
             now = with_values(self.plain, library=self.library, known=known)
@@ -96,7 +90,7 @@ class Session(QObject):
         self, setting: Operation, places: Iterable[tuple[str, str]]
     ) -> dict[tuple[str, str], LinkError]:
         """Which of these parameters, by node and name, would have no value after an operation."""
-        document = self._document.network
+        document = self.document.network
         trial = resolved(addressed(document, setting).apply(document), library=self.library)
         faults = {}
         for place in places:
@@ -117,19 +111,15 @@ class Session(QObject):
 
     @property
     def folder(self) -> Path:
-        return self._document.folder
+        return self.document.folder
 
     @property
     def stem(self) -> str:
-        path = self._document.path
+        path = self.document.path
         if path is not None:
             return path.stem
         name = self.network.name or "network"
         return "".join(c if c.isalnum() or c in "-_" else "_" for c in name.lower())
-
-    @property
-    def selection(self) -> tuple[str, ...]:
-        return self._selection
 
     @property
     def selected_alike(self) -> tuple[str, ...]:
@@ -143,15 +133,15 @@ class Session(QObject):
         return declared_node(node, self.library) if node is not None else None
 
     def local_name(self, name: str) -> str:
-        return path_of(self._document.network, name)[-1]
+        return path_of(self.document.network, name)[-1]
 
     def open(self, document: Document) -> None:
-        self._document = document
-        self._network = unfolded(document.network)
+        self.document = document
+        self.network = unfolded(document.network)
         self._chosen.clear()
         self.free.clear()
         document.listen(self._changed)
-        self._selection = ()
+        self.selection = ()
         self.opened.emit()
         self.selection_changed.emit(())
         self.state_changed.emit()
@@ -163,42 +153,42 @@ class Session(QObject):
         a `gesture` are one undo step; `end_gesture` when the mouse goes up.
         """
         try:
-            return self._document.do(addressed(self._document.network, operation), gesture)
+            return self.document.do(addressed(self.document.network, operation), gesture)
         except ImagechainError as error:
             self.message.emit("error", error_text(error))
             return False
 
     def check(self, operation: Operation) -> None:
         """Refuse an operation that does not fit, with an error that says why; change nothing."""
-        network = self._document.network
+        network = self.document.network
         addressed(network, operation).apply(network)
 
     def end_gesture(self) -> None:
-        self._document.end_gesture()
+        self.document.end_gesture()
 
     def undo(self) -> None:
-        self._document.undo()
+        self.document.undo()
 
     def redo(self) -> None:
-        self._document.redo()
+        self.document.redo()
 
     def go_to(self, position: int) -> None:
-        self._document.go_to(position)
+        self.document.go_to(position)
 
     def save(self, path: Path | None = None, *, over: bool = False) -> bool:
         """Save the document; whether that worked. If not, the work is kept and the reason shown.
 
         `over`: whether to write over another program's changes to its own file.
         """
-        before = self._document.path
+        before = self.document.path
         try:
-            self._document.save(path, over=over)
+            self.document.save(path, over=over)
         except ImagechainError as error:
             self.message.emit("error", f"not saved: {error}")
             return False
         self.state_changed.emit()
-        if self._document.path is not None:
-            self._remember(self._document.path, before)
+        if self.document.path is not None:
+            self._remember(self.document.path, before)
         return True
 
     @property
@@ -209,8 +199,8 @@ class Session(QObject):
     def choose_output(self, file: Path) -> None:
         """The person has chosen a file to be written: a run of this network may write it."""
         self._chosen.add(file.absolute())
-        if self._document.path is not None:
-            self._remember(self._document.path)
+        if self.document.path is not None:
+            self._remember(self.document.path)
 
     def _remember(self, network: Path, before: Path | None = None) -> None:
         try:
@@ -222,19 +212,17 @@ class Session(QObject):
 
     def select(self, names: Iterable[str]) -> None:
         chosen = tuple(name for name in dict.fromkeys(names) if name in self.network.nodes)
-        if chosen != self._selection:
-            self._selection = chosen
+        if chosen != self.selection:
+            self.selection = chosen
             self.selection_changed.emit(chosen)
 
     def _changed(self, _before: Network, after: Network) -> None:
-        shown, self._network = self._network, unfolded(after)
-        renamed = renamed_node(shown, self._network)
-        self.free.follow(
-            lambda name: followed_name(name, renamed), shown.nodes, self._network.nodes
-        )
-        self.changed.emit(shown, self._network)
+        shown, self.network = self.network, unfolded(after)
+        renamed = renamed_node(shown, self.network)
+        self.free.follow(lambda name: followed_name(name, renamed), shown.nodes, self.network.nodes)
+        self.changed.emit(shown, self.network)
         self.state_changed.emit()
-        self.select(followed_name(name, renamed) for name in self._selection)
+        self.select(followed_name(name, renamed) for name in self.selection)
 
 
 def renamed_node(before: Network, after: Network) -> tuple[str, str] | None:
@@ -278,26 +266,17 @@ class Level(QObject):
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.session = session
-        self._path: tuple[str, ...] = ()
-        self._network = session.document.network
+        self.path: tuple[str, ...] = ()  # the macros that it lies in, the outermost first
+        self.network = session.document.network
         session.opened.connect(self._begin)
         session.changed.connect(self._follow)
         session.selection_changed.connect(self._follow_selection)
         self.message.connect(session.message)
 
     @property
-    def path(self) -> tuple[str, ...]:
-        """Ids of the macros that it lies in, the outermost first."""
-        return self._path
-
-    @property
     def head(self) -> str:
         """What the ids here begin with in the whole network: ``camera/``."""
-        return "".join(f"{macro}{SEPARATOR}" for macro in self._path)
-
-    @property
-    def network(self) -> Network:
-        return self._network
+        return "".join(f"{macro}{SEPARATOR}" for macro in self.path)
 
     @property
     def library(self) -> Library:
@@ -319,7 +298,7 @@ class Level(QObject):
         return self.session.declared(self.head + name)
 
     def do(self, operation: Operation, gesture: Hashable = None) -> bool:
-        return self.session.do(at_level(self._path, operation), gesture)
+        return self.session.do(at_level(self.path, operation), gesture)
 
     def end_gesture(self) -> None:
         self.session.end_gesture()
@@ -328,35 +307,35 @@ class Level(QObject):
         self.session.select(self.head + name for name in names)
 
     def is_macro(self, name: str) -> bool:
-        node = self._network.nodes.get(name)
+        node = self.network.nodes.get(name)
         return node is not None and node.macro is not None
 
     def enter(self, name: str) -> None:
         if self.is_macro(name):
-            self.go_to((*self._path, name))
+            self.go_to((*self.path, name))
 
     def leave(self) -> None:
-        if self._path:
-            macro = self._path[-1]
-            self.go_to(self._path[:-1])
+        if self.path:
+            macro = self.path[-1]
+            self.go_to(self.path[:-1])
             self.select([macro])
 
     def go_to(self, path: tuple[str, ...]) -> None:
         """Show the inside of the last macro of a path; the whole network for none."""
         network = _inside(self.session.document.network, path)
-        if network is None or path == self._path:
+        if network is None or path == self.path:
             return
-        self._path, self._network = path, network
+        self.path, self.network = path, network
         self.session.select(())
         self.opened.emit()
 
     def _begin(self) -> None:
-        self._path, self._network = (), self.session.document.network
+        self.path, self.network = (), self.session.document.network
         self.opened.emit()
 
     def _follow(self, before: Any, after: Any) -> None:
         old, new = renamed_node(before, after) or ("", "")
-        path = self._path
+        path = self.path
         for depth in range(1, len(path) + 1):
             if SEPARATOR.join(path[:depth]) == old:
                 path = (*path[: depth - 1], new.rpartition(SEPARATOR)[2], *path[depth:])
@@ -365,7 +344,7 @@ class Level(QObject):
         shown = path
         while (network := _inside(whole, shown)) is None:
             shown = shown[:-1]
-        former, self._path, self._network = self._network, shown, network
+        former, self.path, self.network = self.network, shown, network
         if shown != path:
             self.opened.emit()
         elif former is not network:
@@ -377,7 +356,7 @@ class Level(QObject):
     def _local(self, names: tuple[str, ...]) -> tuple[str, ...]:
         head = self.head
         local = (name.removeprefix(head) for name in names if name.startswith(head))
-        return tuple(name for name in local if name in self._network.nodes)
+        return tuple(name for name in local if name in self.network.nodes)
 
 
 def _inside(network: Network, path: tuple[str, ...]) -> Network | None:

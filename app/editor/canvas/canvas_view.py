@@ -95,7 +95,7 @@ class GraphView(NodeViewer):
     def __init__(self, style: CanvasStyle, parent: QWidget | None = None) -> None:
         self.style_of_canvas = style
         self._centre = QPointF()
-        self._zoom = style.natural_zoom
+        self.zoom = style.natural_zoom
         self._framed: QRectF | None = None  # what a resize is to frame again
         self._ready = False
         super().__init__(parent)
@@ -113,12 +113,8 @@ class GraphView(NodeViewer):
         self._show()
 
     @property
-    def zoom(self) -> float:
-        return self._zoom
-
-    @property
     def relative_zoom(self) -> float:
-        return self._zoom / self.style_of_canvas.natural_zoom
+        return self.zoom / self.style_of_canvas.natural_zoom
 
     @property
     def rubber_band(self) -> QWidget:
@@ -126,7 +122,7 @@ class GraphView(NodeViewer):
 
     def visible_rect(self) -> QRectF:
         size = self.viewport().size()
-        rect = QRectF(0, 0, size.width() / self._zoom, size.height() / self._zoom)
+        rect = QRectF(0, 0, size.width() / self.zoom, size.height() / self.zoom)
         rect.moveCenter(self._centre)
         return rect
 
@@ -144,7 +140,7 @@ class GraphView(NodeViewer):
 
     def pan(self, by: QPointF) -> None:
         self._framed = None
-        self._centre -= by / self._zoom
+        self._centre -= by / self.zoom
         self._show()
 
     def look_at(self, point: QPointF) -> None:
@@ -155,12 +151,12 @@ class GraphView(NodeViewer):
     def zoom_at(self, factor: float, pos: QPointF | None = None) -> None:
         self._framed = None
         natural = self.style_of_canvas.natural_zoom
-        zoom = self._zoom * factor
-        least = min(SMALLEST_ZOOM * natural, self._zoom)  # smaller where that frames the network
+        zoom = self.zoom * factor
+        least = min(SMALLEST_ZOOM * natural, self.zoom)  # smaller where that frames the network
         zoom = min(max(zoom, least), LARGEST_ZOOM * natural)
         where = pos if pos is not None else QRectF(self.viewport().rect()).center()
-        fixed = self.visible_rect().topLeft() + where / self._zoom
-        self._zoom = zoom
+        fixed = self.visible_rect().topLeft() + where / self.zoom
+        self.zoom = zoom
         self._centre += fixed - (self.visible_rect().topLeft() + where / zoom)
         self._show()
 
@@ -173,19 +169,19 @@ class GraphView(NodeViewer):
         self._framed = QRectF(rect)
         natural = self.style_of_canvas.natural_zoom
         if rect.isEmpty():
-            self._centre, self._zoom = rect.center(), natural
+            self._centre, self.zoom = rect.center(), natural
         else:
             room = self.viewport().size()
             wide = max(room.width() - 2 * _MARGIN, 20) / rect.width()
             high = max(room.height() - 2 * _MARGIN, 20) / rect.height()
-            self._zoom = min(max(min(wide, high), _SMALLEST_FRAMED * natural), natural)
+            self.zoom = min(max(min(wide, high), _SMALLEST_FRAMED * natural), natural)
             self._centre = rect.center()
         self._show()
 
     def make_visible(self, rect: QRectF) -> None:
         """Pan, as little as needed, so that this part of the scene is seen."""
         shown = self.visible_rect()
-        margin = _MARGIN / self._zoom
+        margin = _MARGIN / self.zoom
         shown.adjust(margin, margin, -margin, -margin)
         right = max(rect.right() - shown.right(), 0.0)
         below = max(rect.bottom() - shown.bottom(), 0.0)
@@ -197,7 +193,7 @@ class GraphView(NodeViewer):
             self._show()
 
     def set_style(self, style: CanvasStyle) -> None:
-        self._zoom *= style.natural_zoom / self.style_of_canvas.natural_zoom
+        self.zoom *= style.natural_zoom / self.style_of_canvas.natural_zoom
         self.style_of_canvas = style
         self._show()
         self.viewport().update()
@@ -205,7 +201,7 @@ class GraphView(NodeViewer):
     def _show(self) -> None:
         # The scene's rectangle is its visible part: there is no range to scroll.
         self.setSceneRect(self.visible_rect())
-        self.setTransform(QTransform.fromScale(self._zoom, self._zoom))
+        self.setTransform(QTransform.fromScale(self.zoom, self.zoom))
         self.looked_elsewhere.emit()
 
     def _take_out_the_bases(self) -> None:
@@ -223,7 +219,7 @@ class GraphView(NodeViewer):
         theme = self.style_of_canvas.theme
         painter.fillRect(rect, theme.canvas)
         step = _GRID
-        while step * self._zoom < _GRID_LEAST_PX:
+        while step * self.zoom < _GRID_LEAST_PX:
             step *= 4
         area = QRectF(rect)
         left = int(area.left() // step)

@@ -42,7 +42,7 @@ class NodeThumbnails(QObject):
         super().__init__(session)
         self._session, self._evaluator = session, evaluator
         self._scene, self._content = scene, content
-        self._on = True
+        self.on = True
         self.items: dict[str, ThumbnailItem] = {}
         self._shown_by: dict[str, str] = {}
         evaluator.answered.connect(self._take)
@@ -51,13 +51,9 @@ class NodeThumbnails(QObject):
         content.on_placed = self._follow_places
         self._ask()
 
-    @property
-    def on(self) -> bool:
-        return self._on
-
     def toggle(self) -> None:
-        self._on = not self._on
-        if not self._on:
+        self.on = not self.on
+        if not self.on:
             self._clear()
         self._ask()
 
@@ -67,7 +63,7 @@ class NodeThumbnails(QObject):
             item.update()
 
     def _ask(self) -> None:
-        self._shown_by = self._sources() if self._on else {}
+        self._shown_by = self._sources() if self.on else {}
         self._evaluator.ask(_OWNER, [NodeThumbnailQuery(name) for name in self._shown_by])
 
     def _sources(self) -> dict[str, str]:
@@ -91,7 +87,7 @@ class NodeThumbnails(QObject):
             for name in [name for name in self.items if name not in after.nodes]:
                 self._drop(name)
             self._ask()
-        elif self._on and self._sources() != self._shown_by:
+        elif self.on and self._sources() != self._shown_by:
             self._evaluator.forget(_OWNER)
             self._ask()
 
@@ -116,7 +112,7 @@ class NodeThumbnails(QObject):
         ):
             return
         name, small = self._shown_by.get(answer.query.node, ""), answer.value
-        if not self._on or small is None or name not in self._content.nodes:
+        if not self.on or small is None or name not in self._content.nodes:
             self._drop(name)
             return
         self._show(name, small)

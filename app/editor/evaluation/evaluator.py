@@ -86,12 +86,12 @@ class Evaluator(QObject):
         )
         self._thread: threading.Thread | None = None
         self._queries = OwnedQueries()
-        self._generation = self._finished = 0
+        self.generation = self._finished = 0
         self._document = self._edits = self._generates = self._gestures = 0
         self._planned_document = 0
         self._edited_at = time.perf_counter()
-        self._plan: Plan | None = None
-        self._posted: Network | None = None
+        self.plan: Plan | None = None  # of the network as it was planned last
+        self.posted: Network | None = None  # as it is computed; `plan` has it once it is planned
         self._badges: Mapping[str, Badge] = {}
         self._shown_badges: dict[str, Badge] = {}
         self._busy: Busy | None = None
@@ -107,23 +107,9 @@ class Evaluator(QObject):
         weakref.finalize(self, self._inbox.stop)
 
     @property
-    def plan(self) -> Plan | None:
-        """The network as it was planned last; None before the first pass."""
-        return self._plan
-
-    @property
-    def posted(self) -> Network | None:
-        """The network as it is computed, of the newest state; `plan` has it once it is planned."""
-        return self._posted
-
-    @property
     def idle(self) -> bool:
         """Whether all queries have been answered, and all changes been signalled."""
-        return self._finished == self._generation and not self._soon.isActive()
-
-    @property
-    def generation(self) -> int:
-        return self._generation
+        return self._finished == self.generation and not self._soon.isActive()
 
     @property
     def badges(self) -> dict[str, Badge]:
@@ -134,7 +120,7 @@ class Evaluator(QObject):
 
         A query that stays is answered again once its answer changes.
         """
-        if self._queries.post(owner, queries, self._generation + 1):
+        if self._queries.post(owner, queries, self.generation + 1):
             self._post_soon()
 
     def forget(self, owner: str) -> None:
@@ -150,7 +136,7 @@ class Evaluator(QObject):
     def cancel(self) -> None:
         """Stop computing; what is shown stays until the next edit or `generate`."""
         if not self.idle:
-            self._inbox.cancel(self._generation)
+            self._inbox.cancel(self.generation)
 
     def close(self) -> None:
         if self._closed:
@@ -167,7 +153,7 @@ class Evaluator(QObject):
             self._collector.stop(resume=not self._thread.is_alive())
             self._thread = None
             sys.setswitchinterval(self._switch_interval)
-        self._finished = self._generation
+        self._finished = self.generation
         self._rest()
 
     def _follow_change(self, before: Any, after: Any) -> None:
@@ -194,14 +180,14 @@ class Evaluator(QObject):
         if self._closed:
             return
         self._soon.stop()
-        self._generation += 1
+        self.generation += 1
         if self._thread is None:
             self._start()
         session = self._session
-        network = self._posted = session.plain
+        network = self.posted = session.plain
         self._inbox.post(
             Snapshot(
-                self._generation,
+                self.generation,
                 self._document,
                 network,
                 self._session.folder,
@@ -241,7 +227,7 @@ class Evaluator(QObject):
         if self._closed or news.document != self._document:
             return
         if news.plan is not None:
-            self._plan = news.plan
+            self.plan = news.plan
         if news.badges is not None:
             self._badges = news.badges
         if news.finished > self._finished:

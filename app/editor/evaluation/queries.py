@@ -146,7 +146,7 @@ class Inbox:
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
-        self._newest: Snapshot | None = None
+        self.newest: Snapshot | None = None
         self._taken = 0
         self.stopped = False
         self.cancelled = 0
@@ -154,16 +154,12 @@ class Inbox:
     @property
     def waiting(self) -> bool:
         """Whether there is a snapshot to take, or it is time to stop."""
-        newest = self._newest
+        newest = self.newest
         return self.stopped or (newest is not None and newest.generation > self._taken)
-
-    @property
-    def newest(self) -> Snapshot | None:
-        return self._newest
 
     def post(self, snapshot: Snapshot) -> None:
         with self._changed:
-            self._newest = snapshot
+            self.newest = snapshot
             self._changed.notify()
 
     def cancel(self, generation: int) -> None:
@@ -175,17 +171,17 @@ class Inbox:
     def stop(self) -> None:
         with self._changed:
             self.stopped = True
-            self._newest = None
+            self.newest = None
             self._changed.notify()
 
     def take(self) -> Snapshot | None:
         """Wait for a snapshot that was not taken yet; None when it is time to stop."""
         with self._changed:
             self._changed.wait_for(lambda: self.waiting)
-            if self.stopped or self._newest is None:
+            if self.stopped or self.newest is None:
                 return None
-            self._taken = self._newest.generation
-            return self._newest
+            self._taken = self.newest.generation
+            return self.newest
 
     def quiet_until(self, moment: float) -> bool:
         """Wait until then on the clock of `time.perf_counter`; whether nothing came meanwhile."""
