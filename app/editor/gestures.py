@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QObject, Qt, QTimer
+from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, QTimer
 from PySide6.QtGui import QDropEvent, QKeyEvent, QMouseEvent, QWindow
 from PySide6.QtWidgets import QApplication, QWidget
 
@@ -121,6 +121,11 @@ def accept_copy(event: QDropEvent) -> None:
             event.accept()
             return
     event.ignore()
+
+
+def local_files(data: QMimeData) -> list[str]:
+    """Paths of the files of this machine that are dragged; none where other things are."""
+    return [url.toLocalFile() for url in data.urls() if url.isLocalFile()]
 
 
 def without_argument(target: Callable[..., object], *_: object) -> None:

@@ -354,7 +354,7 @@ class NewerActions:
         self.log.append(f"({name})")
         self.window.actions_by_name[name].trigger()
         QApplication.processEvents()
-        if name == "connect" and self.window.canvas.search_is_open():
+        if name == "connect" and self.window.canvas.popup.is_open:
             for _ in range(2):
                 self.hands.key(KEY.Key_Return)
 

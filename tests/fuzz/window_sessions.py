@@ -117,7 +117,7 @@ class WindowSession(NewerActions):
             if widget.isVisible() and widget is not self.window and widget.isWindow():
                 QTest.keyClick(widget, KEY.Key_Escape)
                 widget.close()
-        if self.window.canvas.search_is_open():
+        if self.window.canvas.popup.is_open:
             self.hands.key(KEY.Key_Escape)
 
     def node(self):

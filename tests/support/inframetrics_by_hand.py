@@ -132,7 +132,7 @@ class Builder(ValuesByHand):
     def wait_for_popup(self):
         wait_until(
             lambda: (
-                self.canvas.search_is_open()
+                self.canvas.popup.is_open
                 and QApplication.focusWidget().objectName() == "canvas.popup.field"
             ),
             "the list of modules takes what is typed",

@@ -7,7 +7,7 @@ from functools import partial
 from operator import itemgetter
 from typing import Any
 
-from PySide6.QtCore import QMimeData, QPoint, QPointF
+from PySide6.QtCore import QPoint, QPointF
 from PySide6.QtGui import QDropEvent
 
 from app.editor.canvas.choice_popup import Choice, ChoicePopup
@@ -16,6 +16,7 @@ from app.editor.canvas.items.canvas_style import face_of, geometry_of
 from app.editor.canvas.items.hits import wires_near
 from app.editor.canvas.items.node_item import NodePort
 from app.editor.canvas.items.wires import WireItem
+from app.editor.gestures import local_files
 from app.editor.library_view import dragged_module, found_by
 from app.run.preset_files import KEY
 from core.editing.backdrops import following
@@ -332,7 +333,7 @@ class Dropping:
             wire = wire_for_new(self._surface, module, self._point(event))
             self._mark(wire.link if wire is not None else None)
             return True
-        return module.startswith(KEY) or bool(_files(event.mimeData()))
+        return module.startswith(KEY) or bool(local_files(event.mimeData()))
 
     def left(self) -> None:
         self._mark(None)
@@ -351,7 +352,7 @@ class Dropping:
         if module.startswith(KEY):
             self._surface.preset_dropped.emit(module, point)
             return True
-        paths = _files(event.mimeData())
+        paths = local_files(event.mimeData())
         if paths:
             self._surface.files_dropped.emit(paths, point)
         return bool(paths)
@@ -365,10 +366,6 @@ class Dropping:
             if marked is not None and marked in wires:
                 wires[marked].set_state(target=on)
         self._over = link
-
-
-def _files(data: QMimeData) -> list[str]:
-    return [url.toLocalFile() for url in data.urls() if url.isLocalFile()]
 
 
 # Putting a node into a wire that it is dropped on.

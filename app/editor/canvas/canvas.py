@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
 from PySide6.QtGui import QAction, QContextMenuEvent, QKeyEvent
 from PySide6.QtWidgets import QLabel, QMenu, QVBoxLayout, QWidget
 
@@ -30,19 +30,12 @@ from app.editor.widgets import Menu, filled, labelled
 from core.editing.backdrops import backdrops_of, change, nodes_on, remove
 from core.editing.operations import ABSENT, Move, Rewire, Together, named, set_node_field
 from core.editing.wire_dots import moved_with_dots
-from core.network.network import Link
 
 _TYPE = QEvent.Type
 
 
 class Canvas(QWidget):
     """Shows the session's network and follows it; gestures become operations on the document."""
-
-    activated = Signal(str)  # (name): a node was double-clicked, or Enter pressed on it
-    view_wanted = Signal(str)  # (name): a node was clicked with Ctrl and Shift, and is selected
-    # (paths, point): files were dropped at a point of the scene
-    files_dropped = Signal(list, QPointF)
-    preset_dropped = Signal(str, QPointF)  # (key, point): a preset of the library was dropped there
 
     def __init__(self, session: Session | Level) -> None:
         super().__init__()
@@ -53,7 +46,7 @@ class Canvas(QWidget):
         self.view = GraphView(style, self)
         self.setFocusProxy(self.view)
         self.content = Content(self.view.scene(), session.library, style)
-        self._surface = surface = Surface(session, self.view, self.content, self)
+        self.surface = surface = Surface(session, self.view, self.content, self)
         self.empty_hint = EmptyHint(session, self.view.viewport())
         self.marks = Marks(self.content)
         self.minimap = Minimap(self.view, self.content)
@@ -87,9 +80,6 @@ class Canvas(QWidget):
 
     # For the window's actions
 
-    def set_menus(self, node_actions: Sequence[QAction], canvas_actions: Sequence[QAction]) -> None:
-        self.menus.fill(node_actions, canvas_actions)
-
     def set_badges(self, badges: Any) -> None:
         self.content.set_badges(dict(badges))
 
@@ -103,15 +93,11 @@ class Canvas(QWidget):
             whole = whole.united(self.thumbnails.bounds())
         self.view.frame(whole)
 
-    def show_all_nodes(self) -> None:
-        """Pan, as little as needed, so that all nodes are in sight."""
-        self.view.make_visible(self.content.bounds())
-
     def frame_selection(self) -> None:
         self.view.frame(self.content.bounds(self._session.selection))
 
     def zoom_by(self, factor: float) -> None:
-        pos = self._surface.pointer
+        pos = self.surface.pointer
         self.view.zoom_at(factor, None if pos is None else QPointF(pos))
 
     def sizes(self) -> dict[str, tuple[float, float]]:
@@ -132,7 +118,7 @@ class Canvas(QWidget):
 
     def cursor_point(self) -> tuple[float, float]:
         """The point of the scene under the mouse, or in the middle, in whole units."""
-        return self._surface.cursor_point()
+        return self.surface.cursor_point()
 
     def add_module(self, key: str) -> None:
         """Add a node at the cursor; with a node selected, wired on to that one."""
@@ -141,9 +127,6 @@ class Canvas(QWidget):
     def open_search(self) -> None:
         self.adding.search(self.cursor_point())
 
-    def search_is_open(self) -> bool:
-        return self.popup.is_open
-
     def toggle_thumbnails(self) -> None:
         if self.thumbnails is not None:
             self.thumbnails.toggle()
@@ -151,18 +134,9 @@ class Canvas(QWidget):
     def edit_last_title(self) -> None:
         self._edit_title(len(self.content.backdrops) - 1)
 
-    def connect_selected(self) -> None:
-        self.adding.connect_selected()
-
     def add_dot(self) -> None:
         """Bend the wire under the pointer, or the selected one, through a dot."""
-        self.dots.add(self._surface.pointer)
-
-    def selected_link(self) -> Link | None:
-        return self.marks.link
-
-    def delete_selected_backdrop(self) -> None:
-        self.menus.delete_backdrop()
+        self.dots.add(self.surface.pointer)
 
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
@@ -178,7 +152,7 @@ class Canvas(QWidget):
             self.thumbnails.set_style(style)
         self.view.set_style(style)
         self.minimap.update()
-        for floating in (self.popup, self._surface.hint):
+        for floating in (self.popup, self.surface.hint):
             floating.setPalette(raised_palette(theme))
 
     def _connect(self) -> None:
@@ -186,13 +160,9 @@ class Canvas(QWidget):
         session.opened.connect(self._opened)
         session.changed.connect(self._changed)
         session.selection_changed.connect(self._selection_changed)
-        surface = self._surface
-        surface.activated.connect(self.activated)
-        surface.view_wanted.connect(self.view_wanted)
+        surface = self.surface
         surface.search_wanted.connect(lambda at: self.adding.search((at.x(), at.y())))
         surface.title_wanted.connect(self._edit_title)
-        surface.files_dropped.connect(self.files_dropped)
-        surface.preset_dropped.connect(self.preset_dropped)
         self.title_editor.edited.connect(self._retitle)
 
     def _wants_key(self, event: QKeyEvent) -> bool:

@@ -159,8 +159,9 @@ class Surface(QObject):
     view_wanted = Signal(str)  # (name): a node was clicked with Ctrl and Shift
     search_wanted = Signal(QPointF)  # (point): a module is to be added at that point of the scene
     title_wanted = Signal(int)  # (index): a backdrop's title is to be edited
-    files_dropped = Signal(list, QPointF)  # (paths, point): as of `Canvas`
-    preset_dropped = Signal(str, QPointF)
+    # (paths, point): files were dropped at a point of the scene
+    files_dropped = Signal(list, QPointF)
+    preset_dropped = Signal(str, QPointF)  # (key, point): a preset of the library was dropped there
 
     def __init__(
         self, session: Session | Level, view: GraphView, content: Content, parent: QObject

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.declared_text import error_text
 from app.editor.evaluation.badges import as_error
-from app.editor.gestures import accept_copy
+from app.editor.gestures import accept_copy, local_files
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import labelled
@@ -208,6 +208,6 @@ class PictureDrops(QObject):
 
 
 def _dropped(data: QMimeData) -> tuple[Path, ...]:
-    paths = tuple(Path(url.toLocalFile()) for url in data.urls() if url.isLocalFile())
+    paths = tuple(map(Path, local_files(data)))
     network = any(path.suffix.lower() in JSON.suffixes for path in paths)
     return () if network or len(paths) < len(data.urls()) else paths

@@ -345,7 +345,7 @@ class EditCommands(QObject):
 
         Where there is one way through the nodes, the wire is led past them.
         """
-        session, link = self._session, self._canvas.selected_link()
+        session, link = self._session, self._canvas.marks.link
         if self._canvas.dots.remove():
             return
         if session.selection:
@@ -353,7 +353,7 @@ class EditCommands(QObject):
         elif link is not None:
             session.do(Rewire(remove=(link,)))
         else:
-            self._canvas.delete_selected_backdrop()
+            self._canvas.menus.delete_backdrop()
 
     def _take_out(self, taking: Operation) -> None:
         """Take the selected nodes out; parameters that follow them keep their values."""

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QFileSystemWatcher, QMimeData, QObject, QPointF, QTimer, Signal
+from PySide6.QtCore import QEvent, QFileSystemWatcher, QObject, QPointF, QTimer, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QMessageBox, QWidget
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.dialogs import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
-from app.editor.gestures import accept_copy
+from app.editor.gestures import accept_copy, local_files
 from app.editor.library_view import LibraryView
 from app.editor.session import Level, Session
 from app.editor.widgets import labelled
@@ -369,7 +369,7 @@ class Drops(QObject):
         """Take files dropped on a part of the window that has no use for them itself."""
         if not isinstance(event, QDropEvent) or event.type() not in _DRAGGING:
             return False
-        paths = dropped_files(event.mimeData())
+        paths = local_files(event.mimeData())
         if paths:
             accept_copy(event)
             if event.type() == QEvent.Type.Drop:
@@ -429,11 +429,6 @@ class Drops(QObject):
         return (path.relative_to(folder) if inside else path).as_posix()
 
 
-def dropped_files(data: QMimeData) -> list[str]:
-    """Paths of the files of this machine that are dragged; none where other things are."""
-    return [url.toLocalFile() for url in data.urls() if url.isLocalFile()]
-
-
 def _named(paths: list[str]) -> str:
     return Path(paths[0]).name if len(paths) == 1 else f"{len(paths)} files"
 
@@ -452,7 +447,7 @@ class PresetShelf(QObject):
         self.folder = folder
         self.presets: tuple[Preset, ...] = ()
         self.refresh()
-        canvas.preset_dropped.connect(self.add_at)
+        canvas.surface.preset_dropped.connect(self.add_at)
 
     def refresh(self) -> None:
         library = self._level.library

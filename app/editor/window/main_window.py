@@ -301,7 +301,7 @@ class MainWindow(QMainWindow):
             "disable": edits.disable,
             "mark_output": edits.mark_output,
             "add_module": canvas.open_search,
-            "connect": canvas.connect_selected,
+            "connect": canvas.adding.connect_selected,
             "backdrop": edits.backdrop,
             "note": edits.note,
             "wire_dot": canvas.add_dot,
@@ -356,7 +356,7 @@ class MainWindow(QMainWindow):
         viewers.add_compare_actions(compare)
         for widget in (self.snapshots_view.list, self.snapshots_view.figures):
             widget.addActions(compare)
-        self.canvas.set_menus(actions.of_names(NODE_MENU), actions.of_names(CANVAS_MENU))
+        self.canvas.menus.fill(actions.of_names(NODE_MENU), actions.of_names(CANVAS_MENU))
         for name in ("minimap", "thumbnails"):
             actions[name].setChecked(True)
         for name, dock in (
@@ -393,9 +393,9 @@ class MainWindow(QMainWindow):
         FirstViews(session, evaluator, self.viewers)
         self.status.cancel_wanted.connect(evaluator.cancel)
         self.library_view.chosen.connect(self._chosen_in_library)
-        self.canvas.activated.connect(self._activated)
-        self.canvas.view_wanted.connect(lambda _: self._view(1))
-        self.canvas.files_dropped.connect(self.drops.files)
+        self.canvas.surface.activated.connect(self._activated)
+        self.canvas.surface.view_wanted.connect(lambda _: self._view(1))
+        self.canvas.surface.files_dropped.connect(self.drops.files)
         requests = self.panels.requests
         requests.view.connect(self._view_requested)
         requests.generate.connect(self.generate)
@@ -427,7 +427,8 @@ class MainWindow(QMainWindow):
         if self.session.network.nodes and not (self.pages.at_first or self.pages.shows_docks):
             self.pages.show_docks()
             canvas = self.canvas
-            QTimer.singleShot(0, canvas, canvas.show_all_nodes)  # once the canvas is smaller
+            # Once the canvas is smaller.
+            QTimer.singleShot(0, canvas, lambda: canvas.view.make_visible(canvas.content.bounds()))
 
     def _follow_state(self) -> None:
         document = self.session.document

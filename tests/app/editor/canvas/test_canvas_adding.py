@@ -31,13 +31,13 @@ def position(session):
 def test_tab_opens_the_search_and_enter_adds_at_the_mouse(session, canvas, hand, library):
     hand.click(hand.at(120, 60))
     hand.key(Qt.Key.Key_Tab)
-    assert canvas.search_is_open()
+    assert canvas.popup.is_open
     assert len(titles(canvas)) == len(library)
     assert QApplication.activeModalWidget() is None
     hand.type("gauss")
     assert titles(canvas) == ["Gaussian MTF"]
     hand.key(Qt.Key.Key_Return)
-    assert not canvas.search_is_open()
+    assert not canvas.popup.is_open
     assert session.network.nodes["gaussian_mtf"].module == "gaussian_mtf"
     assert session.network.layout["gaussian_mtf"] == (120.0, 60.0)
     assert session.selection == ("gaussian_mtf",)
@@ -47,7 +47,7 @@ def test_tab_opens_the_search_and_enter_adds_at_the_mouse(session, canvas, hand,
 
 def test_double_click_on_empty_ground_opens_the_search(session, canvas, hand):
     hand.double_click(hand.at(-40, 80))
-    assert canvas.search_is_open()
+    assert canvas.popup.is_open
     hand.type("read image")
     hand.key(Qt.Key.Key_Return)
     assert session.network.layout["read_image"] == (-40.0, 80.0)
@@ -90,10 +90,10 @@ def test_escape_and_a_click_elsewhere_close_the_search(session, canvas, hand):
     canvas.open_search()
     hand.type("jitter")
     hand.key(Qt.Key.Key_Escape)
-    assert not canvas.search_is_open()
+    assert not canvas.popup.is_open
     canvas.open_search()
     hand.click(hand.at(-300, 200))
-    assert not canvas.search_is_open()
+    assert not canvas.popup.is_open
     assert not session.network.nodes
     assert canvas.view.hasFocus()
 
@@ -127,7 +127,7 @@ def test_keys_typed_into_the_list_are_no_shortcuts(session, canvas, hand):
 def test_another_document_closes_the_list(opened, canvas):
     canvas.open_search()
     opened("first_steps")
-    assert not canvas.search_is_open()
+    assert not canvas.popup.is_open
 
 
 def test_what_is_typed_ranks_what_begins_so_first():
@@ -146,12 +146,12 @@ def test_the_keyboard_wires_a_node(opened, canvas, hand):
     canvas.open_search()
     hand.type("jitter")
     hand.key(Qt.Key.Key_Return)
-    canvas.connect_selected()
-    assert canvas.search_is_open()
+    canvas.adding.connect_selected()
+    assert canvas.popup.is_open
     hand.type("init.context jitter_mtf")
     hand.key(Qt.Key.Key_Return)
     assert Link.between("init.context", "jitter_mtf.context") in session.network.links
-    canvas.connect_selected()
+    canvas.adding.connect_selected()
     hand.type("disconnect")
     hand.key(Qt.Key.Key_Return)
     assert not session.network.links_into("jitter_mtf")
@@ -221,8 +221,8 @@ def test_without_a_selection_there_is_a_word(opened, canvas):
     session = opened("first_steps")
     told = []
     session.message.connect(lambda kind, text: told.append((kind, text)))
-    canvas.connect_selected()
-    assert not canvas.search_is_open()
+    canvas.adding.connect_selected()
+    assert not canvas.popup.is_open
     assert told[0][0] == "advice"
 
 
@@ -278,7 +278,7 @@ def test_a_module_nobody_knows_is_not_taken(session, canvas, hand):
 def test_files_are_handed_on_with_their_point(session, canvas, hand, qtbot, tmp_path):
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(tmp_path / "a.exr")), QUrl("https://example.org/b.exr")])
-    with qtbot.waitSignal(canvas.files_dropped) as told:
+    with qtbot.waitSignal(canvas.surface.files_dropped) as told:
         assert drag_and_drop(canvas, data, hand.at(60, 12))
     paths, point = told.args
     assert paths == [str(tmp_path / "a.exr")]

@@ -116,10 +116,10 @@ def test_escape_leaves_the_title(grounded, canvas, hand):
 def test_a_backdrop_is_deleted_and_its_nodes_stay(grounded, canvas, hand):
     (ground,) = backdrops_of(grounded.network)
     hand.click(hand.at(ground.x + 60, ground.y + 10))
-    canvas.delete_selected_backdrop()
+    canvas.menus.delete_backdrop()
     assert not backdrops_of(grounded.network)
     assert set(grounded.network.nodes) == {"scene", "init", "back", "blur"}
-    canvas.delete_selected_backdrop()
+    canvas.menus.delete_backdrop()
 
 
 def test_the_keys_reach_a_backdrop(grounded, canvas, hand):

@@ -68,7 +68,7 @@ def test_a_drag_pans_and_a_double_click_adds_nothing(chain, canvas):
     QTest.mouseRelease(canvas.minimap, LEFT, PLAIN, end)
     assert canvas.view.visible_rect().intersects(canvas.content.nodes["jitter_97"].frame())
     QTest.mouseDClick(canvas.minimap, LEFT, PLAIN, start)
-    assert not canvas.search_is_open()
+    assert not canvas.popup.is_open
 
 
 def test_it_follows_the_network_and_can_be_turned_off(chain, canvas):

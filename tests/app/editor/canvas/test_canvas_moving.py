@@ -200,7 +200,7 @@ def test_a_wire_of_another_type_takes_no_node(four, hand):
 
 
 def test_a_double_click_tells_the_window(four, canvas, hand, qtbot):
-    with qtbot.waitSignal(canvas.activated) as told:
+    with qtbot.waitSignal(canvas.surface.activated) as told:
         hand.double_click(hand.head("init"))
     assert told.args == ["init"]
 
@@ -245,6 +245,6 @@ def test_an_arrow_selects_where_nothing_is(four, hand):
 
 def test_enter_opens_the_selected_node(four, canvas, hand, qtbot):
     four.select(["back"])
-    with qtbot.waitSignal(canvas.activated) as told:
+    with qtbot.waitSignal(canvas.surface.activated) as told:
         hand.key(Qt.Key.Key_Return)
     assert told.args == ["back"]

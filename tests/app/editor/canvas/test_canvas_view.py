@@ -104,21 +104,21 @@ def test_points_on_the_screen_meet_what_they_name(opened, canvas, hand):
     opened("kodak_kir310")
     canvas.frame_all()
     for name in canvas.content.nodes:
-        assert canvas._surface.hit(scene_at(canvas, hand.middle(name))).node.id == name
-        assert canvas._surface.hit(scene_at(canvas, hand.head(name))).node.id == name
-    port = canvas._surface.hit(scene_at(canvas, hand.port("init", "phase", "output"))).port
+        assert canvas.surface.hit(scene_at(canvas, hand.middle(name))).node.id == name
+        assert canvas.surface.hit(scene_at(canvas, hand.head(name))).node.id == name
+    port = canvas.surface.hit(scene_at(canvas, hand.port("init", "phase", "output"))).port
     assert (port.node.id, port.name) == ("init", "phase")
     for link in canvas.content.wires:
-        wire = canvas._surface.hit(scene_at(canvas, hand.wire(link))).wire
+        wire = canvas.surface.hit(scene_at(canvas, hand.wire(link))).wire
         assert wire is None or wire.link.output == link.output
     long = Link.between("init.context", "electronics.context")
-    assert canvas._surface.hit(scene_at(canvas, hand.wire(long))).wire.link == long
+    assert canvas.surface.hit(scene_at(canvas, hand.wire(long))).wire.link == long
 
 
 def test_menus_pop_up_for_what_is_under_the_pointer(opened, canvas, hand):
     session = opened("first_steps")
     rename, paste = QAction("Rename", canvas), QAction("Paste", canvas)
-    canvas.set_menus([rename], [paste])
+    canvas.menus.fill([rename], [paste])
     hand.ask_for_menu(hand.head("blur"))
     assert canvas.menus.node_menu.isVisible()
     assert canvas.menus.node_menu.actions()[:-1] == [rename]
@@ -140,7 +140,7 @@ def test_a_wire_is_disconnected_from_its_menu(opened, canvas, hand):
     link = Link.between("scene.image", "init.image")
     hand.ask_for_menu(hand.wire(link))
     assert canvas.menus.wire_menu.isVisible()
-    assert canvas.selected_link() == link
+    assert canvas.marks.link == link
     action = canvas.menus.wire_menu.actions()[0]
     action.trigger()
     canvas.menus.wire_menu.close()

@@ -141,7 +141,7 @@ def test_a_wire_put_back_changes_nothing(pair, canvas, hand):
     hand.release(start)
     assert pair.network is before
     assert wire.isVisible()
-    assert not canvas.search_is_open()
+    assert not canvas.popup.is_open
 
 
 def test_a_wire_taken_to_a_wrong_input_goes_back(pair, canvas, hand, told):
@@ -155,10 +155,10 @@ def test_a_wire_taken_to_a_wrong_input_goes_back(pair, canvas, hand, told):
 def test_a_picked_up_wire_that_is_let_go_is_disconnected(pair, canvas, hand):
     wired(pair, hand)
     hand.drag(hand.port("one", "magnitude", "input"), hand.at(300, 330))
-    assert canvas.search_is_open()
+    assert canvas.popup.is_open
     assert pair.network.links
     hand.key(Qt.Key.Key_Escape)
-    assert not canvas.search_is_open()
+    assert not canvas.popup.is_open
     assert not pair.network.links
     pair.undo()
     assert pair.network.links == (link("init.magnitude", "one.magnitude"),)
@@ -181,7 +181,7 @@ def test_a_picked_up_wire_can_be_led_to_a_new_node(pair, canvas, hand):
 
 def test_a_wire_on_empty_ground_lists_what_fits_and_wires_the_chosen(pair, canvas, hand, library):
     hand.drag(hand.port("init", "magnitude", "output"), hand.at(300, 330))
-    assert canvas.search_is_open()
+    assert canvas.popup.is_open
     titles = [canvas.popup.list.item(row).text() for row in range(canvas.popup.list.count())]
     assert "Jitter MTF" in titles
     assert "Back Transform" in titles
@@ -215,24 +215,24 @@ def test_escape_gives_a_wire_up(pair, canvas, hand):
     hand.key(Qt.Key.Key_Escape)
     hand.release(end)
     assert not pair.network.links
-    assert not canvas.search_is_open()
+    assert not canvas.popup.is_open
 
 
 def test_a_wire_is_selected_by_a_click_and_forgotten_by_another(pair, canvas, hand):
     wired(pair, hand)
     pair.select(["one"])
     hand.click(hand.wire(link("init.magnitude", "one.magnitude")))
-    assert canvas.selected_link() == link("init.magnitude", "one.magnitude")
+    assert canvas.marks.link == link("init.magnitude", "one.magnitude")
     assert pair.selection == ()
     hand.click(hand.at(300, 350))
-    assert canvas.selected_link() is None
+    assert canvas.marks.link is None
 
 
 def test_a_selected_wire_that_goes_is_no_longer_selected(pair, canvas, hand):
     wired(pair, hand)
     hand.click(hand.wire(link("init.magnitude", "one.magnitude")))
     pair.undo()
-    assert canvas.selected_link() is None
+    assert canvas.marks.link is None
 
 
 def test_a_cut_takes_every_wire_it_crosses_in_one_step(pair, hand):

@@ -33,7 +33,7 @@ def test_a_picture_dropped_on_the_scenes_thumbnail_replaces_the_scene(kodak, tmp
     np.save(tmp_path / "own.npy", np.arange(48.0).reshape(6, 8))
     before = kodak.session.network
     middle = thumbnails(kodak)["scene"].frame().center()
-    kodak.canvas.files_dropped.emit([str(tmp_path / "own.npy")], middle)
+    kodak.canvas.surface.files_dropped.emit([str(tmp_path / "own.npy")], middle)
     after = kodak.session.network
     assert set(after.nodes) == set(before.nodes)
     assert after.nodes["scene"].module == "read_image"

@@ -50,9 +50,9 @@ def test_escape_closes_the_search_before_it_cancels_anything(window, hand):
     cancelled = []
     window.actions_by_name["cancel"].triggered.connect(lambda: cancelled.append(1))
     hand.key(KEY.Key_Tab)
-    assert window.canvas.search_is_open()
+    assert window.canvas.popup.is_open
     hand.key(KEY.Key_Escape)
-    assert not window.canvas.search_is_open()
+    assert not window.canvas.popup.is_open
     assert not cancelled
     hand.key(KEY.Key_Escape)
     assert len(cancelled) == 1
@@ -193,7 +193,7 @@ def test_the_keyboard_alone_builds_a_chain(window, hand):
     for typed, there in (("disconnect", False), ("test_scene image init_trans", True)):
         assert (link in window.session.network.links) != there
         hand.key(KEY.Key_C)
-        assert window.canvas.search_is_open()
+        assert window.canvas.popup.is_open
         hand.type(typed)
         hand.key(KEY.Key_Return)
         assert (link in window.session.network.links) == there

@@ -28,7 +28,7 @@ def test_a_node_is_found_by_its_name_or_its_module(kodak):
     kodak.canvas.zoom_by(8.0)
     for typed, name in (("electr", "electronics"), ("charge eff phase", "charge_phase")):
         press(kodak, Qt.Key.Key_F, CTRL)
-        assert kodak.canvas.search_is_open()
+        assert kodak.canvas.popup.is_open
         type_in(kodak, typed)
         press(kodak, Qt.Key.Key_Return)
         assert kodak.session.selection == (name,)
@@ -40,7 +40,7 @@ def test_a_node_is_found_by_its_name_or_its_module(kodak):
 def test_without_a_node_there_is_nothing_to_find(window):
     window.files.new()
     press(window, Qt.Key.Key_F, CTRL)
-    assert not window.canvas.search_is_open()
+    assert not window.canvas.popup.is_open
     assert "no node" in window.status.note
 
 

@@ -94,5 +94,5 @@ def test_the_hint_is_in_the_middle_at_any_size_and_lets_the_mouse_through(window
         assert abs(middle.x() - ground.rect().center().x()) <= 2
         assert abs(middle.y() - ground.rect().center().y()) <= 2
     hand.double_click(QPoint(*ground.rect().center().toTuple()))
-    assert window.canvas.search_is_open()
+    assert window.canvas.popup.is_open
     QTest.keyClick(window.canvas.popup.findChild(QWidget), Qt.Key.Key_Escape)

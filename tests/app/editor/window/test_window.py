@@ -40,7 +40,7 @@ def test_a_picture_dropped_on_the_scene_replaces_it_in_one_step(window, tmp_path
     before = window.session.network
     np.save(tmp_path / "own.npy", np.arange(48.0).reshape(6, 8))
     middle = window.canvas.content.nodes["scene"].frame().center()
-    window.canvas.files_dropped.emit([str(tmp_path / "own.npy")], middle)
+    window.canvas.surface.files_dropped.emit([str(tmp_path / "own.npy")], middle)
     after = window.session.network
     assert after.nodes["scene"].module == "read_image"
     assert Path(after.nodes["scene"].params["path"]) == tmp_path / "own.npy"
@@ -52,7 +52,7 @@ def test_a_picture_dropped_on_the_scene_replaces_it_in_one_step(window, tmp_path
     assert "(" not in note  # no names of options, which a drop has not
     window.session.undo()
     assert window.session.network == before
-    window.canvas.files_dropped.emit([str(tmp_path / "none.npy")], middle)
+    window.canvas.surface.files_dropped.emit([str(tmp_path / "none.npy")], middle)
     assert window.session.network == before
     assert "none.npy: no such file" in window.status.error
 

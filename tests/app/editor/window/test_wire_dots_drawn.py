@@ -60,7 +60,7 @@ def test_a_double_click_on_a_wire_puts_a_dot_there_and_selects_it(window, hand, 
     assert abs(y - at.y()) <= 1
     assert window.canvas.marks.dot == 0
     assert steps(chain) == 1
-    assert not window.canvas.search_is_open()
+    assert not window.canvas.popup.is_open
     hand.key(KEY.Key_Z, CTRL)
     assert not dots(chain)
 
@@ -94,7 +94,7 @@ def test_del_deletes_the_selected_dot_then_the_wire(window, hand, bent):
     assert window.canvas.marks.dot == 0
     hand.key(KEY.Key_Delete)
     assert bent.network == straight
-    assert window.canvas.selected_link() == WIRE
+    assert window.canvas.marks.link == WIRE
     hand.key(KEY.Key_Delete)
     assert WIRE not in bent.network.links
     hand.key(KEY.Key_Z, CTRL)
