@@ -108,8 +108,21 @@ class SaveDialog(FileDialog):
     window's manager sends meanwhile.
     """
 
-    def __init__(self, parent: QWidget, title: str, folder: str, kinds: str) -> None:
-        super().__init__(parent, title, folder, kinds)
+    def __init__(
+        self,
+        parent: QWidget,
+        name: str,
+        title: str,
+        kinds: str,
+        taken: Callable[[Path], object],
+        *,
+        suffix: str = "png",
+        folder: Path | None = None,
+    ) -> None:
+        super().__init__(parent, title, str((folder or Path.cwd()).absolute()), kinds)
+        self.setObjectName(name)
+        self.setDefaultSuffix(suffix)
+        self.fileSelected.connect(lambda text: taken(Path(text)))
         self.setOption(QFileDialog.Option.DontConfirmOverwrite)
         self.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
         self._agreed: str | None = None

@@ -375,10 +375,14 @@ def plain_label(
     label = labelled(QLabel(text, parent, textFormat=Qt.TextFormat.PlainText, wordWrap=True), name)
     label.setForegroundRole(role)
     if bold:
-        font = label.font()
-        font.setBold(True)
-        label.setFont(font)
+        make_bold(label)
     return label
+
+
+def make_bold(widget: QWidget) -> None:
+    font = widget.font()
+    font.setBold(True)
+    widget.setFont(font)
 
 
 def show_or_hide(label: QLabel, text: str) -> None:

@@ -129,7 +129,7 @@ class Person(QObject):
         elif not window.runs.queue.unfinished:
             REPORT.parent.mkdir(exist_ok=True)
             self.journal.write("report begins")
-            window.runs.report_to(str(REPORT.absolute()))
+            window.runs.report_to(REPORT.absolute())
         self.journal.write("step ends", state=self.states)
 
     def _edit(self, window: MainWindow) -> None:

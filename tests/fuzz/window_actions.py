@@ -364,7 +364,7 @@ class NewerActions:
         if queue.unfinished:
             queue.cancel(self.random.choice(queue.unfinished).number)
         elif self.random.random() < 0.2:
-            self.window.runs.report_to(str(self.folder / "report.html"))
+            self.window.runs.report_to(self.folder / "report.html")
 
     def do_pin(self):
         """Pin or unpin a panel by the button on its head."""

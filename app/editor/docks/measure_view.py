@@ -150,11 +150,9 @@ class MeasureView(WorkerView):
         choose_pictures(self.window(), title, name=name, chosen=self.measure_files)
 
     def _choose_target(self) -> None:
-        dialog = SaveDialog(self.window(), "Save the measurement", str(Path.cwd()), _KINDS)
-        dialog.setObjectName("measure_export_dialog")
-        dialog.setDefaultSuffix(HTML.suffixes[0].removeprefix("."))
+        name, title = "measure_export_dialog", "Save the measurement"
+        dialog = SaveDialog(self.window(), name, title, _KINDS, self.export, suffix="html")
         dialog.selectFile("measured.html")
-        dialog.fileSelected.connect(lambda text: self.export(Path(text)))
         show_beside(self.window(), dialog)
 
     def _list_viewers(self) -> None:

@@ -20,6 +20,7 @@ from app.editor.widgets import (
     Menu,
     filled,
     labelled,
+    make_bold,
     plain_label,
     show_or_hide,
     toggle_button,
@@ -44,9 +45,7 @@ class TitleBar(QWidget):
         self.fold.toggled.connect(self._fold)
         self.title = ElidedLabel("title", "What this panel is of", self)
         self.title.show_text(title)
-        font = self.title.font()
-        font.setBold(True)
-        self.title.setFont(font)
+        make_bold(self.title)
         self.row = filled(
             QHBoxLayout(self), self.fold, self.title, None, margins=(4, 3, 4, 3), spacing=2
         )

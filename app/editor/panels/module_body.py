@@ -29,7 +29,7 @@ from app.editor.panels.fields.path import PathField
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.theme import CHANGED, FAINT, theme_of
 from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS
-from app.editor.widgets import Menu, PageTabs, filled, plain_label, tool_button
+from app.editor.widgets import Menu, PageTabs, filled, make_bold, plain_label, tool_button
 from core.editing.operations import ABSENT
 from core.modules.declaration import Declaration, Port
 from core.modules.panel_sections import Section
@@ -79,9 +79,7 @@ class ModuleBody(QWidget):
 
     def _titled(self, title: QLabel, widget: QWidget) -> None:
         line = QFrame(self, frameShape=QFrame.Shape.HLine, frameShadow=QFrame.Shadow.Sunken)
-        font = title.font()
-        font.setBold(True)
-        title.setFont(font)
+        make_bold(title)
         title.setForegroundRole(FAINT)
         for part in (line, title, widget):
             self._column.addWidget(part)
@@ -139,7 +137,7 @@ class _PortRow(QObject):
             self.button.setToolTip(tip("Show it in Curves"))
         else:
             self._offer_viewers()
-        self.button.clicked.connect(self._clicked)
+        self.button.clicked.connect(self._view)
         self.follow(None)
 
     def _offer_viewers(self) -> None:
@@ -160,12 +158,9 @@ class _PortRow(QObject):
         self.label.setText(text)
         self.button.setEnabled(self._source is not None)
 
-    def _clicked(self) -> None:
-        self._view(None)
-
-    def _view(self, action: QAction | None) -> None:
+    def _view(self, chosen: object = None) -> None:
         if self._source is not None:
-            number = 1 if action is None else int(action.data())
+            number = int(chosen.data()) if isinstance(chosen, QAction) else 1
             self._requests.view.emit(*self._source, number)
 
 

@@ -220,16 +220,15 @@ class NetworkPanel(QFrame):
         self.follow(session.network)
 
     def _build(self) -> None:
-        self.name = _named(TypeIn(self.below), "network_name", "name of the network")
+        self.name = labelled(TypeIn(self.below), "network_name", "name of the network")
         self.name.setPlaceholderText("untitled")
         self.name.committed.connect(self._set_name)
         self.name.given_up.connect(self._restore)
-        self.description = Words(self.below)
-        self.description.setObjectName("network_description")
-        self.description.setAccessibleName("description of the network")
+        about = "description of the network"
+        self.description = labelled(Words(self.below), "network_description", about)
         self.description.committed.connect(self._set_description)
         self.description.given_up.connect(self._restore)
-        self.seed = _named(TypeIn(self.below), "network_seed", "seed of the network's noise")
+        self.seed = labelled(TypeIn(self.below), "network_seed", "seed of the network's noise")
         about = f"The same seed gives the same noise: {SEEDS}"
         self.seed.setToolTip(tip(about))
         self.seed.setAccessibleDescription(about)
@@ -347,11 +346,6 @@ class Words(QPlainTextEdit):
         return event.key() == Qt.Key.Key_Escape or (enter and control)
 
 
-def _named(edit: TypeIn, name: str, accessible: str) -> TypeIn:
-    labelled(edit, name, accessible)
-    return edit
-
-
 def _many(things: object, word: str) -> str:
     number = len(things)  # type: ignore[arg-type]
     return f"{number} {word}" if number == 1 else f"{number} {word}s"
@@ -408,11 +402,9 @@ class NodePanel(QFrame):
         filled(QVBoxLayout(self), self.head, self.body, spacing=0)
         keeps = sets_folder is not None and declared is not None and declared.key != MACRO
         self.head.sets.setVisible(keeps and bool(declared and declared.parameters))
-        if sets_folder is not None:
-            self.sets_menu = add_sets_menu(self.head.sets, of, sets_folder)
         self._connect()
         if sets_folder is not None:
-            self.sets_menu.above = self.head.bar.actions()
+            self.sets_menu = SetsMenu(of, sets_folder, self.head.sets, self.head.bar.actions())
         self.follow(None, session.network)
 
     def _connect(self) -> None:
@@ -526,21 +518,25 @@ class NodePanel(QFrame):
 class SetsMenu(Menu):
     """Filled when it is opened, from the files of the person's folder."""
 
-    def __init__(self, of: PanelNode, folder: Path, button: QToolButton) -> None:
+    def __init__(
+        self, of: PanelNode, folder: Path, button: QToolButton, above: Sequence[QAction]
+    ) -> None:
         super().__init__(button)
         self.setObjectName("sets.menu")
+        button.setMenu(self)
+        button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self._session = of.session
         self._node = of.name
         self._folder = folder
-        self.above: Sequence[QAction] = ()
+        self._above = list(above)
         self.aboutToShow.connect(self.fill)
 
     def fill(self) -> None:
         """Offer the sets there are now, and a line to keep another."""
         self.clear()
-        if self.above:
-            self.addActions(list(self.above))
-            self.addSeparator()
+        self.addActions(self._above)
+        self.addSeparator()
         node = self._session.network.nodes.get(self._node)
         if node is None:
             return
@@ -595,11 +591,3 @@ class SetsMenu(Menu):
             remove_set(name, self._session.network.nodes[self._node].module, self._folder)
         except ImagechainError as error:
             self._session.message.emit("error", str(error))
-
-
-def add_sets_menu(button: QToolButton, of: PanelNode, folder: Path) -> SetsMenu:
-    menu = SetsMenu(of, folder, button)
-    button.setMenu(menu)
-    button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-    button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-    return menu

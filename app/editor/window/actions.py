@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 from PySide6.QtCore import QObject, Qt
 from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
@@ -54,20 +54,11 @@ class ActionSpec:
     keys: tuple[str, ...] = ()
     scope: Scope = "window"
     checkable: bool = False
-    needs_selection: bool = False
+    selected: bool = False  # it works on the selected nodes
 
 
-def _action(
-    menu: str,
-    name: str,
-    text: str,
-    tip: str,
-    *keys: str,
-    scope: Scope = "window",
-    checkable: bool = False,
-    selected: bool = False,
-) -> ActionSpec:
-    return ActionSpec(menu, name, text, tip, keys, scope, checkable, selected)
+def _action(menu: str, name: str, text: str, tip: str, *keys: str, **more: Any) -> ActionSpec:
+    return ActionSpec(menu, name, text, tip, keys, **more)
 
 
 _file, _edit, _view = (partial(_action, menu) for menu in ("&File", "&Edit", "&View"))
@@ -255,7 +246,7 @@ class Actions(dict[str, QAction]):
 
     def follow_selection(self, selected: bool) -> None:
         for spec in ACTIONS:
-            if spec.needs_selection:
+            if spec.selected:
                 self[spec.name].setEnabled(selected)
 
     def follow_history(self, history: History) -> None:

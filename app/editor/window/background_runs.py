@@ -70,18 +70,17 @@ class BackgroundRuns(QObject):
 
     def report(self) -> None:
         path = self._session.document.path
-        folder = path.parent if path is not None else Path.cwd()
-        kinds = dialog_filter("Reports", HTML)
-        dialog = SaveDialog(self._window, "Write the report", str(folder.absolute()), kinds)
-        dialog.setObjectName("report_dialog")
-        dialog.setDefaultSuffix(HTML.suffixes[0].removeprefix("."))
+        kinds, title = dialog_filter("Reports", HTML), "Write the report"
+        folder = path.parent if path is not None else None
+        taken = self.report_to
+        dialog = SaveDialog(
+            self._window, "report_dialog", title, kinds, taken, suffix="html", folder=folder
+        )
         dialog.selectFile(f"{self._session.stem}.html")
-        dialog.fileSelected.connect(self.report_to)
         show_beside(self._window, dialog)
 
-    def report_to(self, text: str) -> None:
+    def report_to(self, file: Path) -> None:
         self._finish_typing()
-        file = Path(text)
         if not any(form.matches(file) for form in REPORTS):
             ends = " or ".join(suffixes(*REPORTS))
             self._say("error", f"no report {shown(file.name)}: its name must end in {ends}")

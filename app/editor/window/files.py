@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QFileSystemWatcher, QObject, QPointF, QTimer, Signal
@@ -79,7 +80,9 @@ class Files(QObject):
         self.after_asking(lambda: self._new(following))
 
     def open_dialog(self) -> None:
-        dialog = labelled(FileDialog(*self._words("Open a network")), _DIALOG)
+        path = self._session.document.path
+        folder = str(path.parent if path else Path.cwd())
+        dialog = labelled(FileDialog(self._window, "Open a network", folder, _FILTER), _DIALOG)
         dialog.setFileMode(FileDialog.FileMode.ExistingFile)
         dialog.fileSelected.connect(self.open)
         show_beside(self._window, dialog)
@@ -118,11 +121,12 @@ class Files(QObject):
     def save_as(self, following: Next | None = None) -> None:
         """Let the person choose a file and save to it; then go on, if it was saved."""
         self.about_to_save.emit()
-        dialog = labelled(SaveDialog(*self._words("Save the network")), _DIALOG)
-        dialog.setDefaultSuffix(NETWORK_SUFFIX.removeprefix("."))
-        path = self._session.document.path
+        path, title = self._session.document.path, "Save the network"
+        taken, folder = partial(self.save_to, following=following), path and path.parent
+        dialog = SaveDialog(
+            self._window, _DIALOG, title, _FILTER, taken, suffix="json", folder=folder
+        )
         dialog.selectFile(str(path) if path else f"{self._session.stem}{NETWORK_SUFFIX}")
-        dialog.fileSelected.connect(lambda text: self.save_to(Path(text), following))
         show_beside(self._window, dialog)
 
     def save_to(self, path: Path, following: Next | None = None, *, over: bool = False) -> None:
@@ -233,10 +237,6 @@ class Files(QObject):
         self.show(Opened(Document(Network(), library=self._session.library)))
         if following is not None:
             following()
-
-    def _words(self, title: str) -> tuple[QWidget, str, str, str]:
-        path = self._session.document.path
-        return self._window, title, str(path.parent if path else Path.cwd()), _FILTER
 
 
 # The questions before work is lost. Each blocks the window until it is answered.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -118,12 +119,8 @@ class Help(QObject):
 
     def _export_of(self, viewer: Exported) -> None:
         kinds = _PICTURES if isinstance(viewer, ImageViewer) else plot_export.KINDS
-        dialog = labelled(
-            SaveDialog(self._window, "Export", str(Path.cwd()), kinds), "export_dialog"
-        )
-        dialog.setDefaultSuffix("png")
-        dialog.fileSelected.connect(lambda text: self._export_to(viewer, Path(text)))
-        show_beside(self._window, dialog)
+        taken = partial(self._export_to, viewer)
+        show_beside(self._window, SaveDialog(self._window, "export_dialog", "Export", kinds, taken))
 
     def _export_to(self, viewer: Exported, path: Path) -> None:
         try:

@@ -41,7 +41,7 @@ from app.editor.canvas.items.content import points_of
 from app.editor.gestures import without_argument
 from app.editor.recovery_files import Recovered
 from app.editor.theme import FAINT, theme_of
-from app.editor.widgets import filled, labelled
+from app.editor.widgets import filled, labelled, make_bold
 from app.editor.window.recent_files import folder_text
 from app.library_index import declarations
 from app.run.shipped import shipped_networks
@@ -237,9 +237,7 @@ class NetworkCard(QToolButton):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self.setMinimumWidth(1)  # else a long name widens its column
         self.title, self.line = QLabel(network.name), QLabel(line)
-        font = self.title.font()
-        font.setBold(True)
-        self.title.setFont(font)
+        make_bold(self.title)
         right = QVBoxLayout()
         right.setSpacing(3)
         for label in (self.title, self.line):

@@ -508,9 +508,7 @@ class ListField(Field):
         self.named(self.box)
         self.label.setBuddy(self.box)
         self.box.activated.connect(self._activated)
-        self.row.addWidget(self.label)
-        self.row.addWidget(self.box, 1)
-        self.row.addWidget(self.unit)
+        filled(self.row, self.label, (self.box, 1), self.unit)
         self.lines_up = bool(self.parameter.param.unit)
         self.unit.setVisible(self.lines_up)
 
@@ -554,9 +552,7 @@ class TextField(TypedField):
         edit = self.build_edit()
         if self.parameter.empty:
             edit.setPlaceholderText("empty")
-        self.row.addWidget(self.label)
-        self.row.addWidget(edit, 1)
-        self.row.addWidget(self.unit)
+        filled(self.row, self.label, (edit, 1), self.unit)
 
     def show_value(self, value: Any) -> None:
         self.edit.show_text("" if value is None else str(value))
@@ -566,9 +562,7 @@ class NumbersField(TypedField):
     def build(self) -> None:
         edit = self.build_edit()
         edit.setPlaceholderText("none: type numbers, as in 0, 0.1")
-        self.row.addWidget(self.label)
-        self.row.addWidget(edit, 1)
-        self.row.addWidget(self.unit)
+        filled(self.row, self.label, (edit, 1), self.unit)
 
     def show_value(self, value: Any) -> None:
         self.edit.show_text(shown_numbers(value or ()))

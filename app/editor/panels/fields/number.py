@@ -20,7 +20,7 @@ from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.type_in import WHEEL_REST_MS
 from app.editor.theme import CHANGED
-from app.editor.widgets import plain_label, takes_wheel
+from app.editor.widgets import filled, plain_label, takes_wheel
 from core.editing.operations import set_parameter
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
@@ -61,11 +61,8 @@ class NumberField(TypedField):
         self.linked_value = plain_label(f"linked_value.{self.parameter.name}", self, role=CHANGED)
         self.linked_value.setWordWrap(False)
         self.linked_value.hide()
-        self.row.addWidget(self.label)
-        self.row.addWidget(self.slider, 1)
-        self.row.addWidget(edit, 1)
-        self.row.addWidget(self.unit)
-        self.row.addWidget(self.linked_value)
+        beside = (self.unit, self.linked_value)
+        filled(self.row, self.label, (self.slider, 1), (edit, 1), *beside)
         self.label.setToolTip(tip(f"{self.title}: {about(self.parameter)}\n{_HOW_TO_DRAG}"))
         self.label.set_drags(True)
         self.label.pressed.connect(self._hold)

@@ -14,7 +14,7 @@ from app.editor.dialogs import FileDialog
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.widgets import labelled
+from app.editor.widgets import filled, labelled
 from core.modules.parameters import Parameter
 
 # A line for a file name: its folder is cut in the middle, the file's own name is always seen.
@@ -98,9 +98,7 @@ class PathField(TypedField):
         self.browse.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.named(self.browse, ": browse", "browse")
         self.browse.clicked.connect(self.open_dialog)
-        self.row.addWidget(self.label)
-        self.row.addWidget(edit, 1)
-        self.row.addWidget(self.browse)
+        filled(self.row, self.label, (edit, 1), self.browse)
         self.unit.hide()
 
     def show_value(self, value: Any) -> None:

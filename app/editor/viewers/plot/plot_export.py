@@ -139,12 +139,7 @@ def plot_menu(widget: QWidget, report: Report, numbers: Numbers | None) -> Menu:
 
     def ask() -> None:
         kinds = KINDS if numbers else dialog_filter("Pictures", *PICTURES)
-        dialog = labelled(
-            SaveDialog(widget, "Save the plot", str(Path.cwd()), kinds), "plot_dialog"
-        )
-        dialog.setDefaultSuffix("png")
-        dialog.fileSelected.connect(lambda name: save(Path(name)))
-        show_beside(widget, dialog)
+        show_beside(widget, SaveDialog(widget, "plot_dialog", "Save the plot", kinds, save))
 
     def save(path: Path) -> None:
         try:

@@ -348,7 +348,7 @@ def test_a_report_that_fails_says_why_in_the_status_line(desk, qtbot, tmp_path):
 
 
 def test_a_report_is_a_page(desk, tmp_path):
-    desk.runs.report_to(str(tmp_path / "report.pdf"))
+    desk.runs.report_to(tmp_path / "report.pdf")
     assert "must end in .json or .html" in desk.status.error
     assert desk.runs.queue.entries == ()
 
