@@ -173,12 +173,9 @@ def recoverable(folder: Path) -> tuple[Recovered, ...]:
             _read(path) for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith(".")
         ]
         _sweep(folder)
-        return tuple(sorted((work for work in recovered if work is not None), key=_age))
+        found = (work for work in recovered if work is not None)
+        return tuple(sorted(found, key=lambda work: -work.time))
     return ()
-
-
-def _age(work: Recovered) -> float:
-    return -work.time
 
 
 def _read(path: Path) -> Recovered | None:

@@ -51,7 +51,8 @@ def drop(session, key, name="node"):
 def field_of(area, session, name, node="node"):
     """The field of a parameter, brought to light: its page turned to, its condition met."""
     sections = area.panels[node].body.sections
-    sections.show_page(sections.page_of(name))
+    pages = (section.page for section in sections.sections if name in section.parameters)
+    sections.tabs.turn_to(next(pages, ""))
     field = sections.field(name)
     for section in sections.sections:
         if name in section.parameters and section.shown_when and not field.isVisible():

@@ -259,7 +259,7 @@ class Menus:
         self.wire_menu.addAction("&Disconnect").triggered.connect(self._disconnect)
         self._add_dot = self.wire_menu.addAction("&Add Dot")
         self._add_dot.setToolTip("Bend the wire through a dot here (R, or double-click)")
-        self._add_dot.triggered.connect(self._put_dot)
+        self._add_dot.triggered.connect(lambda: dots.add(self._pos))
         self._delete_dot = self.wire_menu.addAction("D&elete Dot")
         self._delete_dot.triggered.connect(partial(without_argument, dots.remove))
         self._straighten = self.wire_menu.addAction("&Straighten")
@@ -340,9 +340,6 @@ class Menus:
         link = self._marks.link
         if link is not None:
             self._surface.session.do(Rewire(remove=(link,)))
-
-    def _put_dot(self) -> None:
-        self._dots.add(self._pos)
 
     def _edit_title(self) -> None:
         if self._marks.backdrop is not None:

@@ -111,21 +111,17 @@ class ChoicePopup(QFrame):
         for widget in (self.title, self.field, self.list):
             layout.addWidget(widget)
         self._choices: tuple[Choice, ...] = ()
-        self._open = False
+        self.is_open = False
         self.field.textChanged.connect(self._filter)
         self.field.installEventFilter(self)
         self.list.itemClicked.connect(self._choose_item)
         self.hide()
 
-    @property
-    def is_open(self) -> bool:
-        return self._open
-
     def open_at(self, pos: QPoint, title: str, choices: Sequence[Choice]) -> None:
         """Show the choices near a point of the parent; another list that is open is abandoned."""
         self.abandon()
         self._choices = tuple(choices)
-        self._open = True
+        self.is_open = True
         self.title.setText(title)
         self.field.setAccessibleName(title)
         self.list.setAccessibleName(title)
@@ -151,7 +147,7 @@ class ChoicePopup(QFrame):
             self._choose_item(item)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        if watched is self.field and self._open:
+        if watched is self.field and self.is_open:
             if isinstance(event, QKeyEvent) and event.type() in _KEYS:
                 if event.type() == QEvent.Type.ShortcutOverride:
                     if QKeySequence(event.keyCombination()) == self.passed_on:
@@ -196,7 +192,7 @@ class ChoicePopup(QFrame):
             self.chosen.emit(choice.value)
 
     def _close(self) -> bool:
-        was, self._open = self._open, False
+        was, self.is_open = self.is_open, False
         if was:
             held = self.field.hasFocus()
             self._choices = ()

@@ -79,7 +79,7 @@ def usual_span(parameter: Parameter, present: Any) -> Span:
     if (declared and near) or not value:
         low, high = scale.low, scale.high
         if low <= 0 and _zero_is_empty(parameter):
-            low = _least(scale.high, whole)
+            low = 1.0 if whole else scale.high / 100
         return Span(low, high, _spans_decades(low, high), whole)
     if _spans_decades(scale.low, scale.high) and value > 0:
         return _within(parameter, Span(value / 10, value * 10, log=True, whole=whole))
@@ -106,10 +106,6 @@ def _spans_decades(low: float, high: float) -> bool:
 
 def _zero_is_empty(parameter: Parameter) -> bool:
     return parameter.empty and parameter.param.zero_is_empty
-
-
-def _least(high: float, whole: bool) -> float:
-    return 1.0 if whole else high / 100
 
 
 def _within(parameter: Parameter, span: Span) -> Span:

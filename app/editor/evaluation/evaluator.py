@@ -232,7 +232,9 @@ class Evaluator(QObject):
             self._badges = news.badges
         if news.finished > self._finished:
             self._finished = news.finished
-            self._set_behind(news.unanswered)
+            if news.unanswered != self._behind:
+                self._behind = news.unanswered
+                self.behind_changed.emit(self._behind)
         if not self._is_planned and (news.plan is not None or news.finished):
             self._planned_document = self._document
             if news.plan is not None:
@@ -266,11 +268,6 @@ class Evaluator(QObject):
         if busy != self._busy:
             self._busy = busy
             self.busy_changed.emit(busy)
-
-    def _set_behind(self, behind: bool) -> None:
-        if behind != self._behind:
-            self._behind = behind
-            self.behind_changed.emit(behind)
 
     def _emit_badges(self) -> None:
         shown = dict(self._badges)
@@ -455,7 +452,7 @@ class Freshness(QObject):
         self._edit = 0
         self.is_old = False
         self._late = QTimer(self, singleShot=True, interval=OLD_AFTER_MS)
-        self._late.timeout.connect(self._grow_old)
+        self._late.timeout.connect(lambda: self._set(True))
         session.changed.connect(self._edited)
         session.opened.connect(self._opened)
         evaluator.pass_done.connect(self._pass_done)
@@ -480,9 +477,6 @@ class Freshness(QObject):
     def _pass_done(self, done: Any) -> None:
         if isinstance(done, PassDone) and done.reduced == 1 and not done.cancelled:
             self.catch_up(done.generation)
-
-    def _grow_old(self) -> None:
-        self._set(True)
 
     def _set(self, old: bool) -> None:
         if old != self.is_old:

@@ -104,7 +104,6 @@ class PanelHead(QWidget):
         self.help = self.bar.add_button("help", "?", "What this module does", checkable=True)
         self.close_button = self.bar.add_button("close", "×", "Close this panel")
         self.help.setVisible(bool(text))
-        self.help.toggled.connect(self._show_help)
         self.text = plain_label("module_text", self, flowing(text), role=FAINT)
         self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.text.hide()
@@ -116,6 +115,8 @@ class PanelHead(QWidget):
             | Qt.TextInteractionFlag.LinksAccessibleByKeyboard
         )
         self.more.hide()
+        self.help.toggled.connect(self.text.setVisible)
+        self.help.toggled.connect(self.more.setVisible)
         self.below = QWidget(self)
         self.place = QWidget(self.below)
         self.problem = plain_label("problem", self.place)
@@ -258,7 +259,3 @@ class PanelHead(QWidget):
         set_ground(self.bar, theme.groups.get(self._group or "", theme.raised))
         if self._badge is not None:
             set_ink(self.problem, theme.badges[self._badge.kind])
-
-    def _show_help(self, on: bool) -> None:
-        self.text.setVisible(on)
-        self.more.setVisible(on)

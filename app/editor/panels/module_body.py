@@ -248,13 +248,6 @@ class SectionsView(QWidget):
     def field(self, name: str) -> Field:
         return next(field for field in self.fields if field.parameter.name == name)
 
-    def page_of(self, name: str) -> str:
-        """The page a parameter stands on first; empty if it stands on none."""
-        return next((s.page for s in self.sections if name in s.parameters), "")
-
-    def show_page(self, page: str) -> None:
-        self.tabs.turn_to(page)
-
     def follow(
         self, node: Node, values: Mapping[str, Any], faults: Mapping[str, LinkError]
     ) -> None:

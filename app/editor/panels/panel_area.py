@@ -410,7 +410,7 @@ class NodePanel(QFrame):
     def _connect(self) -> None:
         head, requests = self.head, self._of.requests
         head.bar.folded.connect(self._fold)
-        head.pin.clicked.connect(self._pin)
+        head.pin.clicked.connect(lambda: self._set("pinned", head.pin.isChecked() or ABSENT))
         head.fold_picture.clicked.connect(self._fold_picture)
         head.close_button.clicked.connect(
             partial(without_argument, partial(requests.close.emit, self.node))
@@ -418,8 +418,8 @@ class NodePanel(QFrame):
         head.name.committed.connect(self._rename)
         head.name.returnPressed.connect(self._leave_name)  # after it is taken, or refused
         head.name.given_up.connect(self._show_name)
-        head.auto.clicked.connect(self._set_auto)
-        head.disable.clicked.connect(self._set_disabled)
+        head.auto.clicked.connect(lambda: self._set("auto", head.auto.isChecked()))
+        head.disable.clicked.connect(lambda: self._set("disabled", head.disable.isChecked()))
         head.output.clicked.connect(self._mark_output)
         head.generate.clicked.connect(partial(without_argument, requests.generate.emit))
         head.more.linkActivated.connect(
@@ -496,20 +496,13 @@ class NodePanel(QFrame):
         self.head.name.show_text(self._local_name)
         self.head.show_name_error("")
 
-    def _set_auto(self) -> None:
-        self._of.do(set_node_field(self.node, "auto", self.head.auto.isChecked()))
-
-    def _set_disabled(self) -> None:
-        self._of.do(set_node_field(self.node, "disabled", self.head.disable.isChecked()))
-
     def _mark_output(self) -> None:
         session = self._session
         if self._of.is_there:
             session.do(output_toggled(session.network, session.library, self.node))
 
-    def _pin(self) -> None:
-        value = True if self.head.pin.isChecked() else ABSENT
-        self._of.do(set_node_field(self.node, "pinned", value))
+    def _set(self, name: str, value: object) -> None:
+        self._of.do(set_node_field(self.node, name, value))
 
 
 # The menu of a panel: named sets of the module's parameters, to be kept and taken again.

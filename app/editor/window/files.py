@@ -66,13 +66,13 @@ class Files(QObject):
         self._settings = settings
         self._window = window
         self._watcher = QFileSystemWatcher(self)
-        self._watcher.fileChanged.connect(self._wait_for_file)
-        self._watcher.directoryChanged.connect(self._wait_for_file)
         self._mark: OpenMark | None = None
         self._told = ""
         # Programs that replace a file take it away first.
         self._settled = QTimer(self, singleShot=True, interval=_SETTLED_MS)
         self._settled.timeout.connect(self._look_at_file)
+        for changed in (self._watcher.fileChanged, self._watcher.directoryChanged):
+            changed.connect(lambda _: self._settled.start())
         self._next: Next | None = None
         self._question: Question | None = None
 
@@ -167,15 +167,12 @@ class Files(QObject):
             self._mark = OpenMark(path)
             seen = (path, self._mark.folder)
             self._watcher.addPaths([str(one) for one in seen if one.exists()])
-            self._wait_for_file()
+            self._settled.start()
 
     def close(self) -> None:
         if self._mark is not None:
             self._mark.let_go()
         self._mark = None
-
-    def _wait_for_file(self) -> None:
-        self._settled.start()
 
     def _look_at_file(self) -> None:
         document = self._session.document

@@ -159,7 +159,8 @@ class HandbookOpening(QObject):
         self._process.finished.connect(self._finished)
         self._process.errorOccurred.connect(self._failed_to_start)
         self._long = QTimer(self, singleShot=True)
-        self._long.timeout.connect(self._say_that_it_takes_long)
+        preparing = partial(session.message.emit, "note", "preparing the handbook's pages, once")
+        self._long.timeout.connect(preparing)
         self._closed = False
 
     def open(self, word: str = "") -> None:
@@ -180,9 +181,6 @@ class HandbookOpening(QObject):
             if not self._process.waitForFinished(_CLOSING_MS):
                 self._process.kill()
                 self._process.waitForFinished(_CLOSING_MS)
-
-    def _say_that_it_takes_long(self) -> None:
-        self._session.message.emit("note", "preparing the handbook's pages, once")
 
     def _finished(self, code: int, status: QProcess.ExitStatus) -> None:
         self._long.stop()

@@ -407,7 +407,9 @@ class MainWindow(QMainWindow):
         welcome.new_wanted.connect(self.files.new)
         welcome.open_wanted.connect(self.files.open_dialog)
         welcome.back_wanted.connect(self.show_canvas)
-        welcome.recovered.connect(self._recover)
+        welcome.recovered.connect(
+            lambda work: self.files.after_asking(lambda: self._show_recovered(work))
+        )
 
     def _opened(self) -> None:
         self.viewers.forget_pictures()
@@ -510,9 +512,6 @@ class MainWindow(QMainWindow):
         bring_forward(self.measure_dock, self.measuring.canvas)
         if not before:
             self.measuring.measure_shown()
-
-    def _recover(self, work: Any) -> None:
-        self.files.after_asking(lambda: self._show_recovered(work))
 
     def _show_recovered(self, work: Recovered) -> None:
         """Open it as unsaved; its file stays until the window has written its own."""

@@ -331,9 +331,8 @@ def course_of(start: Spot, end: Spot, ground: Ground, beside: float) -> Course:
     ]
     if not lanes:
         return Course(None, reach)
-    return Course(
-        min(lanes, key=lambda option: _detour(option[0], start, end) - option[1])[0], reach
-    )
+    best = min(lanes, key=lambda one: abs(one[0] - start[1]) + abs(one[0] - end[1]) - one[1])
+    return Course(best[0], reach)
 
 
 def _course_back(start: Spot, end: Spot, ground: Ground, beside: float) -> Course:
@@ -356,10 +355,6 @@ def _course_back(start: Spot, end: Spot, ground: Ground, beside: float) -> Cours
         if reached <= lane:
             return Course(lane, reach)
     return Course(None, reach)
-
-
-def _detour(lane: float, start: Spot, end: Spot) -> float:
-    return abs(lane - start[1]) + abs(lane - end[1])
 
 
 def _free(

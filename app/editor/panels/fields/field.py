@@ -507,7 +507,7 @@ class ListField(Field):
         self.box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.named(self.box)
         self.label.setBuddy(self.box)
-        self.box.activated.connect(self._activated)
+        self.box.activated.connect(lambda number: self.offer(self.choices[number]))
         filled(self.row, self.label, (self.box, 1), self.unit)
         self.lines_up = bool(self.parameter.param.unit)
         self.unit.setVisible(self.lines_up)
@@ -515,9 +515,6 @@ class ListField(Field):
     def show_value(self, value: Any) -> None:
         if value in self.choices:
             self.box.setCurrentIndex(self.choices.index(value))
-
-    def _activated(self, number: int) -> None:
-        self.offer(self.choices[number])
 
 
 # A field for what is on or off.
@@ -528,7 +525,7 @@ class SwitchField(Field):
         self.box = Check(self.title, self)
         self.box.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.named(self.box)
-        self.box.clicked.connect(self._clicked)
+        self.box.clicked.connect(lambda: self.offer(self.box.isChecked()))
         self.label.hide()
         self.unit.hide()
         self.row.addWidget(self.box)
@@ -539,9 +536,6 @@ class SwitchField(Field):
 
     def show_value(self, value: Any) -> None:
         self.box.setChecked(bool(value))
-
-    def _clicked(self) -> None:
-        self.offer(self.box.isChecked())
 
 
 # Fields for a text, and for a list of numbers.

@@ -54,7 +54,7 @@ class NumberField(TypedField):
         edit.step_ended.connect(self._end)
         self.slider = Slider(self.scale.positions, self)
         self.named(self.slider, ", slider", "slider")
-        self.slider.moved.connect(self._slide)
+        self.slider.moved.connect(lambda at: self._offer_moved(self.scale.value_at(at)))
         self.slider.stepped.connect(self._step)
         self.slider.finished.connect(self._end)
         self.slider.sliderPressed.connect(self._hold)
@@ -171,9 +171,6 @@ class NumberField(TypedField):
         self._show_problem("")
         self.node.put(self.parameter.name, raw)
         self._settle()
-
-    def _slide(self, position: int) -> None:
-        self._offer_moved(self.scale.value_at(position))
 
     def _step(self, steps: int) -> None:
         stepped = self.scale.stepped(self.value, steps)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -282,21 +283,21 @@ class ImageViewer(Viewer):
         bar.fit.clicked.connect(self.fit)
         bar.dots.clicked.connect(self.one_to_one)
         bar.opening.connect(self._fill_menus)
-        bar.display.mapping.chosen.connect(self._choose_mapping)
+        bar.display.mapping.chosen.connect(lambda name: self._choose(mapping=name))
         bar.display.levels.chosen.connect(self._choose_levels)
         bar.display.colours.chosen.connect(self._set_colours)
         bar.display.shape.toggled.connect(canvas.show_true_shape)
-        bar.display.histogram.toggled.connect(canvas.show_histogram)
+        bar.display.histogram.toggled.connect(canvas.levels.setVisible)
         bar.display.profile.toggled.connect(self._toggle_profile)
         bar.display.spectra.toggled.connect(canvas.spectra.switch)
         self.band_bar.chosen.connect(self._choose_bands)
-        self.band_bar.noted.connect(self._note)
+        self.band_bar.noted.connect(partial(self.session.message.emit, "note"))
         canvas.spectra.wanted.connect(self.ask)
         canvas.spectra.dragged.connect(self.band_bar.take_line)
         self.probe.placed.connect(canvas.spectra.point_at)
         canvas.sigDeviceRangeChanged.connect(self._fit_spectra)
         canvas.band_stepped.connect(self.band_bar.step)
-        bar.compare.mode.chosen.connect(self._choose_mode)
+        bar.compare.mode.chosen.connect(lambda name: self._choose(mode=name))
         bar.compare.other_chosen.connect(self._choose_other)
         bar.compare.linked.connect(self._choose_link)
         self.region.picture_wanted.connect(self._show_for_region)
@@ -313,15 +314,6 @@ class ImageViewer(Viewer):
     def _show_for_region(self, port: str) -> None:
         self._lost = None
         self._choose(port=port, mapping="linear", mode="alone")
-
-    def _note(self, text: str) -> None:
-        self.session.message.emit("note", text)
-
-    def _choose_mapping(self, name: str) -> None:
-        self._choose(mapping=name)
-
-    def _choose_mode(self, name: str) -> None:
-        self._choose(mode=name)
 
     def _show_bands(self, picture: Picture | None) -> None:
         bands = bands_of(picture.value) if picture is not None else None

@@ -89,13 +89,10 @@ class Radio(QObject):
             action.setData(name)
             menu.addAction(action)
             self._actions[name] = action
-        self._group.triggered.connect(self._triggered)
+        self._group.triggered.connect(lambda action: self.chosen.emit(str(action.data())))
 
     def choose(self, name: str) -> None:
         self._actions[name].setChecked(True)
-
-    def _triggered(self, action: QAction) -> None:
-        self.chosen.emit(str(action.data()))
 
 
 class DisplayMenu(QObject):
@@ -222,10 +219,12 @@ class BandBar(QWidget):
         for widget in (self.shown, self.one, *self.colours):  # a narrow viewer cuts their texts
             widget.setMinimumWidth(_NARROWEST * letter)
         self._lay()
-        self.shown.activated.connect(self._shown_chosen)
+        self.shown.activated.connect(
+            lambda _: self._choose(replace(self.choice, shown=self.shown.currentData()))
+        )
         self.slider.valueChanged.connect(self._one_chosen)
         self.one.valueChanged.connect(self._one_chosen)
-        self.even.clicked.connect(self._take_even)
+        self.even.clicked.connect(lambda: self._choose(replace(self.choice, colours_um=None)))
         for spin in self.colours:
             spin.valueChanged.connect(self._colours_chosen)
         for spin in (self.one, *self.colours):
@@ -301,9 +300,6 @@ class BandBar(QWidget):
         layout.addSpacing(3)
         layout.addWidget(self.about, 1)
 
-    def _shown_chosen(self, _index: int) -> None:
-        self._choose(replace(self.choice, shown=self.shown.currentData()))
-
     def _one_chosen(self, place: int) -> None:
         if self._bands is not None and not self._writing:
             self._choose(replace(self.choice, one_um=self._bands.centres_um[place]))
@@ -319,9 +315,6 @@ class BandBar(QWidget):
             changed.get(line, self._bands.centres_um[place]) for line, place in enumerate(places)
         )
         self._choose(replace(self.choice, colours_um=(red, green, blue)))
-
-    def _take_even(self) -> None:
-        self._choose(replace(self.choice, colours_um=None))
 
     def _choose(self, choice: BandChoice) -> None:
         if choice != self.choice:

@@ -144,9 +144,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.names.show(left, right)
         self._divide()
 
-    def show_histogram(self, shown: bool) -> None:
-        self.levels.setVisible(shown)
-
     def show_true_shape(self, on: bool) -> None:
         """Show samples as wide and high as they are in angle, or as squares."""
         if on != self._true_shape:

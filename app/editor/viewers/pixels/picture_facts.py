@@ -188,15 +188,12 @@ Mode = Literal["alone", "wipe", "difference"]
 Scale = Literal["linear", "log", "spectrum"]
 Automatic = Literal["extremes", "percentiles"]
 Levels = Automatic | Range
-SCALES: tuple[Scale, ...] = get_args(Scale)
 MODES: tuple[Mode, ...] = get_args(Mode)
-AUTOMATIC: tuple[Automatic, ...] = get_args(Automatic)
 AUTOMATIC_LEVELS: Automatic = "percentiles"  # a few hot samples leave the rest its contrast
 
 # Which bands of a picture are shown: their sum, one alone, or three as red, green and blue.
 
 BandsShown = Literal["all", "one", "colours"]
-BANDS_SHOWN: tuple[BandsShown, ...] = get_args(BandsShown)
 CHANNELS = ("red", "green", "blue")
 Channels = tuple[float, float, float]
 

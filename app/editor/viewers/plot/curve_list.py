@@ -28,7 +28,9 @@ class CurveList(QListWidget):
         self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setItemDelegate(OutlinedItems(self))
-        self.itemChanged.connect(self._item_changed)
+        self.itemChanged.connect(
+            lambda item: self.toggled.emit(str(item.data(_NAME)), item.checkState() == _CHECKED)
+        )
 
     def sizeHint(self) -> QSize:
         hint = super().sizeHint()
@@ -106,6 +108,3 @@ class CurveList(QListWidget):
         painter.drawLine(0, size.height() // 2, size.width(), size.height() // 2)
         painter.end()
         return QIcon(picture)
-
-    def _item_changed(self, item: QListWidgetItem) -> None:
-        self.toggled.emit(str(item.data(_NAME)), item.checkState() == _CHECKED)

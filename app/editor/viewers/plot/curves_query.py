@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
@@ -14,7 +14,7 @@ from app.editor.declared_text import error_text
 from app.editor.evaluation.queries import Passing, Query
 from app.run.output import HOW_TO_MARK, sound_part
 from app.run.responses import LineStageResponse, responses_along
-from app.run.transfer_chain import Chain, Stage, find_chain
+from app.run.transfer_chain import Chain, find_chain
 from core.chain.engine import Plan
 from core.chain.results import CurveData, CurveMark, TableData
 from core.chain.wires import Curve, Table
@@ -138,14 +138,11 @@ def _marks(chain: Chain, grid: Grid, line: Line) -> tuple[CurveMark, ...]:
     marks = [CurveMark("Nyquist", nyquist)]
     if pixels < _ALIKE * nyquist:
         marks = [CurveMark("samples' Nyquist", nyquist), CurveMark("pixels' Nyquist", pixels)]
-    cutoffs = [cutoff for cutoff in map(_cutoff_along(line), _planar(chain.stages)) if cutoff]
+    planar = (f for stage in chain.stages for f in stage.factors if isinstance(f, Planar))
+    cutoffs = [cutoff for cutoff in map(_cutoff_along(line), planar) if cutoff]
     if cutoffs:
         marks.append(CurveMark("optics cutoff", min(cutoffs)))
     return tuple(marks)
-
-
-def _planar(stages: Iterable[Stage]) -> Iterable[Planar]:
-    return (f for stage in stages for f in stage.factors if isinstance(f, Planar))
 
 
 def _cutoff_along(line: Line) -> Any:

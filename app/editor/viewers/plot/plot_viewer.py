@@ -490,11 +490,13 @@ class PlotBar(QWidget):
         layout.setContentsMargins(2, 2, 2, 0)
         for widget in (self.ports, self.pin, self.outputs, *self._of_chain, self.log, self.fit):
             layout.addWidget(widget)
-        self._x.clicked.connect(self._choose_x)
-        self._y.clicked.connect(self._choose_y)
+        self._x.clicked.connect(lambda: self.angle.setValue(0.0))
+        self._y.clicked.connect(lambda: self.angle.setValue(90.0))
         self.angle.valueChanged.connect(self.angle_chosen)
-        self.parts.activated.connect(self._choose_parts)
-        self.log.clicked.connect(self._choose_log)
+        self.parts.activated.connect(
+            lambda index: self.parts_chosen.emit(str(self.parts.itemData(index)))
+        )
+        self.log.clicked.connect(lambda: self.log_chosen.emit(self.log.isChecked()))
 
     def show_choices(
         self, port: str | None, angle_deg: float, parts: str, *, bare: bool = False
@@ -510,18 +512,6 @@ class PlotBar(QWidget):
             widget.setEnabled(port is None)
             widget.setVisible(port is None and not bare)
         self.outputs.show_port(port)
-
-    def _choose_x(self) -> None:
-        self.angle.setValue(0.0)
-
-    def _choose_y(self) -> None:
-        self.angle.setValue(90.0)
-
-    def _choose_log(self) -> None:
-        self.log_chosen.emit(self.log.isChecked())
-
-    def _choose_parts(self, index: int) -> None:
-        self.parts_chosen.emit(str(self.parts.itemData(index)))
 
 
 # Buttons of all that one node has to plot, beside the list of all nodes.
