@@ -10,10 +10,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 
 class AfterRelease(QObject):
-    """Calls once the mouse is up; of several calls waiting, each kind is made once.
-
-    Looks at the application's events only while something waits.
-    """
+    """Calls once the mouse is up, each kind of call once; looks at events only meanwhile."""
 
     def __init__(self, owner: QObject) -> None:
         super().__init__(owner)
@@ -45,10 +42,7 @@ class AfterRelease(QObject):
 
 
 class EscapeInDrag(QObject):
-    """Calls when Esc is pressed during a drag, in whatever widget the keyboard is.
-
-    Looks at the window's events only during the drag.
-    """
+    """Calls when Esc is pressed during a drag, in whatever widget the keyboard is."""
 
     def __init__(self, owner: QWidget, call: Callable[[], None]) -> None:
         super().__init__(owner)

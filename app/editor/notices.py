@@ -88,10 +88,7 @@ def close_button(name: str, parent: QWidget) -> QToolButton:
 
 
 class Notice(QWidget):
-    """A mark, a text in the same colour, and a button that closes both; hidden without a text.
-
-    The text is broken into lines, or with `one_line` elided.
-    """
+    """A mark, a text in its colour, elided if `one_line`, and a button; hidden without a text."""
 
     closed = Signal()  # the person has closed it
 

@@ -79,10 +79,7 @@ def number_of(text: str, parameter: Parameter) -> float | int | str | None:
 
 
 def numbers_of(text: str, parameter: Parameter) -> list[float | int | str | None]:
-    """The numbers of a list as a person typed it: between commas, or semicolons, or spaces.
-
-    With semicolons, commas are decimal points.
-    """
+    """The numbers of a list, between commas, spaces, or semicolons: then commas are decimal."""
     text = text.strip().strip("[]()").strip()
     if not text:
         return []

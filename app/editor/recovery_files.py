@@ -138,11 +138,7 @@ class Recovered:
     stored: str | None = None
 
     def document(self, library: Library) -> Document:
-        """The work as an unsaved document of its original file.
-
-        In work that was never saved, file names are made relative to the present folder. A damaged
-        file raises a `NetworkError`.
-        """
+        """The work as an unsaved document of its original file; a `NetworkError` if damaged."""
         if self.problem:
             raise NetworkError(f"{self.file}: {self.problem}")
         network = parse_network(self.text, library=library, name_of_source=str(self.file))

@@ -176,10 +176,7 @@ class Session(QObject):
         self.document.go_to(position)
 
     def save(self, path: Path | None = None, *, over: bool = False) -> bool:
-        """Save the document; whether that worked. If not, the work is kept and the reason shown.
-
-        `over`: whether to write over another program's changes to its own file.
-        """
+        """Save the document, `over` another program's changes too; whether that worked."""
         before = self.document.path
         try:
             self.document.save(path, over=over)

@@ -180,7 +180,6 @@ class Adding:
             session.select([name])
 
     def _at_port(self, candidate: Candidate, drawn_from: str, point: QPointF) -> Point:
-        """Where a new node stands if its port is to be where the wire ended."""
         known = declaration(self._surface.session.library[candidate.module])
         node = Node(local_key(candidate.module), candidate.module)
         geometry = geometry_of(face_of(node, known, ()), self._surface.content.style)
@@ -231,7 +230,6 @@ def possible_links(network: Network, library: Library, names: Collection[str]) -
 def _between(
     network: Network, library: Library, source: str, target: str
 ) -> Iterator[tuple[int, Link, str]]:
-    """The links from one node to another, with their ranks and what they would replace."""
     taken = {link.input: link for link in network.links_into(target)}
     for output in _ports(network, library, source, "output"):
         for entry in _ports(network, library, target, "input"):
@@ -285,10 +283,7 @@ def added(surface: Surface, module: str, at: Point) -> tuple[str, Operation]:
 def with_way_made(
     surface: Surface, operation: Operation, name: str, size: Size | None = None
 ) -> Operation:
-    """The operation that puts a node into a wire, with the neighbours moved out of its way.
-
-    `size` is that of a node that is not on the canvas yet.
-    """
+    """Put a node into a wire, neighbours out of its way; `size`: of one not there yet."""
     network = operation.apply(surface.session.network)
     sizes = surface.content.sizes() | ({name: size} if size is not None else {})
     behind = reached(network.followers, {name}) - {name}
@@ -304,7 +299,6 @@ def with_way_made(
 def _placed(
     surface: Surface, module: str, selected: str, name: str, operation: Operation
 ) -> Operation:
-    """What adds it, with a place that suits its wires."""
     grown: Network = operation.apply(surface.session.network)
     size = size_of(surface, module)
     feeding = any(link.target == selected and link.source == name for link in grown.links)
@@ -377,19 +371,13 @@ Insertion = tuple[WireItem, Operation]
 
 
 def insertion_at(surface: Surface, name: str, point: QPointF) -> Insertion | None:
-    """The wire under the pointer, or else under the node's middle, and what leads it through.
-
-    None where there is no wire that the node fits into.
-    """
+    """The wire under the pointer, or under the node's middle, and what leads the node in."""
     middle = surface.content.nodes[name].frame().center()
     return _insertion(surface, surface.session.network, name, (point, middle))
 
 
 def added_at(surface: Surface, module: str, point: QPointF) -> tuple[str, Operation]:
-    """A new node of a module, in the wire at the point if there is one that it fits into.
-
-    Its neighbours there make way for it; elsewhere it stands on free ground.
-    """
+    """A new node, in the wire at the point if it fits into one, else on free ground."""
     session, at = surface.session, whole(point)
     name, adding = new_node(session.network, session.library, module, at)
     insertion = _insertion(surface, adding.apply(session.network), name, (point,))

@@ -55,10 +55,7 @@ class Choice:
 
 
 def matching(choices: Sequence[Choice], typed: str) -> list[Choice]:
-    """The choices in which every word occurs; first those whose text begins so.
-
-    Where there is none, those in which every word occurs with the further words.
-    """
+    """Choices with every word, first those that begin so; else those with the further words."""
     words = typed.casefold().split()
     matches = [choice for choice in choices if _matches(choice, words)]
     if not matches:

@@ -135,10 +135,7 @@ Dropped = Callable[[NodePort, Link | None, QPoint], None]
 
 
 class DragWire(Gesture):
-    """Draw a wire from a port. At an input that has a wire, that one is picked up.
-
-    `dropped` is called if the wire ends on empty ground.
-    """
+    """Draw a wire from a port, or pick one up at an input; `dropped` ends it on empty ground."""
 
     def __init__(self, surface: Surface, pos: QPoint, port: NodePort, dropped: Dropped) -> None:
         super().__init__(surface, pos)
@@ -203,7 +200,6 @@ class DragWire(Gesture):
             item.update()
 
     def _target(self, point: QPointF) -> tuple[NodePort | None, str | None]:
-        """The port the wire would end at, or why what is there takes no such wire."""
         content = self.surface.content
         port = port_near(content, point, self.surface.view.zoom)
         if port is self._fixed:
@@ -385,10 +381,7 @@ class Dots:
             self._marks.choose(link, None, index)
 
     def add(self, pos: QPoint | None) -> None:
-        """Put a dot on the wire under the pointer, else in the middle of the selected wire.
-
-        Else of the first wire that leaves the selected node: so it can be done by keys alone.
-        """
+        """Bend the wire at a pixel, else the selected one, else the first at the selected node."""
         surface = self._surface
         if pos is not None:
             point = surface.view.scene_point(pos)

@@ -262,10 +262,7 @@ Small = SmallPicture | SmallCurve
 
 @dataclass(frozen=True)
 class NodeThumbnailQuery(Query):
-    """What comes out of a node: its first output that can be drawn.
-
-    It waits until edits pause and all else is answered: it costs a pass nothing.
-    """
+    """A node's first output that can be drawn, once edits pause: it costs a pass nothing."""
 
     urgency: ClassVar[int] = 2
     waits: ClassVar[bool] = True

@@ -489,7 +489,6 @@ class EdgeCanvas(QWidget):
         return nearest[1] if nearest[0] <= _NEAR_PX else -1
 
     def _is_shown(self, place: int) -> bool:
-        """Whether an edge is drawn: those that cannot be used are, if wanted, or chosen."""
         assert self._measured is not None
         return self._all or place == self._current or self._measured.edges[place].curve is not None
 
@@ -538,7 +537,6 @@ def _distance(point: QPointF, start: QPointF, end: QPointF) -> float:
 
 
 def _grey_image(preview: Preview) -> QImage:
-    """The picture in greys between its 0.1 % quantiles."""
     from app.run.saving import grey_levels, robust_limits
 
     low, high = robust_limits(preview.samples)

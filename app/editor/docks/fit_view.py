@@ -265,7 +265,6 @@ class FitView(WorkerView):
         return self.pictures, tuple(self._session.free.all), self.known.isChecked()
 
     def _network_changed(self, *_: object) -> None:
-        """Show its values as they are now, and say where those fitted are of another one."""
         self.table.write()
         self._say_result()
 
@@ -340,7 +339,6 @@ class FitView(WorkerView):
 
     @property
     def _why_old(self) -> str:
-        """What has changed since the fit; empty where nothing has."""
         session, outcome = self._session, self.outcome
         now = session.document.network
         fitted = {one.number.place for one in outcome.numbers} if outcome is not None else set()

@@ -219,12 +219,10 @@ class MeasureView(WorkerView):
         self._show_all()
 
     def _network_changed(self, *_: object) -> None:
-        """Say whether a measured picture is that of the network as it stands."""
         if self._shown is not None and not self.worker.busy:
             self._say_shown()
 
     def _forget_network(self) -> None:
-        """Show no picture of a network any more: another one is open."""
         if self._coming is not None and self._coming.network is not None:
             self.worker.drop()
             self._coming = None

@@ -214,7 +214,6 @@ class RunsView(QWidget):
         self._fit_previews()
 
     def _fit_previews(self) -> None:
-        """A single picture as large as there is room for, several beside one another."""
         count, line = self.previews.count(), self.fontMetrics().height()
         room = min(self.previews.viewport().height(), self.previews.viewport().width())
         side = max(_LEAST_PX, min(PREVIEW_PX, room - line)) if count == 1 else _SEVERAL_PX

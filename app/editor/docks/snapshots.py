@@ -72,10 +72,7 @@ class AllFiguresQuery(Query):
 
 @dataclass(eq=False)
 class Source:
-    """The network of a snapshot as it was computed, and its plan once that is known.
-
-    A plan is of recipes, and holds no arrays.
-    """
+    """The network of a snapshot as it was computed, and its plan, which holds no arrays."""
 
     network: Network
     folder: Path
@@ -353,7 +350,6 @@ class Snapshots(QObject):
             )
 
     def _forget(self) -> None:
-        """Another document is open: what was kept of the last one goes with it."""
         count = len(self.states)
         self.states, self.chosen, self.way, self._numbers = [], None, None, 0
         self._wanted.clear()
@@ -413,10 +409,7 @@ def drop_pictures(
 
 
 def changed_figures(before: Figures, now: Figures) -> tuple[list[str], int]:
-    """A line for each figure that is another one now, and how many there are in all.
-
-    What six digits do not show is no difference.
-    """
+    """A line for each figure that differs in six digits, and how many there are in all."""
     lines, count = [], 0
     for node, name in dict.fromkeys((*now, *before)):
         pair = before.get((node, name)), now.get((node, name))

@@ -148,10 +148,7 @@ class SnapshotsView(Viewer):
 
 
 class SnapshotList(QTreeWidget):
-    """One row for each state, the newest first; the current row is A.
-
-    F2 or a double click renames, Del removes, Enter goes back.
-    """
+    """The newest first, the current row is A; F2 renames, Del removes, Enter goes back."""
 
     def __init__(self, snapshots: Snapshots, parent: QWidget) -> None:
         super().__init__(parent)

@@ -222,7 +222,6 @@ class ParameterChoice(NodeChoice):
         self.fill()
 
     def _make_searchable(self) -> None:
-        """What is typed lists the parameters in which it occurs, of any node."""
         self.setLineEdit(self._field)  # which makes it editable
         self.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
         completer = QCompleter(self.entries, self)

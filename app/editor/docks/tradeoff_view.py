@@ -261,7 +261,6 @@ class TradeOffView(Viewer):
             self.varied.step(self.span, steps)
 
     def _read(self, value: float) -> None:
-        """Show the figures there, between points on straight lines."""
         parts = []
         for graph in self.plots.graphs if math.isfinite(value) else ():
             if len(graph.x) and graph.x[0] <= value <= graph.x[-1]:
@@ -361,10 +360,7 @@ class Part:
 
 @dataclass(frozen=True)
 class TradeOffQuery(Query):
-    """Figures at these values; the whole trade-off takes several queries, the coarsest first.
-
-    Nodes that are held back count as generated.
-    """
+    """Figures at some of the values, the coarsest first; nodes held back count as generated."""
 
     waits: ClassVar[bool] = True
 

@@ -65,10 +65,7 @@ _URGENT: tuple[BadgeKind, ...] = ("error", "incomplete", "running", "warning", "
 
 
 def with_macros(by_node: Mapping[str, Badge], network: Network) -> dict[str, Badge]:
-    """The badges, and for each macro the gravest of those inside of it, with the node's name.
-
-    `network` has the nodes inside of macros beside these.
-    """
+    """The badges, and on each macro the gravest of the nodes inside, which `network` has too."""
     shown = dict(by_node)
     for name, node in network.nodes.items():
         if node.macro is None:
@@ -123,7 +120,6 @@ def _of_error(network: Network, library: Library, name: str, error: ImagechainEr
 
 
 def _unconnected(network: Network, library: Library, name: str) -> str:
-    """Inputs that need a wire, and of what type."""
     linked = {link.input for link in network.links_into(name)}
     ports = declaration(library[network.nodes[name].module]).inputs
     missing = [port for port in ports if port.required and port.name not in linked]

@@ -49,10 +49,7 @@ def computes_alike(before: Network, after: Network) -> bool:
 
 @dataclass(frozen=True)
 class Planned:
-    """A network as it is shown, and as it would be if all were generated.
-
-    `stale` names the nodes held back that would give something else by now.
-    """
+    """A network as shown, and as if all were generated; `stale` nodes would give other values."""
 
     shown: Plan
     fresh: Plan
@@ -67,10 +64,7 @@ def plan_held(
     *,
     generate: bool,
 ) -> Planned:
-    """Plan a network; unless all is generated, nodes held back stay as they were.
-
-    `last` is the same document before, None if it was opened just now: all is generated then.
-    """
+    """Plan a network; unless all is generated, or was just opened, held nodes stay as they were."""
     before = last.fresh if last is not None else None
     fresh = engine.plan(network, folder=folder, previous=before)
     if generate or last is None:

@@ -116,10 +116,7 @@ class Evaluator(QObject):
         return dict(self._shown_badges)
 
     def ask(self, owner: str, queries: Sequence[Query]) -> None:
-        """Keep these queries answered from now on, in place of those the owner had before.
-
-        A query that stays is answered again once its answer changes.
-        """
+        """Keep these queries answered from now on, in place of those the owner had before."""
         if self._queries.post(owner, queries, self.generation + 1):
             self._post_soon()
 
@@ -219,7 +216,6 @@ class Evaluator(QObject):
         return self._planned_document == self._document
 
     def _is_quiet(self) -> bool:
-        """Whether nothing is computed, and no edit came lately."""
         return self.idle and time.perf_counter() - self._edited_at > QUIET_S
 
     def _take_news(self) -> None:
@@ -250,7 +246,6 @@ class Evaluator(QObject):
             self.pass_done.emit(done)
 
     def _look_at_worker(self) -> None:
-        """While a pass takes long, signal where it is."""
         position = self._runner.position
         busy = None
         if position is not None and position.seconds > PATIENCE_S:
@@ -326,10 +321,7 @@ class Frames(QObject):
 
 
 class OwnedQueries:
-    """The queries of every owner, numbered, and what of their answers has come.
-
-    A generation is the number of a state of the window, which later ones exceed.
-    """
+    """The queries of every owner, numbered, and what of their answers has come."""
 
     def __init__(self) -> None:
         self._requests: dict[str, tuple[Request, ...]] = {}
@@ -386,10 +378,7 @@ _COUNT, _WAS_ON = "imagechain_collectors", "imagechain_collection_was_on"
 
 
 class Collector(QObject):
-    """Takes the place of Python's own collector from `start` to `stop`.
-
-    `is_quiet` tells whether a stop of a tenth of a second would go unnoticed.
-    """
+    """Takes the place of Python's own collector; `is_quiet`: a stop of 0.1 s goes unnoticed."""
 
     def __init__(self, is_quiet: Callable[[], bool], parent: QObject | None = None) -> None:
         super().__init__(parent)

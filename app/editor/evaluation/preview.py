@@ -239,7 +239,6 @@ class _Reducing:
 
 
 def _counted(planned: PlannedNode, ratio: Ratio) -> tuple[Mapping[str, Any] | None, Ratio]:
-    """Parameters to change for pictures reduced by `ratio`, and the ratio that goes out."""
     if ratio == (1, 1):
         return None, ratio
     key = planned.node.module

@@ -48,17 +48,11 @@ class Query(ABC):
 
     @abstractmethod
     def key(self, plan: Plan) -> Hashable:
-        """What the answer depends on: the same key, the same answer. None: answer always.
-
-        Called in the worker's thread. An `ImagechainError` counts as the answer.
-        """
+        """What the answer depends on; None: answer always. An `ImagechainError` is an answer."""
 
     @abstractmethod
     def answer(self, passing: Passing) -> Any:
-        """The answer, ready to be shown; in the worker's thread, without Qt.
-
-        An `ImagechainError` is what the window shows instead.
-        """
+        """The answer as shown, or an `ImagechainError`; in the worker's thread, without Qt."""
 
 
 @dataclass(frozen=True)
@@ -214,10 +208,7 @@ class News:
 
 
 class Outbox:
-    """Gathers what the worker delivers until the window takes it.
-
-    `wake` is called from the worker's thread once there is something to take.
-    """
+    """Gathers what the worker delivers; `wake` is called in its thread, once for all of it."""
 
     def __init__(self, wake: Callable[[], None]) -> None:
         self._lock = threading.Lock()

@@ -150,7 +150,6 @@ class Runner:
             self._finish(snapshot)
 
     def _task(self, snapshot: Snapshot, plan: Plan) -> Task:
-        """The pass over full pictures, and the preview before it if there is to be one."""
         change = edited(self._done.network if self._done else None, snapshot.network)
         task = Task(
             snapshot,
@@ -173,7 +172,6 @@ class Runner:
         return replace(task, has_preview=True, preview=preview)
 
     def _follow(self, snapshot: Snapshot) -> bool:
-        """Note what is new in a snapshot; whether all is to be generated."""
         last, self._last = self._last, snapshot
         self._outbox.begin(snapshot.document)
         if last is None or last.document != snapshot.document:
@@ -199,10 +197,7 @@ class Runner:
     def _due(
         self, requests: Collection[Request], plan: Plan, reduced: int = 1, *, waiting: bool = False
     ) -> tuple[Due, ...]:
-        """What is to be answered from this plan, the most urgent first.
-
-        With `waiting` only what can wait until edits pause, else only what cannot.
-        """
+        """The most urgent first; `waiting`: what can wait until edits pause, and nothing else."""
         standing = (
             Due.of(request, plan)
             for request in requests
@@ -212,7 +207,6 @@ class Runner:
         return tuple(sorted(due, key=lambda due: due.request.query.urgency))
 
     def _is_answered(self, due: Due, reduced: int = 1) -> bool:
-        """Whether the last answer depends on the same: there is nothing to answer anew."""
         sent = self._sent.get(due.request)
         known = sent is not None and (sent.key, sent.reduced) == (due.key, reduced)
         return known and due.key is not None
@@ -230,10 +224,7 @@ class Runner:
         self._outbox.deliver(finished=snapshot.generation, unanswered=bool(self._given_up))
 
     def _preview(self, task: Task) -> bool:
-        """Answer from pictures of reduced size first if the full ones take long.
-
-        Whether to go on with those: not if something newer has come.
-        """
+        """Whether to go on with full pictures: not if something newer has come."""
         if task.preview is None:
             return True
         pause = task.snapshot.edited_at + PAUSE_S
@@ -241,7 +232,6 @@ class Runner:
         return paused or self._is_cancelled(task.snapshot)
 
     def _small_network(self, reduced: int, change: Change = None) -> Network | None:
-        """The network with smaller pictures; None where that cannot be done."""
         planned = self._planned
         if planned is None or planned.stale:
             return None  # what is held back has a recipe of full size only
@@ -374,7 +364,6 @@ class Runner:
                 self._warned[check.recipe.key] = check.value(work)
 
     def _answer_waiting(self, snapshot: Snapshot) -> None:
-        """Answer what could wait until edits paused; new snapshots go first."""
         assert self._planned is not None
         plan, inbox = self._planned.shown, self._inbox
         due = self._due(snapshot.requests, plan, waiting=True)

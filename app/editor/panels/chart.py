@@ -228,16 +228,12 @@ def _pen(colour: str, width: float, style: Qt.PenStyle = Qt.PenStyle.SolidLine) 
 
 
 def _runs(good: np.ndarray) -> list[slice]:
-    """Slices of what is True without a gap."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], good.astype(np.int8), [0]))))
     return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 class ChartWidget(QWidget):
-    """Draws on the ground of its theme; what it draws is left to its kinds.
-
-    The room it likes to have is in lines of text.
-    """
+    """Draws on the ground of its theme; the room it likes to have is in lines of text."""
 
     def __init__(self, *, width: float, height: float, parent: QWidget | None = None) -> None:
         super().__init__(parent)

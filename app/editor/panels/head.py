@@ -215,7 +215,6 @@ class PanelHead(QWidget):
         self._show_problem()
 
     def _show_problem(self) -> None:
-        """Show all of it over the illustration, or as much as one line has room for."""
         text = self._badge.text if self._badge is not None else ""
         wraps = self._illustration is not None and not self._illustration.isHidden()
         if wraps:

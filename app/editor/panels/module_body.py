@@ -184,10 +184,7 @@ class _Dot(QWidget):
 
 
 class UnknownBody(QWidget):
-    """The parameters as the file has them, to be read only.
-
-    `why` says why the library does not have the module, where that is known.
-    """
+    """The parameters as the file has them; `why` the library does not have the module."""
 
     def __init__(self, module: str, node: str, why: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -299,7 +296,6 @@ class SectionsView(QWidget):
         return box
 
     def _field_for(self, parameter: Parameter, box: QWidget, *, as_buttons: bool) -> Field:
-        """The field of the parameter's kind; a few choices are buttons in any case."""
         node = self._panel_node
         match parameter.kind:
             case "number" | "integer":
@@ -345,7 +341,6 @@ class SectionsView(QWidget):
             box.setVisible(fits and section.page in ("", page))
 
     def _narrow(self, values: Mapping[str, Any]) -> None:
-        """Offer the choices that are valid with the other choices."""
         for offer in filter(None, (section.offer for section in self.sections)):
             field = self.field(offer.parameter)
             if isinstance(field, ButtonsField):

@@ -148,7 +148,6 @@ class PanelArea(WheelScrollArea):
                 self.panels[new].head.name.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def _shows_other(self, name: str, panel: NodePanel) -> bool:
-        """Whether a macro shows other ports or parameters than its panel."""
         macro = self._session.network.nodes[name].macro
         return macro is not None and self._session.declared(name) != panel.declared
 

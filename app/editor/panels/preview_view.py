@@ -88,7 +88,6 @@ class PreviewQuery(Query):
 
 
 def _made_small(part: Part) -> Part:
-    """With a picture of no more samples than can be seen."""
     picture = part.picture if isinstance(part, Plot) else part
     if not isinstance(picture, Picture):
         return part
@@ -351,10 +350,7 @@ def _paint_picture(painter: QPainter, box: QRectF, picture: Picture, theme: Them
 
 
 def _coloured(values: NDArray[np.float64], theme: Theme) -> NDArray[np.uint32]:
-    """Values from −1 to 1 between three colours, as 0xFFRRGGBB, C order; NaN dark.
-
-    The theme's lightest stands for 0, its darkest for what is opaque.
-    """
+    """Values from −1 to 1 between the theme's colours, as 0xFFRRGGBB, C order; NaN dark."""
     dark, light = sorted((theme.base, theme.text), key=lambda name: QColor(name).lightness())
     names = (theme.curves[0], light, theme.curves[3])
     ends = np.array([QColor(name).getRgb()[:3] for name in names], np.float64)
@@ -385,7 +381,6 @@ def _paint_scale(painter: QPainter, area: QRectF, picture: Picture, theme: Theme
 
 
 def _paint_bars(painter: QPainter, area: QRectF, bars: Bars, theme: Theme) -> None:
-    """Bars as long as they are large; the longest has all the room there is."""
     metrics = QFontMetricsF(painter.font())
     height = area.height() / len(bars.bars)
     named = max(metrics.horizontalAdvance(bar.name) for bar in bars.bars) + height * 0.5

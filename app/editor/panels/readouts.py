@@ -64,10 +64,7 @@ class ReadoutsQuery(Query):
 
 
 class ReadoutValue(QLineEdit):
-    """A value that can be selected and copied.
-
-    No `QLabel`, which has the window laid out anew for each text.
-    """
+    """Can be selected and copied; a `QLabel` would have the window laid out for each text."""
 
     _width = 0
 

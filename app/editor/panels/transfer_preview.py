@@ -160,7 +160,6 @@ def _sampled(
 
 
 def _cutoff(planned: PlannedNode, axis: str, work: Work) -> float | None:
-    """The cutoff that the node's module declares, as an exit pupil's does."""
     module: Any = planned.module
     cutoff_of = getattr(module, f"cutoff_{axis}", None)
     if cutoff_of is None:
@@ -271,11 +270,7 @@ _MEAN_OF = 4  # samples each way that are averaged; of more, every n-th
 
 
 def shrunk(samples: NDArray[Any], most: int) -> NDArray[np.float64]:
-    """At most so many rows and columns, C order.
-
-    Blocks are averaged. Of a picture far too large, only every n-th row and column is looked at
-    before.
-    """
+    """At most so many rows and columns, as means of blocks; of far too many, of every n-th."""
     rows, columns = samples.shape
     factor = max(1, -(-max(rows, columns) // most))
     stride = max(1, factor // _MEAN_OF)

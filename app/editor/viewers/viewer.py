@@ -102,10 +102,7 @@ class Viewer(QWidget):
 
 
 class StatusLine(QWidget):
-    """What is shown or why nothing is, and what there is to read under the cursor.
-
-    `description` and `more` are what these texts are, for those who cannot see them.
-    """
+    """What is shown or why nothing is, and what is under the cursor, with their descriptions."""
 
     def __init__(self, owner: str, description: str, more: str, parent: QWidget) -> None:
         super().__init__(parent)
@@ -155,10 +152,7 @@ class NodePorts:
 def ports_by_node(
     network: Network, library: Library, types: Collection[str]
 ) -> tuple[NodePorts, ...]:
-    """Outputs of these port types by node, in the document's order.
-
-    Of a disabled node, only what it passes on.
-    """
+    """Outputs of these types by node, in order; of a disabled node what it passes on."""
     node_ports = []
     for node in network.nodes.values():
         declared = declared_node(node, library)
@@ -197,7 +191,6 @@ def followed(port: str, before: Network, after: Network) -> str | None:
 
 
 def _alike(old: Node, new: Node) -> bool:
-    """Whether it is the same node under another name, or grouped, or no longer so."""
     return replace(old, id=new.id, noise=new.noise) == new
 
 

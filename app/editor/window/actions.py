@@ -332,10 +332,7 @@ class EditCommands(QObject):
                 session.select(names)
 
     def delete(self) -> None:
-        """Delete the selected dot or nodes, else the selected wire or backdrop.
-
-        Where there is one way through the nodes, the wire is led past them.
-        """
+        """Delete the selected dot or nodes, and lead the wire past them; else wire or backdrop."""
         session, link = self._session, self._canvas.marks.link
         if self._canvas.dots.remove():
             return

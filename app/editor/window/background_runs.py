@@ -102,10 +102,7 @@ class BackgroundRuns(QObject):
         dialog.kinds.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def go_on(self, following: Next) -> bool:
-        """Ask whether to end what runs, then go on with `following`; False where nothing runs.
-
-        Of two calls the later one goes on.
-        """
+        """Ask whether to end what runs, then go on; False where nothing runs."""
         unfinished = self.queue.unfinished
         if not unfinished:
             return False

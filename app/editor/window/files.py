@@ -309,10 +309,7 @@ def open_network_file(path: Path, *, library: Library) -> Opened:
 
 
 def open_named(text: str, *, library: Library) -> Opened:
-    """A network by its path, or by its name where it is a shipped one.
-
-    A shipped one opens as a copy without a path: saving needs a new one.
-    """
+    """A network by its path, or a copy of a shipped one by its name, which has no path yet."""
     place = find_network(text)
     opened = open_network_file(place.path.absolute(), library=library)
     if place.path in every_network().values():
@@ -321,10 +318,7 @@ def open_named(text: str, *, library: Library) -> Opened:
 
 
 def shipped_copy(document: Document) -> Document:
-    """A shipped network as a new document; its own file is not to be written over.
-
-    The files that are shipped with it are then named in full: it will be saved in another folder.
-    """
+    """A shipped network as a new document, in which files shipped with it are named in full."""
     network, folder = document.network, document.folder
     for node in document.network.nodes.values():
         module = document.library.get(node.module)
@@ -397,7 +391,6 @@ class Drops(QObject):
             self._session.select(names)
 
     def _replaced(self, name: str, path: Path) -> bool:
-        """Put a picture in place of the scene that it is dropped on; False where that is none."""
         level = self._session
         network, library = level.network, level.library
         if name not in scene_nodes(network, library):

@@ -182,7 +182,6 @@ class MainWindow(QMainWindow):
             event.accept()
 
     def _close_with_runs(self) -> None:
-        """Close, once it is answered whether what runs in the background is to end."""
         if not self.runs.go_on(self.close_for_good):
             self.close_for_good()
 
@@ -191,10 +190,7 @@ class MainWindow(QMainWindow):
         self.panels.finish_typing()
 
     def stop(self) -> ImagechainError | None:
-        """Close because the process has to end: unsaved work stays to be recovered.
-
-        Returns what went wrong where it could not be kept.
-        """
+        """Close as the process has to end: unsaved work stays to be recovered, or why it cannot."""
         if self._ended:  # it may be called again before the process has ended
             return None
         self.finish_typing()
@@ -207,7 +203,6 @@ class MainWindow(QMainWindow):
         self.close()
 
     def _end(self) -> None:
-        """Shut everything down, once it is certain that the window closes."""
         if self._ended:
             return
         self._ended = True
@@ -488,7 +483,6 @@ class MainWindow(QMainWindow):
         self.fitting.cancel()
 
     def _typed_first(self, target: Callable[[], object]) -> None:
-        """Take what is being typed, then do it."""
         self.panels.finish_typing()
         target()
 

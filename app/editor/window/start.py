@@ -145,10 +145,7 @@ class Shot:
 
 
 def take(app: QApplication, network: str, shot: Shot) -> None:
-    """Open a network in a window off screen, wait until all is computed, and draw it.
-
-    Without a network the welcome page is drawn.
-    """
+    """Draw a network, or the welcome page, in a window off screen once all is computed."""
     library = standard_library()
     opened = open_named(network, library=library) if network else None
     with tempfile.TemporaryDirectory() as folder:
@@ -196,7 +193,6 @@ def settle(window: MainWindow) -> None:
 
 
 def _image(window: MainWindow, shot: Shot) -> QImage:
-    """The part as it looks; the picture alone as its viewer would write it."""
     if shot.part == "picture":
         return _picture(window, shot.size)
     parts: dict[str, QWidget] = {

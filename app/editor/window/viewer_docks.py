@@ -152,10 +152,7 @@ def add_dock(
 
 
 def stand_behind(window: QMainWindow, front: QDockWidget, dock: QDockWidget) -> None:
-    """Have a dock that is closed open behind another one.
-
-    What a window of an earlier version has stored has no place for it.
-    """
+    """Have a closed dock open behind another: older remembered layouts lack a place for it."""
     if dock.isHidden() and not front.isFloating():
         window.tabifyDockWidget(front, dock)
 
@@ -184,10 +181,7 @@ _BACK = ("F11", "Esc")
 
 
 class FullScreen(QObject):
-    """Makes the viewer that was used last a window over the whole screen, and puts it back.
-
-    `page` is that viewer meanwhile.
-    """
+    """Makes the viewer used last a window over the whole screen, `page`, and puts it back."""
 
     def __init__(self, viewers: ViewerDocks, session: Session, window: QWidget) -> None:
         super().__init__(window)
@@ -284,10 +278,7 @@ def first_look(plan: Plan) -> FirstLook:
 
 
 def node_with_figures(plan: Plan) -> str | None:
-    """The first analysis node, in the network's order, that has a table of figures; None for none.
-
-    Slices of transfer functions have none: the curves of the chain show the same.
-    """
+    """The first analysis node with figures; of slices, the chain's curves show the same."""
     for name, planned in plan.nodes.items():
         if planned.module is None or planned.declaration.group != ANALYSIS:
             continue
@@ -370,10 +361,7 @@ _DOTS = 2
 
 
 class PartFocus(QObject):
-    """Raises what gets the focus behind other tabs, and draws a ring around its part.
-
-    `parts` gives the parts of the window there are now, in the order of F6.
-    """
+    """Raises what gets the focus behind other tabs, and rings it; `parts` as F6 has them."""
 
     def __init__(self, parts: Callable[[], Sequence[QWidget]], window: QWidget) -> None:
         super().__init__(window)
@@ -416,7 +404,6 @@ class PartFocus(QObject):
         self._settled.start()
 
     def _settle(self) -> None:
-        """Bring the dock of what has the focus before others in its place, and ring its part."""
         above = QApplication.focusWidget()
         while above is not None and not isinstance(above, QDockWidget):
             above = above.parentWidget()

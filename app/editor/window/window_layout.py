@@ -122,7 +122,6 @@ class WindowLayout(QObject):
         }
 
     def _follow_docks(self) -> None:
-        """Hear of docks that are moved or floated, those made lately too."""
         for dock in Docks(self._window).all:
             if dock.objectName() not in self._followed:
                 self._followed.add(dock.objectName())
@@ -176,10 +175,7 @@ class Docks:
 
 
 def place(window: QMainWindow, layout: LayoutName) -> None:
-    """Put every dock where the layout has it, and open the library, panels, picture and curves.
-
-    Which of the other docks are open stays.
-    """
+    """Put docks where the layout has them, and open the main ones; others stay as they are."""
     docks = Docks(window)
     others = (*docks.viewers[1:], *docks.tools, *docks.beside[1:])
     was_open = [dock for dock in others if not dock.isHidden()]
@@ -343,7 +339,6 @@ class Pages(QStackedWidget):
         self._tidying.start()
 
     def _bring_back(self) -> None:
-        """Show what an empty network put away, behind what was opened meanwhile."""
         away, self._away = self._away, []
         if away:
             docks = Docks(self._window)

@@ -156,7 +156,7 @@ class Content:
         wire.lead((*wire.dots[:index], at, *wire.dots[index + 1 :]), self._ground)
 
     def _lead(self, wire: WireItem) -> None:
-        """Draw a wire anew. Its dots go along where both its nodes stand elsewhere alike."""
+        """Its dots go along where both its nodes stand elsewhere alike."""
         dots = self._dots.get(wire.link, ())
         ends = (wire.link.source, wire.link.target)
         one, other = (self.nodes[name].pos() - QPointF(*self._points[name]) for name in ends)

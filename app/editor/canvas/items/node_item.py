@@ -260,7 +260,7 @@ def _paint_border(painter: QPainter, item: NodeItem, zoom: float, frame: QRectF)
 
 
 def _veil_disabled(painter: QPainter, item: NodeItem) -> None:
-    """Fade and hatch the ground of a disabled node; its texts are read as those of the others."""
+    """Its texts are read as those of the others."""
     if not item.disabled:
         return
     veil = QColor(item.style.theme.canvas)

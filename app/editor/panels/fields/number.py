@@ -354,10 +354,7 @@ _PLAIN = (0.0, 100.0)
 
 @dataclass(frozen=True)
 class Scale:
-    """Positions 0 … `positions` of a slider over `low` … `high`.
-
-    A logarithmic one may have 0 at its lower end, where `zero` is set.
-    """
+    """Positions of a slider over `low` … `high`; `zero`: 0 at the end of a logarithmic one."""
 
     low: float
     high: float

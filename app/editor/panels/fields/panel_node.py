@@ -49,10 +49,7 @@ class PanelNode:
             self.session.do(operation, gesture=gesture)
 
     def put(self, parameter: str, value: object, gesture: object = None) -> None:
-        """Give a parameter a value; values of one gesture are one step.
-
-        Nodes of one module that are selected together all get it.
-        """
+        """Give a value to the node, and to others selected with it; a gesture is one step."""
         self.do(_for_each(set_parameter(name, parameter, value) for name in self._alike), gesture)
 
     def put_back(self, parameter: str, gesture: object) -> None:

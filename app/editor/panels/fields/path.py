@@ -136,10 +136,7 @@ class PathField(TypedField):
             self.offer(self.relative(Path(name)))
 
     def relative(self, path: Path) -> str:
-        """The name from the network's folder where the file lies below it, else all of it.
-
-        A network that was never saved has no folder yet.
-        """
+        """The name from the network's folder where the file lies below it, else all of it."""
         if self._session.document.path is not None:
             folder = self._session.folder.resolve()
             if path.resolve().is_relative_to(folder):

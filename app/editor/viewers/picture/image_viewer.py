@@ -219,7 +219,6 @@ class ImageViewer(Viewer):
             self._follow_choices()
 
     def _upstream(self, port: str | None, before: Network, after: Network) -> str | None:
-        """The nearest picture that led to a port before, and is there after."""
         groups = ports_by_node(after, self.session.library, PICTURE_TYPES[:1])
         pictures = {port for group in groups for port in group.ports}
         wanted = [port.rpartition(".")[0]] if port else []
@@ -355,7 +354,6 @@ class ImageViewer(Viewer):
         self.canvas.spectra.fit(self.canvas.height() - self.canvas.profile.height)
 
     def _follow_choices(self) -> None:
-        """Show on the controls what is chosen, and post its queries."""
         choices = self.choices
         self.bar.ports.choose(choices.port)
         self.bar.display.mapping.choose(choices.mapping)
@@ -385,7 +383,6 @@ class ImageViewer(Viewer):
         return picture
 
     def _open_menu(self, point: QPoint) -> None:
-        """Of a right click: what concerns the whole, the bar's menus, actions of the window."""
         self._fill_menus()
         menu = labelled(Menu(self), "picture_menu")
         menu.aboutToHide.connect(menu.deleteLater)
@@ -424,10 +421,7 @@ def neighbours(viewer: ImageViewer) -> list[ImageViewer]:
 
 
 class ZoomLinks:
-    """The pictures that show the same part as one does, as shares of their sizes.
-
-    Links are mutual but not passed on from one to the next, and hold no picture.
-    """
+    """Pictures that show the same part, as shares; links are mutual and not passed on."""
 
     def __init__(self, canvas: PictureCanvas) -> None:
         self._canvas = canvas

@@ -182,10 +182,7 @@ _NARROWEST = 9  # letters that a list or a wavelength has room for
 
 
 class BandBar(QWidget):
-    """All bands, one by a slider or its wavelength, or three as colours.
-
-    It is hidden where the picture has no bands.
-    """
+    """All bands, one by a slider or its wavelength, or three as colours; hidden without bands."""
 
     chosen = Signal(object)  # choice: the person has made another `BandChoice`
     noted = Signal(str)  # text: a line for the person: a typed wavelength is none of the picture's
@@ -323,7 +320,6 @@ class BandBar(QWidget):
 
 
 def _about(bands: BandStack, choice: BandChoice, place: int) -> str:
-    """What there is to know of the bands, in a line."""
     if choice.shown == "one":
         return f"{bands.widths_um[place]:.3g} µm wide, {place + 1} of {bands.count}"
     low, high = bands.band_um
@@ -480,10 +476,7 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         return self._next is not None
 
     def show_spread(self, spread: Spread, levels: Range, channels: tuple[Spread, ...] = ()) -> None:
-        """Show a histogram, and levels unless the person drags them; the newest, in a while.
-
-        Of red, green and blue it is three lines, on the same axis.
-        """
+        """Show a histogram, of colours three lines, in a while; levels unless they are dragged."""
         self._next = spread, levels, channels
         if not self._pause.isActive():
             self._show_next()
@@ -536,7 +529,6 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
 
 
 def _bars(spread: Spread, ends: Range) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Places and lengths of the bars; between these ends where all samples are alike."""
     bars = np.log1p(spread.counts.astype(np.float64))
     bars /= max(1.0, float(bars.max()))
     centres = spread.centres if spread.high > spread.low else np.linspace(*ends, len(bars))

@@ -136,10 +136,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.profile.clear()
 
     def show_sides(self, sides: Sides, left: str = "", right: str = "") -> None:
-        """Show two pictures so, with the names of what is on the left and on the right.
-
-        What covers all has its name on the left.
-        """
+        """Show two pictures so, and their names; what covers all has it on the left."""
         self._sides = sides
         self.names.show(left, right)
         self._divide()
@@ -280,7 +277,6 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             self._divide()
 
     def _divide(self) -> None:
-        """Show of the second picture what its side has."""
         picture, split = self._picture, self.split
         both = picture is not None and picture.other is not None
         parts: dict[Sides, tuple[float, float]] = {
@@ -425,10 +421,7 @@ _PAD = 4  # around the text
 
 
 class SideNames(QObject):
-    """A name in the upper corner of each side of a wipe; of one picture alone, on its left.
-
-    The names lie above the canvas and take no mouse events.
-    """
+    """A name in the upper corner of each side of a wipe, or on the left of one picture."""
 
     def __init__(self, view: Any, canvas: QGraphicsView) -> None:
         super().__init__(canvas)
@@ -464,7 +457,6 @@ class SideNames(QObject):
             self._lay()
 
     def _lay(self) -> None:
-        """Put each name into the part of its side that is seen."""
         if self._place.isEmpty():
             self.left.hide()
             self.right.hide()

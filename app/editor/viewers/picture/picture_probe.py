@@ -42,10 +42,7 @@ class PictureProbe(QObject):
     def show_picture(
         self, picture: Picture | None, choices: Choices, *, kept: bool = False
     ) -> None:
-        """Show the sample of another picture; at the same place, if it has such axes.
-
-        With `kept` its other half is what was kept of it, and both samples are named.
-        """
+        """Show another picture's sample at the same place; `kept`: beside the kept one's."""
         before = self._picture
         if self._place and before and picture and before.facts.kind == picture.facts.kind:
             row, column = self._place

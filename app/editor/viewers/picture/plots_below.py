@@ -28,10 +28,7 @@ _LINES = 8  # of text that a plot is high
 
 
 class PlotBelow(QObject):
-    """A plot that has a row of the picture's layout while it is shown.
-
-    It is made once it is needed: that takes a quarter of the time of a viewer.
-    """
+    """A plot in a row of the picture's layout, made once it is needed: that takes long."""
 
     _row: ClassVar[int]
 
@@ -335,10 +332,7 @@ class Spectra(PlotBelow):
         self.set_theme(theme_of(self._canvas))
 
     def _show_mean(self, values: Vector | None, problem: str) -> None:
-        """Show the mean of every band, and fit the ordinate to what is drawn now.
-
-        Without it, the problem is written in its place.
-        """
+        """Without a mean, the problem is written in its place."""
         if problem != self._problem:
             self._problem = problem
             self._write_legend()
@@ -400,7 +394,6 @@ class Spectra(PlotBelow):
         self._see(values)
 
     def _see(self, values: Vector) -> None:
-        """Let the ordinate reach over these values, and what it reached over before."""
         good = values[np.isfinite(values)]
         if not len(good):
             return
@@ -422,10 +415,7 @@ def _problem(answer: Answer) -> str:
 
 @dataclass(frozen=True)
 class MeanSpectrumQuery(Query):
-    """The mean of every band of the picture on a port; None where it has no bands.
-
-    It waits until edits pause: the whole of a file may have to be read for it.
-    """
+    """The mean of every band, once edits pause: it may take reading the whole of a file."""
 
     waits: ClassVar[bool] = True
 
@@ -442,10 +432,7 @@ class MeanSpectrumQuery(Query):
 
 @dataclass(frozen=True)
 class SampleSpectrumQuery(Query):
-    """All bands of one sample of the picture on a port.
-
-    None where the picture has no bands or no such sample, or every band would have to be filtered.
-    """
+    """All bands of a sample; None without any, or where each would have to be filtered."""
 
     urgency: ClassVar[int] = 1
 

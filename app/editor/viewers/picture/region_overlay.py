@@ -93,10 +93,7 @@ def _between(one: float, other: float, whole: int) -> tuple[int, int]:
 
 
 class RegionOverlay(QGraphicsObject):
-    """Shows the region it is given, and signals what the person makes of it.
-
-    Outline and handles have a dark edge, so that they are seen on bright and on dark pictures.
-    """
+    """Shows a region, with edges seen on any picture; signals what the person makes of it."""
 
     began = Signal()  # a drag, or a key that is held, begins
     changed = Signal(object)  # region: its region now
@@ -235,7 +232,6 @@ class RegionOverlay(QGraphicsObject):
         return self.region is not None and (self.region.width, self.region.height) != self._size
 
     def _handles(self) -> dict[Grip, QPointF]:
-        """Places of the handles, without those that would meet."""
         rect, middle = self.rect, self.rect.center()
         across = rect.left(), middle.x(), rect.right()
         along = rect.top(), middle.y(), rect.bottom()

@@ -87,10 +87,7 @@ class RegionTool(QObject):
         self._describe(f"region of {self._node}: {region.description()}")
 
     def draw(self) -> None:
-        """Start the drawing of a region: on this picture, or on that of the selected node.
-
-        Without one selected, it is that of the first node that has one on this picture.
-        """
+        """Draw a region: of this picture's node, the selected one, or the first that has one."""
         if self._node is None:
             name = self._meant()
             if name is None:
@@ -138,21 +135,18 @@ class RegionTool(QObject):
         return self._having
 
     def _chosen(self) -> list[str]:
-        """Those of them whose panels are open, the one selected last first."""
         nodes, having = self._session.network.nodes, set(self._all())
         pinned = (name for name in nodes if nodes[name].extra.get("pinned") is True)
         names = dict.fromkeys((*self._session.selection[-1:], *pinned))
         return [name for name in names if name in having]
 
     def _meant(self) -> str | None:
-        """The node whose region is to be drawn where none is shown."""
         names = [*self._chosen(), *self._all()]
         on_this = (name for name in names if self._lies_on(name))
         first = self._chosen()[:1] or [*on_this, *names][:1]
         return first[0] if first else None
 
     def _lies_on(self, name: str) -> bool:
-        """Whether a node's region can be shown on the picture."""
         picture, source = self._picture, self._source(name)
         if picture is None or picture.facts.kind != "picture" or source is None:
             return False
@@ -245,10 +239,7 @@ def has_region(declared: Declaration | None) -> bool:
 
 
 def region_of(declared: Declaration, node: Node, size: Size) -> tuple[Region, bool]:
-    """The document's region of a picture of that size, and whether it lies in the picture.
-
-    The rectangle does in any case, and has a sample at least, so that it can be dragged.
-    """
+    """The region as it lies in a picture of that size, and whether the document's fits there."""
     x, y, width, height = (_value(declared, node, name) for name in PARAMETERS)
     left, across, fits_x = _within(x, width, size[0])
     top, along, fits_y = _within(y, height, size[1])

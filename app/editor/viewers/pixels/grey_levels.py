@@ -56,10 +56,7 @@ def extremes(samples: Array, *, for_each: ForEach = in_turn) -> Range:
 
 
 def grey_levels(samples: Array, low: float, high: float, *, for_each: ForEach = in_turn) -> Levels:
-    """Real, finite samples as 0 (`low` and below) to 255 (`high` and above), to the nearest level.
-
-    Where `high` is not above `low`, all is mid grey.
-    """
+    """Samples as 0, `low` and below, to 255, `high` and above; mid grey without a range."""
     if not high > low:
         return np.full(samples.shape, MID_GREY, np.uint8)
     return _steps(samples, low, high, 255, 0.5, for_each)
@@ -101,10 +98,7 @@ def spread_of(samples: Array, *, for_each: ForEach = in_turn) -> Spread:
 def quantiles(
     samples: Array, spread: Spread, shares: tuple[float, ...], *, for_each: ForEach = in_turn
 ) -> tuple[float, ...]:
-    """Values below which these shares of the samples lie, interpolated between two samples.
-
-    Exact: the histogram gives the bin, and only what is in it has to be sorted.
-    """
+    """Values below which shares of the samples lie; exact: the bin that has one is sorted."""
     if not spread.high > spread.low:
         return (spread.low,) * len(shares)
     index = _steps(samples, spread.low, spread.high, BINS, 0.0, for_each)

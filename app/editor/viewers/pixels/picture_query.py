@@ -158,7 +158,6 @@ class PictureQuery(Query):
         return KeptPicture(self.port, source.value, samples, source.facts, spread)
 
     def _beside(self, passing: Passing, now: Picture, kept: KeptPicture) -> Picture:
-        """The present picture with the kept one as its other half, where they compare."""
         work, samples, facts = passing.work, kept.samples, kept.facts
         source = self._of_image(kept.port, kept.value, 1) if now.facts.wavelengths_um else None
         if source is not None:
@@ -195,7 +194,6 @@ class PictureQuery(Query):
         return value
 
     def _source(self, passing: Passing, port: str) -> _Source:
-        """The samples' recipe and facts, on the frequency plane if that is to be shown."""
         value = self._value(passing.plan, port)
         node = port.rpartition(".")[0]
         work = passing.work
@@ -211,7 +209,6 @@ class PictureQuery(Query):
         return _Source(port, value, (recipe,), plane_facts(value, rows, columns, own))
 
     def _of_image(self, port: str, image: Image, reduced: int) -> _Source:
-        """All of an image, or the bands of it that are chosen."""
         facts = picture_facts(image, reduced)
         places = () if image.bands is None else self.bands.places(image.bands)
         if image.bands is None or not places:
@@ -266,7 +263,6 @@ class PictureQuery(Query):
         )
 
     def _layer(self, work: Work, source: _Source, recipe: Recipe) -> Layer:
-        """Samples of a picture, or of one colour of it, as they are mapped."""
         plain = recipe
         if self.mapping == "spectrum" and isinstance(source.value, Image):
             recipe = Step.of(centred_modulus, recipe)
@@ -323,10 +319,7 @@ def _less(first: _Source, second: _Source) -> _Source:
 
 
 def why_not_compared(kept: Facts, now: Facts) -> str:
-    """In what the pictures of A, kept, and B, now, differ so that no sample has its equal.
-
-    Empty where they can be laid over one another.
-    """
+    """How A, kept, and B, now, differ so that no sample has its equal; else empty."""
     reasons = []
     if kept.kind != now.kind:
         reasons.append(f"A is a {kept.kind}, B a {now.kind}")

@@ -79,10 +79,7 @@ def value_text(picture: Picture, sample: Probe, *, difference: bool = False) -> 
 
 
 def probe_text(picture: Picture, sample: Probe, *, difference: bool = False) -> str:
-    """For people: where, what, and how warm it seems.
-
-    The temperature of a difference means nothing.
-    """
+    """Where, what, and how warm it seems, which means nothing of a difference."""
     return f"{place_text(picture, sample)}:  {value_text(picture, sample, difference=difference)}"
 
 
@@ -127,10 +124,7 @@ def _band(band_um: tuple[float, float] | None) -> str:
 def sample_text(
     picture: Picture | None, place: tuple[int, int] | None, choices: Choices, *, kept: bool = False
 ) -> str:
-    """The sample at a row and column; of a wipe, those of both sides.
-
-    With `kept` the other one is A, from before, and stands first.
-    """
+    """The sample at a place; of a wipe, those of both sides, with `kept` A first."""
     if picture is None or place is None or (sample := probe(picture, *place)) is None:
         return ""
     if picture.other is None:

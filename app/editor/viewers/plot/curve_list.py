@@ -58,10 +58,7 @@ class CurveList(QListWidget):
         pens: Mapping[str, QPen],
         note: str = "",
     ) -> None:
-        """Show these entries, products first, ticked where they are among `shown`.
-
-        A note stands above them, a row for each of its lines.
-        """
+        """Show these entries, products first, those `shown` ticked, below a note in lines."""
         ticked = set(shown)
         icons: dict[tuple[object, ...], QIcon] = {}
         self.blockSignals(True)

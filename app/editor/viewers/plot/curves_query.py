@@ -146,8 +146,6 @@ def _marks(chain: Chain, grid: Grid, line: Line) -> tuple[CurveMark, ...]:
 
 
 def _cutoff_along(line: Line) -> Any:
-    """Cutoff of a factor in the line's direction; None where it is not known."""
-
     def cutoff(factor: Planar) -> float | None:
         if factor.cutoff is None:
             return None

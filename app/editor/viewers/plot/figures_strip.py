@@ -61,7 +61,6 @@ class FiguresStrip(Viewer):
         return self._slots[(OUTPUT, *self._names, RUN_TIME).index(name)][1]
 
     def _mark(self, _old: bool = False) -> None:
-        """Draw figures that are older than the last edit faint."""
         # In words the status bar says it: captions that grow would move the figures.
         old = self._freshness is not None and self._freshness.is_old
         for name in self._names:

@@ -214,7 +214,6 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
                 curve.setZValue(behind[line.name])
 
     def _follow_marks(self) -> None:
-        """Put the marks at their present places; surplus ones are hidden for later use."""
         along = self.drawing.x_range
         marks = [
             mark
@@ -275,7 +274,6 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._read_nothing()
 
     def _nearest(self, index: int, x: float, height: float) -> Line | None:
-        """The line of a panel that passes the abscissa nearest to a height of the scene."""
         box, panel = self._plots[index].getViewBox(), self.drawing.panels[index]
         nearest: tuple[float, Line] | None = None
         for line in self._lines(index):
@@ -293,7 +291,6 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         return [line for line in self.drawing.panels[index].lines if line.name in self.shown]
 
     def _step(self, sideways: int, lines: int) -> None:
-        """Read a little further along, or another line."""
         along = self.drawing.x_range
         index, x, name = self._at or (0, along[0] if along else 0.0, "")
         choice = self._lines(index)
@@ -512,7 +509,6 @@ def _each_alone(lines: Sequence[Vector], count: int) -> bool:
 
 
 def _text(heights: Vector, place: int) -> str:
-    """A value as people read it; of no value, a dash."""
     value = _at(heights, place)
     if math.isnan(value):
         return "–"

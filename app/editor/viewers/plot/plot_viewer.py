@@ -268,7 +268,6 @@ class PlotViewer(Viewer):
             self.list.setFixedWidth(min(width, int(_LIST_SHARE * self.width())))
 
     def _open_menu(self, point: QPoint) -> None:
-        """Copy, save, logarithm, and the limits of the axes: two numbers to be typed over."""
         data = self.data
         numbers = None if data is None else partial(csv_text, data)
         menu = plot_menu(self._curves, self.session.message.emit, numbers)
@@ -390,10 +389,7 @@ _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 
 
 class FigureTable(CopiedTable):
-    """Rows of name, value, unit and meaning; the tooltip of a value has all its digits.
-
-    Ctrl+C copies the rows that are marked, or all, for a spreadsheet: with all digits.
-    """
+    """Name, value, unit and meaning; tooltip and Ctrl+C give a value in all its digits."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(0, len(_HEADS), parent)

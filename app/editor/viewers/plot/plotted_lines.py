@@ -271,7 +271,6 @@ def _titles(drawing: Drawing) -> Mapping[str, str]:
 def _differing(
     panel: Panel, kept: Panel, titles: Mapping[str, str], kept_titles: Mapping[str, str]
 ) -> tuple[Line, ...]:
-    """Lines of the kept panel that are not as in the present one, under their names there."""
     now = {line.name: line for line in panel.lines}
     before = {line.name: line for line in kept.lines}
     lines = []
