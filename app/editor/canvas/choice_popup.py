@@ -102,11 +102,8 @@ class ChoicePopup(QFrame):
         self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.list.setUniformItemSizes(True)
         self.list.setItemDelegate(_Row(self.list))
-        self._layout = layout = QVBoxLayout(self)
-        layout.setContentsMargins(_PADDING, _PADDING, _PADDING, _PADDING)
-        layout.setSpacing(4)
-        for widget in (self.title, self.field, self.list):
-            layout.addWidget(widget)
+        parts, margins = (self.title, self.field, self.list), (_PADDING,) * 4
+        self._layout = filled(QVBoxLayout(self), *parts, margins=margins, spacing=4)
         self._choices: tuple[Choice, ...] = ()
         self.is_open = False
         self.field.textChanged.connect(self._filter)

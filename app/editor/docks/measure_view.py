@@ -268,11 +268,9 @@ class MeasureView(WorkerView):
         )
         self.band = BandBox(self)
         bar = QWidget(self)
-        flow = FlowLayout(bar, across=4, down=2)
-        flow.setContentsMargins(4, 4, 4, 2)
         buttons = (self.viewer, self.file, self.stop, self.remove, self.unused, self.fit)
-        for widget in (*buttons, self.write, self.band, self.pictures):
-            flow.addWidget(widget)
+        parts = (*buttons, self.write, self.band, self.pictures)
+        filled(FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
         self.notices = NoticeList("measure.notices", "Warnings and notes of the measurement", self)
         self.canvas = EdgeCanvas(self)
         self.chart = MtfChart(self)

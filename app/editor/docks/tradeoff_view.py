@@ -473,18 +473,9 @@ class TradeOffBar(QWidget):
         self.figures = menu_button("tradeoff.choose", "Figures", "Choose the figures to show", self)
         self.choice = FigureMenu(self.figures)
         self.figures.setMenu(self.choice)
-        filled(
-            FlowLayout(self, across=4, down=2),
-            self.parameter,
-            self._word("from"),
-            self.low,
-            self._word("to"),
-            self.high,
-            self.log,
-            self.count,
-            self.figures,
-            margins=(2, 2, 2, 0),
-        )
+        ends = (self._word("from"), self.low, self._word("to"), self.high)
+        parts = (self.parameter, *ends, self.log, self.count, self.figures)
+        filled(FlowLayout(self, across=4, down=2), *parts, margins=(2, 2, 2, 0))
         self.low.committed.connect(self._typed)
         self.high.committed.connect(self._typed)
         self.low.given_up.connect(self._show)

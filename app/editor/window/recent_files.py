@@ -54,7 +54,8 @@ class RecentMenu(Menu):
             # Behind the tab stands what menus have in a column of its own.
             texts = (_shortened(path.name, _NAME_LETTERS), folder_text(path.parent))
             name, folder = (text.replace("&", "&&").replace("\t", " ") for text in texts)
-            item = self.addAction(f"{_numbered(number)}{name}\t{folder}")
+            key = f"&{number}" if number < _NUMBERED else "1&0"
+            item = self.addAction(f"{key}  {name}\t{folder}")
             item.setObjectName(f"recent.{number}")
             item.setToolTip(str(path))
             item.triggered.connect(partial(without_argument, partial(self._choose, str(path))))
@@ -89,10 +90,6 @@ def _shortened(text: str, letters: int) -> str:
         return text
     head = (letters - 1) // 3
     return f"{text[:head]}…{text[len(text) - (letters - 1 - head) :]}"
-
-
-def _numbered(number: int) -> str:
-    return f"&{number}  " if number < _NUMBERED else "1&0  "
 
 
 # Settings kept from one start to the next: look, window, files opened lately.

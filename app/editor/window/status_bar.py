@@ -11,7 +11,7 @@ from PySide6.QtCore import QEvent, QObject, QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenuBar, QProgressBar, QPushButton, QWidget
 
 from app.editor.notices import Notice, Severity
-from app.editor.widgets import labelled
+from app.editor.widgets import filled, labelled
 
 NOTE_MS = 8000
 _BEHIND = "stopped: shows the earlier result; Ctrl+Enter computes it again"
@@ -47,11 +47,8 @@ class StatusBar(QWidget):
         self._cancel.clicked.connect(self.cancel_wanted)
         self._over = QTimer(self, singleShot=True, interval=NOTE_MS)
         self._over.timeout.connect(lambda: self._drop("information"))
-        self._row = QHBoxLayout(self)
-        self._row.setContentsMargins(8, 0, 4, 0)
-        self._row.addStretch(1)
-        for widget in (self._notice, self._behind, self._where, self._progress, self._cancel):
-            self._row.addWidget(widget)
+        parts = (self._notice, self._behind, self._where, self._progress, self._cancel)
+        self._row = filled(QHBoxLayout(self), None, *parts, margins=(8, 0, 4, 0))
         self.show_busy(None)
 
     @property

@@ -67,18 +67,13 @@ class WelcomePage(QScrollArea):
         self._right = right = QVBoxLayout()
         self.gallery: Gallery | None = None
         page = QWidget()
-        whole = filled(QHBoxLayout(page), margins=(24, 18, 24, 18), spacing=28)
-        left = filled(QVBoxLayout(), heading("Imagechain", 1.9), margins=None)
         about = QLabel("Simulate electro-optical and infrared sensors, stage by stage.")
         about.setWordWrap(True)
         about.setForegroundRole(FAINT)
-        left.addWidget(about)
-        left.addWidget(self._buttons())
-        left.addLayout(self._lists)
-        left.addStretch()
-        whole.addLayout(left, 1)
+        parts = (heading("Imagechain", 1.9), about, self._buttons(), self._lists)
+        left = filled(QVBoxLayout(), *parts, None, margins=None)
         right.addWidget(heading("New from an example", 1.5))
-        whole.addLayout(right, 4)
+        filled(QHBoxLayout(page), (left, 1), (right, 4), margins=(24, 18, 24, 18), spacing=28)
         self.setWidget(page)
 
     def showEvent(self, event: QShowEvent) -> None:
@@ -104,8 +99,7 @@ class WelcomePage(QScrollArea):
 
     def _buttons(self) -> QWidget:
         row = QWidget()
-        layout = QHBoxLayout(row)
-        layout.setContentsMargins(0, 8, 0, 8)
+        layout = filled(QHBoxLayout(row), margins=(0, 8, 0, 8))
         for text, name, signal in (
             ("New network", "welcome.new", self.new_wanted),
             ("Open…", "welcome.open", self.open_wanted),
@@ -135,13 +129,11 @@ class WelcomePage(QScrollArea):
 
     def _recovered_row(self, work: Recovered) -> QWidget:
         row = QWidget()
-        layout = QHBoxLayout(row)
-        layout.setContentsMargins(0, 0, 0, 0)
         name = work.original.name if work.original is not None else "never saved"
         when = datetime.fromtimestamp(work.time).strftime("%Y-%m-%d %H:%M")
         about = QLabel(f"{name}, {when}" + (f": {work.problem}" if work.problem else ""))
         about.setWordWrap(True)
-        layout.addWidget(about, 1)
+        layout = filled(QHBoxLayout(row), (about, 1))
         if not work.problem:
             recover = self._choice("recover", f"{name} of {when}", layout)
             recover.clicked.connect(partial(self.recovered.emit, work))
@@ -238,19 +230,13 @@ class NetworkCard(QToolButton):
         self.setMinimumWidth(1)  # else a long name widens its column
         self.title, self.line = QLabel(network.name), QLabel(line)
         make_bold(self.title)
-        right = QVBoxLayout()
-        right.setSpacing(3)
         for label in (self.title, self.line):
             label.setTextFormat(Qt.TextFormat.PlainText)
             label.setWordWrap(True)
-            right.addWidget(label)
-        right.addStretch(1)
-        right.addWidget(ChainDrawing(network, groups))
-        whole = self._whole = QHBoxLayout(self)
-        whole.setContentsMargins(_MARGIN, _MARGIN, _MARGIN, _MARGIN)
-        whole.setSpacing(10)
-        whole.addWidget(SpecialDrawing(name, file.parent / "pictures"))
-        whole.addLayout(right, 1)
+        parts = (self.title, self.line, None, ChainDrawing(network, groups))
+        right = filled(QVBoxLayout(), *parts, margins=None, spacing=3)
+        special, margins = SpecialDrawing(name, file.parent / "pictures"), (_MARGIN,) * 4
+        self._whole = filled(QHBoxLayout(self), special, (right, 1), margins=margins, spacing=10)
         for child in self.findChildren(QWidget):
             child.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
 

@@ -222,19 +222,14 @@ def _is_narrow(window: QMainWindow, docks: Docks) -> bool:
     return least + _LEAST_PANELS * unit > window.width()
 
 
-def _headings_width(library: QDockWidget) -> int:
-    """Of the library, as narrow as it is read without an ellipsis in its headings."""
-    view = library.widget()
-    return view.headings_width() if isinstance(view, LibraryView) else library.width()
-
-
 def size(window: QMainWindow, layout: LayoutName) -> None:
     docks = Docks(window)
     unit, line = window.fontMetrics().averageCharWidth(), window.fontMetrics().height()
     width, height = window.width(), window.height()
     viewer = docks.viewers[0]
     picture = PICTURE_SHARE * width * height
-    headings = _headings_width(docks.library)
+    library = docks.library.widget()  # as narrow as its headings are read without an ellipsis
+    headings = library.headings_width() if isinstance(library, LibraryView) else library.width()
     bars = _height_of_bars(viewer, window.findChild(ImageViewer, "image_viewer.1"))
     room = height - window.menuBar().height()
     if layout == "picture_beside":

@@ -268,13 +268,12 @@ class ImageViewer(Viewer):
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
         self.probe = PictureProbe(self.canvas, self.status)
         self.region = RegionTool(self.session, self.evaluator, self.canvas, self.bar.region)
-        layout = filled(QVBoxLayout(self), self.bar, self.band_bar, spacing=1)
         self._hint = centred_hint(HINT, self)
         self._pages = QStackedWidget(self)
         for page in (self._hint, self.canvas):
             self._pages.addWidget(page)
-        layout.addWidget(self._pages, 1)
-        layout.addWidget(self.status)
+        parts = (self.bar, self.band_bar, (self._pages, 1), self.status)
+        filled(QVBoxLayout(self), *parts, spacing=1)
 
     def _connect(self) -> None:
         bar, canvas = self.bar, self.canvas

@@ -58,9 +58,8 @@ class PictureBar(QWidget):
         self.region = toggle_button(
             f"{owner}.region", "⬚", "Draw the region of the selected module (R)", self
         )
-        layout = filled(QHBoxLayout(self), margins=(2, 2, 2, 0), spacing=3)
-        for widget in (self.ports, shown, compared, self.region, self.fit, self.dots):
-            layout.addWidget(widget, 1 if widget is self.ports else 0)
+        parts = ((self.ports, 1), shown, compared, self.region, self.fit, self.dots)
+        filled(QHBoxLayout(self), *parts, margins=(2, 2, 2, 0), spacing=3)
 
 
 # The menus of an image viewer: how the picture is drawn, and what it is compared with.
