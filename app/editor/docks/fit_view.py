@@ -23,12 +23,16 @@ from PySide6.QtWidgets import (
 
 from app.editor.declared_text import about, label_of, tip
 from app.editor.dialogs import choose_pictures
-from app.editor.docks.fit_job import DrawnEdge, FitOutcome, FitTask, FittedNumber, fit_to_picture
-from app.editor.docks.measure_worker import (
+from app.editor.docks.background_work import (
     Check,
+    DrawnEdge,
+    FitOutcome,
+    FitTask,
+    FittedNumber,
     PictureDrops,
     Pictures,
     WorkerView,
+    fit_to_picture,
     pictures_name,
     pictures_text,
 )

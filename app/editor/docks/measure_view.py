@@ -20,8 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.dialogs import SaveDialog, choose_pictures, show_beside
-from app.editor.docks.edges import EdgeCanvas, EdgeTable, FigureTable, MtfChart, edge_words
-from app.editor.docks.measure_worker import (
+from app.editor.docks.background_work import (
     Check,
     PictureDrops,
     Pictures,
@@ -30,6 +29,7 @@ from app.editor.docks.measure_worker import (
     pictures_name,
     shown_in,
 )
+from app.editor.docks.edges import EdgeCanvas, EdgeTable, FigureTable, MtfChart, edge_words
 from app.editor.gestures import without_argument
 from app.editor.notices import NoticeList, Severity, sentence
 from app.editor.session import Session

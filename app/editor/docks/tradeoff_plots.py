@@ -1,16 +1,19 @@
-"""Small charts of figures over one parameter, with a mark at its present value to be dragged."""
+"""A trade-off's parameter with its range, and small charts of figures over it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QColor,
+    QFocusEvent,
     QFontMetricsF,
     QKeyEvent,
     QMouseEvent,
@@ -18,17 +21,28 @@ from PySide6.QtGui import (
     QPaintEvent,
     QPen,
     QResizeEvent,
+    QStandardItem,
 )
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QComboBox, QCompleter, QLineEdit, QWidget
 
-from app.editor.docks.tradeoff_ranges import Span
+from app.editor.declared_text import label_of, tip, titled
 from app.editor.panels.chart import Chart, ordinate_ticks, room_for_ticks
+from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, scale_of
+from app.editor.session import Session
 from app.editor.theme import theme_of
+from app.editor.viewers.viewer import VALUE, NodeChoice, entry
 from app.editor.widgets import labelled
+from app.run.output import ANALYSIS
+from app.tradeoff.values import is_number, spaced
+from core.editing.operations import set_parameter
+from core.errors import ParameterError
+from core.modules.parameters import Parameter, plain
 from core.modules.preview import Axis
+from core.names import thaw
+from core.network.network import MACRO
 
 Vector = NDArray[np.float64]
-LOG_FROM = 100.0  # the largest over the smallest value, from which on decades are shown
+DECADES_FROM = 100.0  # the largest over the smallest value, from which on decades are shown
 FAINTEST = 1e-9  # of the largest value: what is below is not resolved
 _MOST_DOTS = 40
 _ABOVE = 2.0  # dots free above a chart
@@ -243,9 +257,274 @@ def _ordinate(graph: Graph) -> Axis:
     """Decades where the values span many, else from least to greatest with some room."""
     values = graph.y[np.isfinite(graph.y)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
-    if low > 0 and high > LOG_FROM * low:
+    if low > 0 and high > DECADES_FROM * low:
         return Axis(max(low, FAINTEST * high) / 1.2, high * 1.2, graph.title, log=True)
     room = 0.08 * (high - low)
     if high - low <= 1e-6 * max(abs(low), abs(high)):  # rounding is not to fill the chart
         room = 0.1 * abs(high) or 1.0
     return Axis(low - room, high + room, graph.title)
+
+
+COARSE = 5
+PART = 8  # values in one query: it starts anew if an edit comes
+NEAR = 0.2  # of a declared range: below that share of its end it would hide what happens
+LOG_FROM = 3000.0  # the end of a range over its beginning, from which on its steps are factors
+DEFAULT_COUNT = 25
+LEAST_COUNT, MOST_COUNT = 2, 201
+
+
+@dataclass(frozen=True)
+class Span:
+    """From one number to a greater one, in equal steps or factors."""
+
+    low: float
+    high: float
+    log: bool = False
+    whole: bool = False
+    count: int = DEFAULT_COUNT
+
+    def values(self) -> tuple[float | int, ...]:
+        return spaced(self.low, self.high, self.count, log=self.log, whole=self.whole)
+
+    def share(self, value: float) -> float:
+        """Where a number lies: 0 at the low end, 1 at the high one."""
+        low, high, value = (self._scaled(number) for number in (self.low, self.high, value))
+        return (value - low) / (high - low)
+
+    def value_at(self, share: float) -> float | int:
+        """The number at a place, with no more digits than it can be placed by."""
+        share = min(max(share, 0.0), 1.0)
+        low, high = self._scaled(self.low), self._scaled(self.high)
+        value = low + share * (high - low)
+        if self.log:
+            value = float(f"{math.exp(value):.3g}")
+        else:
+            value = round(value, max(0, math.ceil(-math.log10((high - low) / 1000))))
+        value = min(max(value, self.low), self.high)
+        return round(value) if self.whole else value
+
+    def _scaled(self, value: float) -> float:
+        return math.log(max(value, 1e-300)) if self.log else value
+
+
+def usual_span(parameter: Parameter, present: Any) -> Span:
+    """A range to begin with: the declared one, else around the present value."""
+    scale, param = scale_of(parameter), parameter.param
+    whole = parameter.kind == "integer"
+    bounded = param.low is not None and param.high is not None
+    declared = param.slider is not None or (
+        bounded and param.high - param.low <= LARGEST_WHOLE_RANGE  # type: ignore[operator]
+    )
+    value = float(present) if is_number(present) else 0.0
+    near = NEAR * scale.high <= abs(value) and scale.low <= value <= scale.high
+    if (declared and near) or not value:
+        low, high = scale.low, scale.high
+        if low <= 0 and _zero_is_empty(parameter):
+            low = 1.0 if whole else scale.high / 100
+        return Span(low, high, _spans_decades(low, high), whole)
+    if _spans_decades(scale.low, scale.high) and value > 0:
+        return _within(parameter, Span(value / 10, value * 10, log=True, whole=whole))
+    start = 0.5 * value if _zero_is_empty(parameter) or param.above else 0.0
+    low, high = sorted((start, 2.0 * value))
+    return _within(parameter, Span(low, high, whole=whole))
+
+
+def coarse_first(values: tuple[Any, ...]) -> tuple[tuple[Any, ...], ...]:
+    """The values in parts: a few over the whole range, then those halfway between, and so on."""
+    last = len(values) - 1
+    done = sorted({round(number * last / (COARSE - 1)) for number in range(COARSE)})
+    parts = [done]
+    while len(done) <= last:
+        between = [(a + b) // 2 for a, b in pairwise(done) if b - a > 1]
+        parts += [between[start : start + PART] for start in range(0, len(between), PART)]
+        done = sorted([*done, *between])
+    return tuple(tuple(values[index] for index in part) for part in parts)
+
+
+def _spans_decades(low: float, high: float) -> bool:
+    return low > 0 and high / low >= LOG_FROM
+
+
+def _zero_is_empty(parameter: Parameter) -> bool:
+    return parameter.empty and parameter.param.zero_is_empty
+
+
+def _within(parameter: Parameter, span: Span) -> Span:
+    """Cut at the declared limits; whole numbers at least one apart."""
+    low, high = span.low, span.high
+    if span.whole:
+        low = float(math.floor(low))
+        if low == 0 and _zero_is_empty(parameter):
+            low = 1.0
+        high = float(max(math.ceil(high), low + 1))
+    if parameter.param.low is not None:
+        low = max(low, parameter.param.low)
+    if parameter.param.high is not None:
+        high = min(high, parameter.param.high)
+    if span.log and low <= 0:
+        low = high / 100
+    return Span(low, high, span.log, span.whole) if low < high else span
+
+
+# The parameter that is varied: its present value, and setting it by hand.
+
+_STEP = 0.01  # of the range, for an arrow key
+
+
+class Varied:
+    def __init__(self, session: Session, refuse: Callable[[str], None]) -> None:
+        self.node, self.name = "", ""
+        self._session = session
+        self._refuse = refuse
+        self._gesture: object | None = None
+
+    @property
+    def parameter(self) -> Parameter | None:
+        declared = self._session.declared(self.node)
+        return declared.parameter(self.name) if declared is not None else None
+
+    @property
+    def analysis(self) -> str:
+        """Its node where that is one of analysis, which the chain does not hang on; else empty."""
+        declared = self._session.declared(self.node)
+        return self.node if declared is not None and declared.group == ANALYSIS else ""
+
+    @property
+    def label(self) -> str:
+        parameter = self.parameter
+        unit = parameter.param.unit if parameter is not None else ""
+        return label_of(self.name) + (f" ({unit})" if unit else "")
+
+    @property
+    def present(self) -> Any:
+        """Its value as it stands; None where it is empty or not allowed."""
+        parameter, node = self.parameter, self._session.resolved.node(self.node)
+        if parameter is None or node is None:
+            return None
+        if self.name not in node.params:
+            return None if parameter.required else parameter.default
+        try:
+            return parameter.coerce(thaw(node.params[self.name]))
+        except ParameterError:
+            return None
+
+    def choose(self, node: str = "", name: str = "") -> None:
+        self.release()
+        self.node, self.name = node, name
+
+    def move(self, value: float) -> None:
+        """Set it; all until `release` is one step to undo."""
+        parameter = self.parameter
+        if parameter is None:
+            return
+        try:
+            plain_value = plain(parameter.coerce(value))
+        except ParameterError as error:
+            self._refuse(error.message)
+            return
+        if plain_value is None or plain_value == self.present:
+            return
+        if why := self._session.follows(self.node, (self.name,)):
+            self._refuse(why)
+            return
+        if self._gesture is None:
+            self._gesture = object()
+        self._session.do(set_parameter(self.node, self.name, plain_value), gesture=self._gesture)
+
+    def step(self, span: Span, steps: int) -> None:
+        """Move it by hundredths of a range, by one at least where it is whole."""
+        present = self.present
+        share = 0.0 if present is None else span.share(present)
+        value = span.value_at(share + steps * _STEP)
+        if span.whole and present is not None and value == present:
+            value = min(max(present + steps, span.low), span.high)
+        self.move(value)
+
+    def release(self) -> None:
+        if self._gesture is not None:
+            self._gesture = None
+            self._session.end_gesture()
+
+
+# The choice of a number of the network, by node.
+
+NUMERIC = ("number", "integer")
+_NOTHING = "Choose a parameter"
+
+
+class ParameterChoice(NodeChoice):
+    chosen = Signal(str, str)  # (node, parameter): the person has chosen one
+
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+        super().__init__(session, _NOTHING, parent)
+        self._field = QLineEdit(self)
+        self.setMinimumContentsLength(16)
+        self._make_searchable()
+        self.fill()
+
+    def _make_searchable(self) -> None:
+        self.setLineEdit(self._field)  # which makes it editable
+        self.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
+        completer = QCompleter(self.entries, self)
+        self.setCompleter(completer)
+        field = self._field
+        field.setPlaceholderText(_NOTHING)
+        field.setAccessibleName("search a parameter")
+        completer.setFilterMode(Qt.MatchFlag.MatchContains)
+        completer.setCompletionMode(QCompleter.CompletionMode.PopupCompletion)
+        completer.setCaseSensitivity(Qt.CaseSensitivity.CaseInsensitive)
+        completer.setMaxVisibleItems(24)
+        field.editingFinished.connect(self._finish_typing)
+
+    def _finish_typing(self) -> None:
+        """Take a parameter by its words or its name in files; else show the chosen one again."""
+        text = self._field.text().strip()
+        place = self.findText(text, Qt.MatchFlag.MatchFixedString)
+        if place < 0 and text:
+            place = self.findData(text, VALUE)
+        if place < 0 or not self.itemData(place, VALUE):
+            self.setCurrentIndex(max(0, self.findData(self.value, VALUE)))
+            self._field.setText(self.currentText())
+        elif self.itemData(place, VALUE) != self.value:
+            self.setCurrentIndex(place)
+            self.take_at(place)
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        super().focusInEvent(event)
+        QTimer.singleShot(0, self._select_all)
+
+    def _select_all(self) -> None:
+        """Backwards, so that the beginning of a long name stays in sight."""
+        end = len(self._field.text())
+        self._field.setSelection(end, -end)
+
+    def show_value(self, value: str) -> None:
+        """From its beginning, which is the parameter: the field would show the end."""
+        super().show_value(value)
+        self._field.setCursorPosition(0)
+
+    def choose(self, node: str, parameter: str) -> None:
+        self.show_value(f"{node}.{parameter}" if node else "")
+
+    def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
+        """The numbers by node; a macro has none of its own."""
+        for name in self.session.network.nodes:
+            declared = self.session.declared(name)
+            numbers = [p for p in declared.parameters if p.kind in NUMERIC] if declared else []
+            if declared is not None and declared.key != MACRO and numbers:
+                yield titled(name, declared.title), [_entry(name, number) for number in numbers]
+
+    def take(self, value: str | None) -> None:
+        if value:
+            self.value = value
+            node, _, parameter = value.rpartition(".")
+            self.chosen.emit(node, parameter)
+        else:
+            self.setCurrentIndex(max(0, self.findData(self.value, VALUE)))
+
+
+def _entry(node: str, parameter: Parameter) -> QStandardItem:
+    unit = f" ({parameter.param.unit})" if parameter.param.unit else ""
+    name = f"{node}.{parameter.name}"
+    text = f"{label_of(parameter.name)} of {node}{unit}"
+    return entry(text, name, tip(f"{parameter.param.text}\nIn network files: {name}"))

@@ -24,12 +24,13 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.declared_text import label_of
-from app.editor.docks.tradeoff_plots import Graph, TradeOffPlots
-from app.editor.docks.tradeoff_ranges import (
+from app.editor.docks.tradeoff_plots import (
     LEAST_COUNT,
     MOST_COUNT,
+    Graph,
     ParameterChoice,
     Span,
+    TradeOffPlots,
     Varied,
     coarse_first,
     usual_span,
@@ -38,9 +39,8 @@ from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure, shown_number
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Session, renamed_node
-from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.plot_export import have_plot_menu, save_plot
-from app.editor.viewers.plot.plot_looks import thick
+from app.editor.viewers.plot.plot_looks import CurveList, thick
 from app.editor.viewers.plot.plotted_lines import Entry
 from app.editor.viewers.viewer import StatusLine, Viewer, ports_depend_on
 from app.editor.widgets import Check, FlowLayout, Menu, filled, labelled, menu_button

@@ -1,17 +1,24 @@
-"""What an edit changes, and planning with nodes held back from it.
+"""What an edit changes; planning with nodes held back from it, and with smaller pictures.
 
-Those without Auto-Generate stay as they were generated last.
+Nodes without Auto-Generate stay as they were generated last. Smaller pictures are for a first look
+while edits come: behind each source of pictures stands a mean of blocks of samples. What later
+parameters count in samples is counted in those blocks; all that is given in mrad, cycles/mrad or
+seconds stays.
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from core.chain.engine import Engine, Plan, PlannedNode
-from core.network.network import Link, Network
+from core.chain.wires import Image, Magnitude, Phase
+from core.network.network import Link, Network, Node
+from core.physics.detector.filters import dwell_time_s
 
 Change = frozenset[tuple[str, str] | str | Link] | None
 """Parameters by node, nodes, links and "seed"; the same edit again is equal to it."""
@@ -94,3 +101,279 @@ def content(planned: PlannedNode) -> tuple[Hashable, ...]:
 
 def _keys(values: Any) -> tuple[tuple[str, str | None], ...]:
     return tuple((name, getattr(value, "key", None)) for name, value in sorted(values.items()))
+
+
+# Parameters that modules count in samples, for pictures that have fewer of them.
+
+Ratio = tuple[int, int]
+"""How many times fewer samples a picture has across and along."""
+
+Count = Callable[[PlannedNode, Ratio], Mapping[str, Any] | None]
+"""Gives the parameters to change; None: none."""
+
+
+def _size(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any]:
+    """Interpolate: a part of a sample more or less only changes the interval."""
+    module: Any = planned.module
+    sizes = {"width": (module.width, ratio[0]), "height": (module.height, ratio[1])}
+    return {name: max(1, round(size / by)) for name, (size, by) in sizes.items() if size}
+
+
+def _factor(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any]:
+    """Anti-alias Filter: the nearest whole number of samples."""
+    module: Any = planned.module
+    return {"factor": max(1, round(module.factor / _mean(ratio)))}
+
+
+def _width(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any]:
+    """Poisson Noise: the weights of the local mean keep their width in mrad."""
+    module: Any = planned.module
+    return {"width_px": module.width_px / _mean(ratio)}
+
+
+def _probe(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any] | None:
+    """Examine Image: the block that has the sample."""
+    module: Any = planned.module
+    if module.probe_x is None:
+        return None
+    return {"probe_x": module.probe_x // ratio[0], "probe_y": module.probe_y // ratio[1]}
+
+
+def _transfers(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any] | None:
+    """Charge transfer between samples: as many as give the same loss at low frequencies.
+
+    With w = 2π·xi·Δ, −ln MTF = N(1−ε)(1 − cos w) starts as w², the phase as w, or by eq. 4.58 as
+    w³.
+    """
+    module: Any = planned.module
+    if module.nyquist != "image":
+        return None
+    power = 2
+    if planned.node.module == "charge_eff_phase":
+        power = 3 if module.model == "published" else 1
+    return {"detectors_per_line": round(module.detectors_per_line / ratio[0] ** power)}
+
+
+def _dwell(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any] | None:  # noqa: ARG001
+    """Electronics & Noise: a detector dwells no longer because the preview's samples are larger."""
+    module: Any = planned.module
+    context = planned.inputs["context"]
+    velocity = module.scan_velocity(context)
+    if module.time_constant_s is not None or velocity == 0:
+        return None
+    interval = context.grid.interval_x_mrad
+    time = dwell_time_s(interval_mrad=interval, scan_velocity_mrad_per_s=velocity)
+    return {"time_constant_s": time}
+
+
+def _pattern(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any] | None:
+    """Periodic Noise: the first sample is the middle of a block, further into the picture."""
+    module: Any = planned.module
+    image = planned.inputs["image"]
+    if image.interval_x_mrad is None or image.interval_y_mrad is None:
+        return None
+    x, y = (ratio[0] - 1) / 2 * image.interval_x_mrad, (ratio[1] - 1) / 2 * image.interval_y_mrad
+
+    def moved(phase_deg: float, xi: float, eta: float) -> float:
+        return phase_deg + 360.0 * math.fmod(xi * x + eta * y, 1.0)
+
+    return {
+        "phase_deg": moved(module.phase_deg, module.xi, module.eta),
+        "modulation_phase_deg": moved(
+            module.modulation_phase_deg, module.modulation_xi, module.modulation_eta
+        ),
+    }
+
+
+def _camera(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any]:
+    """Camera Geometry: the same field of the same scene, both in fewer and larger samples."""
+    module: Any = planned.module
+    image = planned.inputs["image"]
+    camera, ground = module.camera(image), module.ground(image)
+    columns, rows = max(1, camera.columns // ratio[0]), max(1, camera.rows // ratio[1])
+    across, along = camera.columns / columns, camera.rows / rows
+    focal_length_mm = module.focal_length_mm or 1.0
+    changed = {
+        "ground_interval_m": ground.interval_x_m * image.columns / (image.columns // ratio[0]),
+        "ground_interval_y_m": ground.interval_y_m * image.rows / (image.rows // ratio[1]),
+        "columns": columns,
+        "rows": rows,
+        "fov_x_deg": None,
+        "focal_length_mm": focal_length_mm,
+        "pitch_x_um": camera.step_x_mrad * across * focal_length_mm,
+        "pitch_y_um": camera.step_y_mrad * along * focal_length_mm,
+    }
+    if camera.kind != "framing":
+        changed["velocity_m_per_s"] = camera.line_spacing_m * along
+        changed["line_rate_Hz"] = 1.0
+    return changed
+
+
+def _mean(ratio: Ratio) -> float:
+    return math.sqrt(ratio[0] * ratio[1])
+
+
+IN_SAMPLES: Mapping[str, Count] = MappingProxyType(
+    {
+        "interpolate": _size,
+        "anti_alias": _factor,
+        "poisson_noise": _width,
+        "examine_image": _probe,
+        "charge_eff_mtf": _transfers,
+        "charge_eff_phase": _transfers,
+        "electronics_noise": _dwell,
+        "periodic_noise": _pattern,
+        "camera_geometry": _camera,
+    }
+)
+
+
+SMALLEST = 16
+"""No side of a picture gets fewer samples."""
+BINNING = "combine_pixels"
+_DRAWN_ALIKE = ("slanted_edge", "four_bar", "sine", "two_panel", "uniform")
+_DRAWN_NEARLY = ("dormitory", "airfield", "siemens_star")
+
+
+def reduced_network(plan: Plan, factor: int, *, edited: Collection[str] = ()) -> Network | None:
+    """The network with pictures smaller by `factor` along each side; None where it cannot be.
+
+    A picture whose pixels are combined later is reduced by what is left of the factor then. A test
+    scene among the nodes that are `edited` is drawn at the reduced size, as to draw it at full size
+    each time would leave nothing to gain. Others were drawn already.
+    """
+    reducing = _Reducing(plan, factor, edited)
+    try:
+        for name in plan.network.order():
+            reducing.take(name)
+    except _CannotReduceError:
+        return None
+    return reducing.network() if reducing.sources else None
+
+
+class _CannotReduceError(Exception):
+    """A node has no equal for smaller pictures."""
+
+
+@dataclass
+class _Reducing:
+    """Nodes of the smaller network, and by how much the picture on each output is reduced."""
+
+    plan: Plan
+    factor: int
+    edited: Collection[str] = ()
+    nodes: dict[str, Node] = field(default_factory=dict)
+    ratios: dict[tuple[str, str], Ratio] = field(default_factory=dict)
+    binned: dict[tuple[str, str], str] = field(default_factory=dict)
+    sources: int = 0
+
+    def take(self, name: str) -> None:
+        planned = self.plan.nodes[name]
+        node = planned.node
+        self.nodes[name] = node
+        if planned.error is not None:
+            return
+        ratio = self._ratio_in(name)
+        if ratio is None:
+            self._take_source(name, planned)
+            return
+        if not planned.node.disabled:
+            params, ratio = _counted(planned, ratio)
+            self.nodes[name] = node if params is None else _with(node, params)
+        for port, value in planned.outputs.items():
+            if isinstance(value, Image | Magnitude | Phase):
+                self.ratios[name, port] = ratio
+
+    def network(self) -> Network:
+        links = []
+        for link in self.plan.network.links:
+            binning = self.binned.get((link.source, link.output))
+            links.append(link if binning is None else replace(link, source=binning, output="image"))
+        links += [Link(*port, name, "image") for port, name in self.binned.items()]
+        return replace(self.plan.network, nodes=self.nodes, links=tuple(links), layout={})
+
+    def _ratio_in(self, name: str) -> Ratio | None:
+        """By how much the pictures that come in are reduced; None where there are none."""
+        ratios = {
+            self.ratios[link.source, link.output]
+            for link in self.plan.network.links_into(name)
+            if (link.source, link.output) in self.ratios
+        }
+        if len(ratios) > 1:
+            raise _CannotReduceError
+        return ratios.pop() if ratios else None
+
+    def _take_source(self, name: str, planned: PlannedNode) -> None:
+        k = self.factor
+        for port, value in _images(planned.outputs):
+            if value.rows < k * SMALLEST or value.columns < k * SMALLEST:
+                raise _CannotReduceError
+            self.sources += 1
+            self.ratios[name, port] = (k, k)
+            if _draws_itself_smaller(planned, k, self.edited):
+                size = {"width": value.columns // k, "height": value.rows // k}
+                self.nodes[name] = _with(planned.node, size)
+                continue
+            binning = self._free_name(f"{name} reduced")
+            self.nodes[binning] = Node(binning, BINNING, {"factor_x": k, "factor_y": k})
+            self.binned[name, port] = binning
+
+    def _free_name(self, name: str) -> str:
+        while name in self.nodes or name in self.plan.nodes:
+            name += "_"
+        return name
+
+
+def _counted(planned: PlannedNode, ratio: Ratio) -> tuple[Mapping[str, Any] | None, Ratio]:
+    if ratio == (1, 1):
+        return None, ratio
+    key = planned.node.module
+    if key == "combine_pixels":
+        return _combined(planned, ratio)
+    if key == "sample_pixels":
+        return _sampled(planned, ratio), (1, 1)
+    if key == "noise_file":
+        raise _CannotReduceError
+    count = IN_SAMPLES.get(key)
+    return (count(planned, ratio) if count is not None else None), ratio
+
+
+def _combined(planned: PlannedNode, ratio: Ratio) -> tuple[Mapping[str, Any], Ratio]:
+    """What the pictures are reduced by need not be combined any more."""
+    module: Any = planned.module
+    x, y = math.gcd(module.factor_x, ratio[0]), math.gcd(module.factor_y, ratio[1])
+    left = {"factor_x": module.factor_x // x, "factor_y": module.factor_y // y}
+    return left, (ratio[0] // x, ratio[1] // y)
+
+
+def _sampled(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any]:
+    """As many pixels as ever, of fewer samples each; by the pitch they follow by themselves."""
+    module: Any = planned.module
+    factors = {"factor_x": (module.factor_x, ratio[0]), "factor_y": (module.factor_y, ratio[1])}
+    return {name: factor / by for name, (factor, by) in factors.items() if factor}
+
+
+def _draws_itself_smaller(planned: PlannedNode, factor: int, edited: Collection[str]) -> bool:
+    """Whether a test scene is drawn at the reduced size: as good as blocks' means, or nearly."""
+    module: Any = planned.module
+    if planned.node.module != "test_scene" or module.width % factor or module.height % factor:
+        return False
+    near = module.kind in _DRAWN_NEARLY and planned.node.id in edited
+    return module.kind in _DRAWN_ALIKE or near
+
+
+def _images(outputs: Mapping[str, Any]) -> Iterator[tuple[str, Image]]:
+    return ((port, value) for port, value in outputs.items() if isinstance(value, Image))
+
+
+def _with(node: Node, params: Mapping[str, Any]) -> Node:
+    return replace(node, params={**node.params, **params})
+
+
+def with_same_nodes(network: Network, before: Network) -> Network:
+    """The network with the very nodes of an earlier one where they are equal: planned once."""
+    nodes = {
+        name: before.nodes[name] if before.nodes.get(name) == node else node
+        for name, node in network.nodes.items()
+    }
+    return replace(network, nodes=nodes)

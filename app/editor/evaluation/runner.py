@@ -16,8 +16,14 @@ import numpy as np
 
 from app.editor.declared_text import error_text
 from app.editor.evaluation.badges import as_error, badges, skip_texts
-from app.editor.evaluation.changes import Change, Planned, edited, plan_held
-from app.editor.evaluation.preview import reduced_network, with_same_nodes
+from app.editor.evaluation.changes import (
+    Change,
+    Planned,
+    edited,
+    plan_held,
+    reduced_network,
+    with_same_nodes,
+)
 from app.editor.evaluation.queries import (
     Answer,
     Badge,

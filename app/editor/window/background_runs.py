@@ -26,7 +26,7 @@ from app.editor.declared_text import label_of
 from app.editor.dialogs import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
 from app.editor.docks.run_queue import RunQueue, job_of, proposed_folder
 from app.editor.docks.runs_view import ReportStatus, RunsView, failures_text
-from app.editor.docks.tradeoff_ranges import ParameterChoice, Varied, usual_span
+from app.editor.docks.tradeoff_plots import ParameterChoice, Varied, usual_span
 from app.editor.number_text import shown_number, typed_number
 from app.editor.session import Session
 from app.editor.theme import ERROR

@@ -39,7 +39,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.declared_text import flowing, label_of
 from app.editor.dialogs import SaveDialog, show_beside
-from app.editor.docks.measure_worker import MeasureWorker
+from app.editor.docks.background_work import MeasureWorker
 from app.editor.docks.run_queue import python_environment
 from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.session import Session

@@ -12,13 +12,14 @@ from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QApplication, QDockWidget, QMainWindow, QMenu, QVBoxLayout, QWidget
 
 from app.editor.canvas.canvas import Canvas
-from app.editor.canvas.crumbs import Crumbs
+from app.editor.canvas.overlays import Crumbs
 from app.editor.docks.fit_view import FitView
 from app.editor.docks.measure_view import MeasureView
 from app.editor.docks.snapshots import Snapshots
 from app.editor.docks.snapshots_view import SnapshotsView
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.library_view import LibraryView
+from app.editor.notices import StatusBar
 from app.editor.panels.panel_area import PanelArea
 from app.editor.recovery_files import Autosaver, Recovered, recoverable
 from app.editor.session import Level, Session
@@ -32,7 +33,6 @@ from app.editor.window.files import Drops, Files, Opened, PresetShelf
 from app.editor.window.help import Help
 from app.editor.window.history_list import HistoryList
 from app.editor.window.recent_files import RecentMenu, Settings
-from app.editor.window.status_bar import StatusBar
 from app.editor.window.viewer_docks import (
     FirstViews,
     FullScreen,

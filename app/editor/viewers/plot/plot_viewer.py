@@ -32,10 +32,10 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.number_text import shown_figure
 from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.session import Session
-from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery, TransferCurves
 from app.editor.viewers.plot.plot_canvas import BarChart, PlotCanvas
 from app.editor.viewers.plot.plot_export import Data, csv_text, plot_menu, save_plot
+from app.editor.viewers.plot.plot_looks import CurveList
 from app.editor.viewers.plot.plotted_lines import (
     Drawing,
     Parts,

@@ -8,7 +8,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from app.editor.canvas.adding import possible_links
-from app.editor.canvas.choice_popup import Choice, matching
+from app.editor.canvas.overlays import Choice, matching
 from app.editor.library_view import module_data
 from core.editing.grouping import group
 from core.network.network import Link

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from PySide6.QtGui import QColor
 
-from app.editor.docks.tradeoff_plots import Graph, TradeOffPlots
-from app.editor.docks.tradeoff_ranges import Span
+from app.editor.docks.tradeoff_plots import Graph, Span, TradeOffPlots
 from app.editor.theme import DARK
 
 X = np.linspace(0.0, 1.0, 11)

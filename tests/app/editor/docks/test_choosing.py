@@ -9,7 +9,7 @@ from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMenu
 
-from app.editor.docks.tradeoff_ranges import Span
+from app.editor.docks.tradeoff_plots import Span
 from app.editor.theme import LIGHT
 from tradeoff_network import mtf
 from window_hands import give_focus

@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
 
-from app.editor.docks.measure_worker import picture_of
+from app.editor.docks.background_work import picture_of
 from app.editor.number_text import FreeNumber
 from core.editing.operations import Rename, set_parameter
 from edge_truth import blur_network, gaussian_edge

@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from app.editor.docks.tradeoff_ranges import Span
+from app.editor.docks.tradeoff_plots import Span
 from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.evaluation import runner
 from child_process import PATIENCE_S

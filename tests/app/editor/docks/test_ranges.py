@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.editor.docks.tradeoff_ranges import COARSE, PART, Span, coarse_first, usual_span
+from app.editor.docks.tradeoff_plots import COARSE, PART, Span, coarse_first, usual_span
 from core.modules.declaration import declaration
 from nodes.library import standard_library
 

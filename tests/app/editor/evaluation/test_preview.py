@@ -5,8 +5,8 @@ from itertools import count
 import numpy as np
 import pytest
 
+from app.editor.evaluation.changes import SMALLEST, reduced_network
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.preview import SMALLEST, reduced_network
 from app.editor.session import Session
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine

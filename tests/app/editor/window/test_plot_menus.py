@@ -10,7 +10,7 @@ from PySide6.QtGui import QContextMenuEvent, QGuiApplication, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit
 
-from app.editor.docks.fit_job import DrawnEdge
+from app.editor.docks.background_work import DrawnEdge
 from app.editor.panels.preview_view import PreviewView
 from window_hands import show_small
 
