@@ -69,8 +69,6 @@ def draw_mark(
 
 
 class Mark(QWidget):
-    """The mark of a severity, as high as a line of text."""
-
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.severity: Severity = "information"
@@ -252,7 +250,6 @@ class StatusBar(QWidget):
         self._drop("information", "error", *(["warning"] if closed else []))
 
     def forget_advice(self) -> None:
-        """Clear what was about a selection that is no more."""
         if self._advises:
             self._drop("information")
 

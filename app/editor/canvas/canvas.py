@@ -120,7 +120,6 @@ class Canvas(QWidget):
         return self.surface.cursor_point()
 
     def add_module(self, key: str) -> None:
-        """Add a node at the cursor; with a node selected, wired on to that one."""
         self.adding.add(key, self.cursor_point())
 
     def open_search(self) -> None:
@@ -134,7 +133,6 @@ class Canvas(QWidget):
         self._edit_title(len(self.content.backdrops) - 1)
 
     def add_dot(self) -> None:
-        """Bend the wire under the pointer, or the selected one, through a dot."""
         self.dots.add(self.surface.pointer)
 
     def changeEvent(self, event: QEvent) -> None:
@@ -377,7 +375,6 @@ class Keys:
         self._nudging = False
 
     def press(self, event: QKeyEvent) -> bool:
-        """Carry out the key's command; whether it has one."""
         arrow = _ARROWS.get(event.key())
         if arrow is not None:
             self._arrow(arrow, event.modifiers())

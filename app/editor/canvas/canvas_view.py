@@ -308,7 +308,6 @@ class GraphView(NodeViewer):
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Pass it to the handler; what that does not use goes on to the parents."""
         if not self.handler.key(event):
             event.ignore()
 

@@ -98,7 +98,6 @@ class RubberBand(Gesture):
         self.surface.session.select((*self._already_selected, *self._inside))
 
     def click(self) -> None:
-        """Beside everything: select nothing."""
         self.surface.session.select(self._already_selected)
 
     def leave(self) -> None:
@@ -153,8 +152,6 @@ class Hint(QLabel):
 
 
 class Surface(QObject):
-    """The session of what is shown, the view, its items, and what is shown during a gesture."""
-
     activated = Signal(str)  # (name): a node was double-clicked, or Enter pressed on it
     view_wanted = Signal(str)  # (name): a node was clicked with Ctrl and Shift
     search_wanted = Signal(QPointF)  # (point): a module is to be added at that point of the scene

@@ -135,7 +135,6 @@ class ChoicePopup(QFrame):
         self.field.setFocus(Qt.FocusReason.PopupFocusReason)
 
     def abandon(self) -> None:
-        """Close without a choice, and emit `abandoned`."""
         if self._close():
             self.abandoned.emit()
 

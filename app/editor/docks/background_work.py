@@ -82,8 +82,6 @@ _LONGEST_END_S = 20.0
 
 
 class MeasureWorker(QObject):
-    """Carries out a job in a thread."""
-
     progressed = Signal(str)  # (text): what the job has come to
     done = Signal(object)  # (result): it has ended
     failed = Signal(str)  # (text): it could not be carried out
@@ -154,8 +152,6 @@ class MeasureWorker(QObject):
 
 
 class WorkerView(QWidget):
-    """A view whose work goes on beside the window, and can be stopped."""
-
     status: StatusLine
 
     def __init__(self, name: str, words: str) -> None:

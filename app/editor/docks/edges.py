@@ -49,8 +49,6 @@ _FIGURE_HEADS = ("Figure", "Value", "Unit")
 
 
 class EdgeTable(QTreeWidget):
-    """Every edge with its MTF50, or why it is not used."""
-
     chosen = Signal(int)  # (place): the person marks an edge
     switched = Signal()  # a key removes the marked edge, or uses it again
 
@@ -177,8 +175,6 @@ _DASH = Qt.PenStyle.DashLine
 
 
 class MtfChart(ChartWidget):
-    """Draws MTF against cycles per sample, across in full, along dashed."""
-
     read = Signal(str)  # (text): what stands under the mouse; empty where nothing does
 
     def __init__(self, parent: QWidget | None = None) -> None:

@@ -58,8 +58,6 @@ def _said(remark: str) -> tuple[Severity, str]:
 
 @dataclass(frozen=True)
 class _Measuring:
-    """What is measured: its title, the pictures, and the network whose picture it is."""
-
     title: str
     pictures: Pictures
     network: Network | None = None
@@ -191,7 +189,6 @@ class MeasureView(WorkerView):
         return self.measured.edges[self.current]
 
     def choose(self, place: int) -> None:
-        """Show an edge's MTF, and why it is used or not; -1 shows none."""
         self.current = place
         edge = self.edge
         if edge is not None and edge.picture < self.pictures.count():

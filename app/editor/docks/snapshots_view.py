@@ -41,8 +41,6 @@ _NAME, _TIME = range(2)
 
 
 class SnapshotsView(Viewer):
-    """Lists snapshots, and the figures that differ from those of the one that is A."""
-
     def __init__(self, session: Session, evaluator: Evaluator, snapshots: Snapshots) -> None:
         super().__init__(session, evaluator, "snapshots")
         self.setAccessibleName("Snapshots")

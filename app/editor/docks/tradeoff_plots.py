@@ -59,8 +59,6 @@ class Graph:
 
 
 class TradeOffPlots(QWidget):
-    """Charts side by side and below one another, all over the same abscissae."""
-
     moved = Signal(float)  # (value): the mark is dragged, or was put elsewhere by a click
     stepped = Signal(int)  # (steps): the mark is moved by the keys: so many small steps
     released = Signal()  # mouse or key is up
@@ -507,7 +505,6 @@ class ParameterChoice(NodeChoice):
         self.show_value(f"{node}.{parameter}" if node else "")
 
     def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
-        """The numbers by node; a macro has none of its own."""
         for name in self.session.network.nodes:
             declared = self.session.declared(name)
             numbers = [p for p in declared.parameters if p.kind in NUMERIC] if declared else []

@@ -302,7 +302,6 @@ def title_of(figure: Figure, shown: Sequence[Figure] = ()) -> str:
 
 
 def listed_title(figure: Figure) -> str:
-    """As the list of all figures has it, in full: with its node and unit."""
     if figure.is_total:
         return title_of(figure)
     unit = f" ({figure.unit})" if figure.unit else ""

@@ -153,7 +153,6 @@ class OwnFailure(ImagechainError):
 
 
 def as_error(error: Exception, node: str | None = None) -> ImagechainError:
-    """The error to show for whatever was raised; one of the project's own is kept."""
     if isinstance(error, ImagechainError) and not isinstance(error, Cancelled):
         return error
     if isinstance(error, MemoryError):

@@ -44,7 +44,6 @@ def edited(before: Network | None, after: Network) -> Change:
 
 
 def computes_alike(before: Network, after: Network) -> bool:
-    """Whether the networks differ only in their appearance."""
     return (
         before.links == after.links
         and before.seed == after.seed

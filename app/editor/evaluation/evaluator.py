@@ -286,8 +286,6 @@ shown: of 4, 8, 12 and 16 ms, 8 had the shortest gaps at their full number.
 
 
 class Frames(QObject):
-    """Has news taken at once, or a frame after the last ones."""
-
     def __init__(self, take: Callable[[], None], parent: QObject) -> None:
         super().__init__(parent)
         self._take = take

@@ -73,8 +73,6 @@ class Answer:
 
 @dataclass(frozen=True)
 class Badge:
-    """The mark of a node's state, and its tooltip."""
-
     kind: BadgeKind
     text: str
 
@@ -96,8 +94,6 @@ class PassDone:
 
 @dataclass(frozen=True)
 class Busy:
-    """A pass that takes longer than a third of a second: where it is."""
-
     node: str | None
     seconds: float
     done: int
@@ -136,8 +132,6 @@ class Snapshot:
 
 
 class Inbox:
-    """Holds the newest snapshot until the worker takes it."""
-
     def __init__(self) -> None:
         self._changed = threading.Condition()
         self.newest: Snapshot | None = None
@@ -147,7 +141,6 @@ class Inbox:
 
     @property
     def waiting(self) -> bool:
-        """Whether there is a snapshot to take, or it is time to stop."""
         newest = self.newest
         return self.stopped or (newest is not None and newest.generation > self._taken)
 
@@ -157,7 +150,6 @@ class Inbox:
             self._changed.notify()
 
     def cancel(self, generation: int) -> None:
-        """Stop passes up to that generation."""
         with self._changed:
             self.cancelled = generation
             self._changed.notify()

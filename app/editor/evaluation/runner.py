@@ -50,8 +50,6 @@ from core.network.network import Network
 
 @dataclass(frozen=True)
 class Due:
-    """A query to be answered, and what its answer depends on, or why that is unknown."""
-
     request: Request
     key: Hashable
     error: ImagechainError | None = None
@@ -491,8 +489,6 @@ _REMEMBERED = 64
 
 
 class Pace:
-    """How long pictures took after which edits, and when one was shown last."""
-
     def __init__(self) -> None:
         self._seconds: dict[tuple[Hashable, int], float] = {}
         self._wasted = 0.0

@@ -95,7 +95,6 @@ class Chart:
         self._painter.restore()
 
     def dots(self, x: ArrayLike, y: ArrayLike, colour: str, radius: float) -> None:
-        """A dot at each of some points in the frame."""
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(QColor(colour))
         for point in zip(np.asarray(x), np.asarray(y), strict=True):
@@ -114,7 +113,6 @@ class Chart:
         self._painter.drawLine(self.at(self._x.low, y), self.at(self._x.high, y))
 
     def band(self, low: float, high: float, colour: str) -> None:
-        """Shade what lies between two places across."""
         left, right = self.at(low, self._y.low).x(), self.at(high, self._y.low).x()
         frame = self.frame
         shaded = QRectF(left, frame.top(), right - left, frame.height()).intersected(frame)

@@ -167,7 +167,6 @@ class PanelHead(QWidget):
         self._fit()
 
     def illustrate(self, view: QWidget, *, shown: bool) -> None:
-        """Have an illustration, which the button folds away."""
         self._illustration = view
         self._stack.addWidget(view, 1)
         self.place.installEventFilter(self)

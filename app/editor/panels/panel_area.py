@@ -317,7 +317,6 @@ class Words(QPlainTextEdit):
             self.committed.emit(self.toPlainText())
 
     def event(self, event: QEvent) -> bool:
-        """Keep Esc and Ctrl+Enter where something is typed."""
         if not isinstance(event, QKeyEvent) or event.type() != QEvent.Type.ShortcutOverride:
             return super().event(event)
         if self.document().isModified() and self._ends(event):
@@ -525,7 +524,6 @@ class SetsMenu(Menu):
         self.aboutToShow.connect(self.fill)
 
     def fill(self) -> None:
-        """Offer the sets there are now, and a line to keep another."""
         self.clear()
         self.addActions(self._above)
         self.addSeparator()

@@ -47,7 +47,6 @@ class ReadoutsQuery(Query):
         return keys, repr(planned.module), planned.node.disabled
 
     def answer(self, passing: Passing) -> tuple[tuple[str, str, str, str], ...]:
-        """Name, text and unit of each, and the reason where it has no value, if one is known."""
         engine, plan, work = passing.engine, passing.plan, passing.work
         readouts = engine.readouts(plan, self.node, work)
         planned = plan.node(self.node)

@@ -74,7 +74,6 @@ class TransferPreviewQuery(Query):
 
 
 def transfer_lines(passing: Passing, node: str, part: Part) -> tuple[TransferLine, TransferLine]:
-    """A node's own MTF or PTF across (x) and along (y)."""
     planned, work = passing.plan.node(node), passing.work
     transfer: Transfer = passing.plan.output(f"{node}.{part}")
     cutoffs = tuple(_cutoff(planned, axis, work) for axis in ("x", "y"))

@@ -142,8 +142,6 @@ VIEWER_NUMBERS = tuple(range(1, 10))
 
 @dataclass(frozen=True)
 class NodePorts:
-    """Outputs of one node: its id, its module's title, and its ports as ``NODE.PORT``."""
-
     node: str
     title: str
     ports: tuple[str, ...]
@@ -287,7 +285,6 @@ class PortChoice(NodeChoice):
         return self.value
 
     def choose(self, port: str | None) -> None:
-        """Show a port as chosen, without a signal."""
         self.show_value(port or "")
 
     def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:

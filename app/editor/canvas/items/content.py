@@ -321,8 +321,6 @@ _LETTERS = 21  # units: larger than a port's name, which nobody reads in the ove
 
 
 class End(NamedTuple):
-    """An input or output of the macro as it is drawn: its plate, and the wires at it."""
-
     name: str
     side: Side
     plate: QRectF

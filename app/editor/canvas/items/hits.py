@@ -156,7 +156,6 @@ class Marks:
 
     @property
     def link(self) -> Link | None:
-        """The selected wire's link, while it is there."""
         return self._link if self._link in self._content.wires else None
 
     @property

@@ -316,8 +316,6 @@ def _head(width: float, height: float) -> QPainterPath:
 
 @dataclass(frozen=True)
 class Fitted:
-    """A title broken into lines, with the font that fits it into its room."""
-
     lines: tuple[str, ...]
     font: QFont
     pitch: float

@@ -61,8 +61,6 @@ from core.network.linked_values import LinkError
 
 @dataclass(frozen=True)
 class FieldLink:
-    """The expression that a parameter follows, its value, or why it has none."""
-
     text: str
     value: Any
     problem: str = ""
@@ -123,7 +121,7 @@ class Field(QWidget):
         raise NotImplementedError
 
     def show_value(self, value: Any) -> None:
-        """Show an allowed value, without a signal; every kind of field its own way."""
+        """Without a signal; every kind of field its own way."""
         raise NotImplementedError
 
     def show_unfit(self, text: str) -> None:
@@ -144,7 +142,6 @@ class Field(QWidget):
         return QFontMetrics(font).horizontalAdvance(self.label.text()) + 2
 
     def named(self, widget: QWidget, what: str = "", name: str = "") -> None:
-        """Give a widget names that tests and screen readers find."""
         widget.setObjectName(f"{name or 'value'}.{self.parameter.name}")
         unit = f" in {self.parameter.param.unit}" if self.parameter.param.unit else ""
         widget.setAccessibleName(f"{self.title}{unit}{what}")
@@ -209,7 +206,6 @@ class Field(QWidget):
         self._settle()
 
     def discard_typing(self) -> None:
-        """Forget what was typed and not taken yet."""
         discard_typing(self)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
@@ -410,7 +406,6 @@ class DragLabel(QLabel):
             self.dragged.emit(way / PIXELS_A_STEP * _rate(event.modifiers()))
 
     def let_go(self) -> None:
-        """Follow the mouse no further, though its button is down."""
         self._last = None
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:

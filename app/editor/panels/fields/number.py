@@ -291,7 +291,6 @@ class Slider(QSlider):
         return bool(super().event(event))
 
     def let_go(self) -> None:
-        """Follow the mouse no further, though its button is down."""
         self._let_go = self.isSliderDown()
         self.setSliderDown(False)
 
@@ -363,7 +362,6 @@ class Scale:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether equal ways on it are equal factors."""
         return self.low > 0 and self.high / self.low >= LOGARITHMIC_FROM
 
     @property

@@ -139,11 +139,9 @@ class ImageViewer(Viewer):
         return last.other if alike else None
 
     def forget_kept(self) -> None:
-        """Hold nothing of an earlier state any more."""
         self._compared = None
 
     def link_to(self, other: ImageViewer, on: bool = True) -> None:
-        """Show the same part of the picture as another viewer does, and the other way round."""
         self.links.link(other.links, on)
 
     def fit(self) -> None:
@@ -413,7 +411,6 @@ class ImageViewer(Viewer):
 
 
 def neighbours(viewer: ImageViewer) -> list[ImageViewer]:
-    """The other viewers of pictures of the window, floating ones too."""
     top: QWidget = viewer
     while (above := top.parentWidget()) is not None:
         top = above
@@ -558,7 +555,6 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
 
 
 def shown_png(picture: Picture, table: Table, split: float = 0.5) -> bytes:
-    """Encode what is shown, in its colours and levels, both sides of a wipe."""
     levels = np.ascontiguousarray(_wiped(picture, split, table))
     rows, columns = levels.shape[:2]
     formats = QImage.Format

@@ -74,8 +74,6 @@ MODES = {"alone": "&Alone", "wipe": "&Wipe", "difference": "&Difference"}
 
 
 class Radio(QObject):
-    """Actions of a menu of which one is chosen."""
-
     chosen = Signal(str)  # name: the person has chosen another
 
     def __init__(self, menu: QMenu, texts: Mapping[str, str]) -> None:
@@ -95,8 +93,6 @@ class Radio(QObject):
 
 
 class DisplayMenu(QObject):
-    """How the picture is drawn: mapping, levels, colours, histogram, line, spectra of its bands."""
-
     def __init__(self, menu: QMenu) -> None:
         super().__init__(menu)
         menu.addSection("Samples")
@@ -120,8 +116,6 @@ class DisplayMenu(QObject):
 
 
 class CompareMenu(QObject):
-    """What the picture is compared with, and how; which viewers it moves with."""
-
     other_chosen = Signal(str)  # port: the other wire
     linked = Signal(int, bool)  # number, on: whether to move with the viewer of that number
 
@@ -370,7 +364,6 @@ class WavelengthSpin(QSpinBox):
         return int(np.argmin(np.abs(np.array(self._centres) - wavelength)))
 
     def validate(self, text: str, position: int) -> object:
-        """Whether it is a number, with its unit or without."""
         state = QValidator.State
         return (state.Intermediate if _number(text) is None else state.Acceptable, text, position)
 

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QGraphicsView, QLabel, QWidget
 from app.editor.theme import RAISED, Theme, theme_of
 from app.editor.viewers.picture.picture_bar import LevelsBar
 from app.editor.viewers.picture.plots_below import ProfileLine, Spectra
-from app.editor.viewers.picture.region_overlay import RegionOverlay
+from app.editor.viewers.picture.region_overlay import ARROWS, RegionOverlay
 from app.editor.viewers.pixels.grey_levels import Table, colour_table
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import EndingAxis, bare, paint_axes
@@ -24,12 +24,6 @@ from app.editor.widgets import labelled
 Zoom = tuple[float, ...]
 Sides = Literal["first left", "second left", "second alone"]
 """Which of two pictures lies on which side of the wipe, or covers all."""
-_STEPS = {
-    Qt.Key.Key_Left: (-1, 0),
-    Qt.Key.Key_Right: (1, 0),
-    Qt.Key.Key_Up: (0, -1),
-    Qt.Key.Key_Down: (0, 1),
-}
 _FAINT = 0.35
 _WIPE_STEP = 0.01  # of the width, for a key
 
@@ -224,7 +218,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         With Ctrl the arrows move the wipe; Page Up and Page Down show the next band.
         """
         key = Qt.Key(event.key())
-        step = _STEPS.get(key)
+        step = ARROWS.get(key)
         far = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
         if step is not None and event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             if self.wipe.isVisible():
@@ -343,8 +337,6 @@ _LETTERS_A_PIXEL, _LARGEST_NUMBER_PX = 5.0, 15.0
 
 
 class PictureItem(pg.ImageItem):  # type: ignore[misc]
-    """Shows a picture between two shares of its width: 0 and 1, all of it."""
-
     def __init__(self) -> None:
         super().__init__(axisOrder="row-major")
         self._part = (0.0, 1.0)

@@ -41,7 +41,6 @@ class PlotBelow(QObject):
 
     @property
     def plot(self) -> pg.PlotItem:
-        """The plot, made now if there is none."""
         if self._plot is None:
             self._plot = pg.PlotItem(enableMenu=False)
             bare(self._plot)
@@ -86,8 +85,6 @@ _ACROSS: Ends = (0.1, 0.5, 0.9, 0.5)
 
 
 class ProfileLine(PlotBelow):
-    """The line in the picture's plot, and the plot of what lies along it."""
-
     _row = 1
 
     def __init__(

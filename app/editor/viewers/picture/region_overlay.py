@@ -24,7 +24,7 @@ Grip = tuple[int, int]
 """What of a rectangle is dragged: −1 its first edge, 1 its last, across and along; 0, 0 all."""
 ALL: Grip = (0, 0)
 _LAST: Grip = (1, 1)
-_ARROWS = {
+ARROWS = {
     Qt.Key.Key_Left: (-1, 0),
     Qt.Key.Key_Right: (1, 0),
     Qt.Key.Key_Up: (0, -1),
@@ -209,7 +209,7 @@ class RegionOverlay(QGraphicsObject):
         if key == Qt.Key.Key_R and not modifiers:
             self.draw_wanted.emit()
             return True
-        step = _ARROWS.get(Qt.Key(key))
+        step = ARROWS.get(Qt.Key(key))
         if step is None or not self.held or self.region is None:
             return False
         if self._key is None:
@@ -285,7 +285,6 @@ class RegionOverlay(QGraphicsObject):
                 painter.fillRect(self._around(place, _SHARP - 2), Qt.GlobalColor.white)
 
     def hoverMoveEvent(self, event: QGraphicsSceneHoverEvent) -> None:
-        """Show by the cursor what would be held."""
         grip = self._grip_at(event.pos())
         if self.armed:
             self.setCursor(Qt.CursorShape.CrossCursor)

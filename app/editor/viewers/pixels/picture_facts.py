@@ -81,7 +81,6 @@ def identity(value: Any) -> Hashable:
 
 
 def check_is_picture(value: Any, port: str) -> None:
-    """Refuse what has no samples in a plane."""
     kind = getattr(value, "port_type", None)
     if kind not in PICTURE_TYPES:
         shown = ", ".join(PICTURE_TYPES[:-1])

@@ -87,7 +87,6 @@ class Picture:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether levels and spread are of logarithms."""
         is_spectrum = isinstance(self.value, Image) and self.mapping == "spectrum"
         return self.mapping == "log" or is_spectrum
 
@@ -405,8 +404,6 @@ def inner_range(work: Work, samples: Array, whole: Spread) -> Range:
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """Samples that become one colour, or all the greys."""
-
     shown: NDArray[Any]  # shape (rows, columns): the samples as the probe shows them
     mapped: NDArray[Any]  # the same, or their logarithms
     spread: Spread  # extremes and histogram of the mapped ones

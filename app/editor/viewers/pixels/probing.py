@@ -44,7 +44,6 @@ def probe(picture: Picture, row: int, column: int) -> Probe | None:
 
 
 def index_at(facts: Facts, x: float, y: float) -> tuple[int, int]:
-    """Row and column of the sample nearest to a place on the axes."""
     return round(facts.along.index(y)), round(facts.across.index(x))
 
 
@@ -68,7 +67,6 @@ def place_text(picture: Picture, sample: Probe) -> str:
 
 
 def value_text(picture: Picture, sample: Probe, *, difference: bool = False) -> str:
-    """For people: what a sample is, and how warm it seems."""
     values = "  ".join(
         f"{name} {value:.5g}" for name, value in zip("RGB", sample.colours, strict=False)
     )
@@ -87,7 +85,6 @@ def probe_text(picture: Picture, sample: Probe, *, difference: bool = False) -> 
 
 
 def facts_text(picture: Picture, choices: Choices, kept: str = "", way: str = "") -> str:
-    """Size, quantity and unit, and what it is compared with: another wire, or what was kept."""
     facts = picture.facts
     parts = [f"{facts.columns} × {facts.rows}", facts.title]
     if picture.logarithmic:

@@ -179,8 +179,6 @@ class Figures:
 
 @dataclass(frozen=True)
 class FiguresQuery(Query):
-    """Figures of the electronics that lead to the final picture."""
-
     urgency: ClassVar[int] = 1
 
     preferred: str | None = None  # the node to show if there are several; else it is the last one

@@ -331,8 +331,6 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
 
 class PlotMark:
-    """An upright dashed line through panels, the uppermost first."""
-
     def __init__(self, plots: Sequence[pg.PlotItem], theme: Theme, font: QFont) -> None:
         self._lines: list[pg.InfiniteLine] = []
         for plot in plots:

@@ -132,7 +132,6 @@ def have_plot_menu(
 
 
 def plot_menu(widget: QWidget, report: Report, numbers: Numbers | None) -> Menu:
-    """Copy what a widget shows or save it, and its numbers if it has some."""
     menu = labelled(Menu(widget), "plot_menu")
     menu.aboutToHide.connect(menu.deleteLater)
     clipboard = QGuiApplication.clipboard()

@@ -88,7 +88,6 @@ class EndingAxis(pg.AxisItem):  # type: ignore[misc]
 
 
 def bare(plot: pg.PlotItem) -> None:
-    """Take away menus, buttons and powers of ten before the units."""
     plot.setMenuEnabled(False)
     plot.hideButtons()
     for name in ("left", "bottom"):
@@ -108,7 +107,6 @@ def paint_axis(axis: pg.AxisItem, theme: Theme) -> None:
 
 
 def thick(colour: str | QColor, width: int, style: Qt.PenStyle = Qt.PenStyle.SolidLine) -> QPen:
-    """A pen of that width on the screen, whatever the plot's scale."""
     pen: QPen = pg.mkPen(colour, width=width, style=style)
     return pen
 

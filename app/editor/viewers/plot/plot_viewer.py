@@ -443,8 +443,6 @@ PARTS = {"mtf": "MTF", "ptf": "PTF", "both": "MTF, PTF"}
 
 
 class PlotBar(QWidget):
-    """What is plotted; of the chain along which line and which part, of a node which output."""
-
     angle_chosen = Signal(float)  # degrees: another direction of the line
     parts_chosen = Signal(str)  # name: "mtf", "ptf" or "both"
     log_chosen = Signal(bool)  # on: whether the ordinate is logarithmic
@@ -508,8 +506,6 @@ class PlotBar(QWidget):
 
 
 class OutputButtons(QWidget):
-    """One button for each output of the node that is shown; none where it has but one."""
-
     chosen = Signal(str)  # port: the person has chosen one, ``NODE.PORT``
 
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
