@@ -9,8 +9,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
-from app.editor.declared_text import error_text
-from app.editor.number_text import FreeNumbers
+from app.editor.declared_text import FreeNumbers, error_text
 from app.run.write_rules import read_record, remember_chosen
 from core.editing.document import Document
 from core.editing.macros import addressed, at_level

@@ -3,7 +3,7 @@
 from PySide6.QtCore import QPointF
 
 from app.editor.canvas.items.canvas_style import HEAD, NARROWEST
-from app.editor.canvas.items.hits import hit
+from app.editor.canvas.items.content import hit
 
 
 def place_of_node(canvas, name):

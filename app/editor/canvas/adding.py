@@ -12,7 +12,7 @@ from PySide6.QtGui import QDropEvent
 
 from app.editor.canvas.gestures import Surface, whole
 from app.editor.canvas.items.canvas_style import face_of, geometry_of
-from app.editor.canvas.items.hits import wires_near
+from app.editor.canvas.items.content import wires_near
 from app.editor.canvas.items.node_item import NodePort
 from app.editor.canvas.items.wires import WireItem
 from app.editor.canvas.overlays import Choice, ChoicePopup

@@ -15,8 +15,7 @@ from app.editor.canvas.adding import Adding, Dropping
 from app.editor.canvas.canvas_view import GraphView, Handler, Minimap
 from app.editor.canvas.gestures import Surface
 from app.editor.canvas.items.canvas_style import COLOUR, TINTS, CanvasStyle
-from app.editor.canvas.items.content import Content
-from app.editor.canvas.items.hits import Hit, Marks, node_at
+from app.editor.canvas.items.content import Content, Hit, Marks, node_at
 from app.editor.canvas.items.node_item import BackdropItem
 from app.editor.canvas.mouse import Dots, Mouse, backdrop_at, moved_together
 from app.editor.canvas.node_thumbnails import NodeThumbnails

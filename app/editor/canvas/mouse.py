@@ -10,7 +10,14 @@ from PySide6.QtGui import QMouseEvent
 
 from app.editor.canvas.adding import insertion_at, with_way_made
 from app.editor.canvas.gestures import Cut, Gesture, Pan, RubberBand, Surface, whole
-from app.editor.canvas.items.hits import Hit, Marks, node_at, place_on_wire, port_near, wires_near
+from app.editor.canvas.items.content import (
+    Hit,
+    Marks,
+    node_at,
+    place_on_wire,
+    port_near,
+    wires_near,
+)
 from app.editor.canvas.items.node_item import SMALLEST, BackdropItem, NodePort
 from app.editor.canvas.items.wires import WireItem
 from core.editing.backdrops import Backdrop, change, nodes_on

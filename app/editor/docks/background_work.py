@@ -14,10 +14,9 @@ from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, Signal
 from PySide6.QtGui import QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QWidget
 
-from app.editor.declared_text import error_text
+from app.editor.declared_text import FreeNumber, error_text
 from app.editor.evaluation.badges import as_error
 from app.editor.gestures import accept_copy, local_files
-from app.editor.number_text import FreeNumber
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import labelled

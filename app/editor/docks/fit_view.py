@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.declared_text import about, label_of, tip
+from app.editor.declared_text import FreeNumber, about, label_of, shown_number, tip, typed_number
 from app.editor.dialogs import choose_pictures
 from app.editor.docks.background_work import (
     Check,
@@ -37,7 +37,6 @@ from app.editor.docks.background_work import (
     pictures_text,
 )
 from app.editor.notices import NoticeList, sentence
-from app.editor.number_text import FreeNumber, shown_number, typed_number
 from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.session import Session
 from app.editor.theme import CHANGED

@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
     QWidgetAction,
 )
 
-from app.editor.declared_text import label_of
+from app.editor.declared_text import label_of, shown_figure, shown_number
 from app.editor.docks.tradeoff_plots import (
     LEAST_COUNT,
     MOST_COUNT,
@@ -36,7 +36,6 @@ from app.editor.docks.tradeoff_plots import (
     usual_span,
 )
 from app.editor.evaluation.queries import Answer, Passing, Query
-from app.editor.number_text import shown_figure, shown_number
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Session, renamed_node
 from app.editor.viewers.plot.plot_export import have_plot_menu, save_plot

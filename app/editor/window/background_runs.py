@@ -22,12 +22,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.declared_text import label_of
+from app.editor.declared_text import label_of, shown_number, typed_number
 from app.editor.dialogs import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
 from app.editor.docks.run_queue import RunQueue, job_of, proposed_folder
 from app.editor.docks.runs_view import ReportStatus, RunsView, failures_text
 from app.editor.docks.tradeoff_plots import ParameterChoice, Varied, usual_span
-from app.editor.number_text import shown_number, typed_number
 from app.editor.session import Session
 from app.editor.theme import ERROR
 from app.editor.widgets import Check, filled, labelled, tool_button

@@ -27,9 +27,16 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.declared_text import about, choice_text, label_of, shown_value, tip
+from app.editor.declared_text import (
+    about,
+    choice_text,
+    label_of,
+    numbers_of,
+    shown_numbers,
+    shown_value,
+    tip,
+)
 from app.editor.gestures import AfterRelease
-from app.editor.number_text import numbers_of, shown_numbers
 from app.editor.panels.fields.field_menu import (
     add_fit_action,
     add_macro_actions,

@@ -9,9 +9,8 @@ from typing import Any
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QMenu, QWidget, QWidgetAction
 
-from app.editor.declared_text import choice_text, shown_value
+from app.editor.declared_text import FreeNumber, choice_text, shown_number, shown_value
 from app.editor.gestures import without_argument
-from app.editor.number_text import FreeNumber, shown_number
 from app.editor.session import Session
 from app.editor.widgets import filled
 from core.editing.clipboard import VALUES_FORMAT, read_values

@@ -13,9 +13,15 @@ from PySide6.QtCore import QEvent, QSignalBlocker, QStringListModel, Qt, QTimer,
 from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QCompleter, QMenu, QSlider, QWidget
 
-from app.editor.declared_text import about, placeholder_of, shown_value, tip
+from app.editor.declared_text import (
+    about,
+    placeholder_of,
+    shown_number,
+    shown_value,
+    tip,
+    typed_number,
+)
 from app.editor.gestures import EscapeInDrag
-from app.editor.number_text import shown_number, typed_number
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.type_in import WHEEL_REST_MS

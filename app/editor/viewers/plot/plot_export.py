@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.dialogs import SaveDialog, show_beside
 from app.editor.panels.fields.field_menu import offer
-from app.editor.viewers.plot.curves_query import TransferCurves
+from app.editor.viewers.plot.plotted_lines import TransferCurves
 from app.editor.widgets import Menu, labelled
 from core.atomic import write_bytes, write_text
 from core.chain.results import CurveData, TableData

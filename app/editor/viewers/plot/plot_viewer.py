@@ -26,19 +26,20 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.declared_text import label_of
+from app.editor.declared_text import label_of, shown_figure
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
-from app.editor.number_text import shown_figure
 from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.session import Session
-from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery, TransferCurves
 from app.editor.viewers.plot.plot_canvas import BarChart, PlotCanvas
 from app.editor.viewers.plot.plot_export import Data, csv_text, plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import CurveList
 from app.editor.viewers.plot.plotted_lines import (
+    CurvesQuery,
     Drawing,
     Parts,
+    PortDataQuery,
+    TransferCurves,
     curve_drawing,
     transfer_drawing,
     with_kept,

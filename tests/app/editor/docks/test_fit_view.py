@@ -11,8 +11,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
 
+from app.editor.declared_text import FreeNumber
 from app.editor.docks.background_work import picture_of
-from app.editor.number_text import FreeNumber
 from core.editing.operations import Rename, set_parameter
 from edge_truth import blur_network, gaussian_edge
 from window_hands import WindowHands

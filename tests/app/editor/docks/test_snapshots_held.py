@@ -18,7 +18,7 @@ from app.editor.docks.snapshots import (
 from app.editor.viewers.pixels.grey_levels import spread_of
 from app.editor.viewers.pixels.picture_facts import Axis, Facts
 from app.editor.viewers.pixels.picture_query import KeptPicture
-from app.editor.viewers.plot.curves_query import CurvesQuery
+from app.editor.viewers.plot.plotted_lines import CurvesQuery
 from core.network.network import Network
 
 FACTS = Facts("picture", 8, 8, "radiance", "W/m²/sr", Axis(0, 1, "column"), Axis(0, 1, "row"))

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from app.editor.number_text import number_of, numbers_of, shown_figure, shown_number
+from app.editor.declared_text import number_of, numbers_of, shown_figure, shown_number
 from app.editor.panels.fields.number import Scale, scale_of
 from core.errors import ParameterError
 from core.modules.declaration import declaration

@@ -11,7 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
 from app.editor.evaluation.evaluator import OLD_AFTER_MS
-from app.editor.panels.readouts import ReadoutsQuery
+from app.editor.panels.module_body import ReadoutsQuery
 from app.editor.theme import DARK
 from app.run.write_rules import read_record
 from core.chain.engine import Engine

@@ -3,7 +3,7 @@
 import html
 
 from app.editor.evaluation.queries import Answer, Passing
-from app.editor.panels.readouts import NONE, ReadoutsView
+from app.editor.panels.module_body import NONE, ReadoutsView
 from core.errors import DataError
 from core.modules.declaration import declaration
 from focal_plane_bench import CAMERA_SHEET, focal_plane_bench

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from app.editor.evaluation.queries import Passing
-from app.editor.viewers.plot.curves_query import (
+from app.editor.viewers.plot.plot_export import csv_text
+from app.editor.viewers.plot.plotted_lines import (
     CurvesQuery,
     PortDataQuery,
     TransferCurve,
     TransferCurves,
+    transfer_drawing,
 )
-from app.editor.viewers.plot.plot_export import csv_text
-from app.editor.viewers.plot.plotted_lines import transfer_drawing
 from app.run.output import sound_part
 from app.run.responses import responses, responses_along
 from app.run.transfer_chain import find_chain

@@ -13,8 +13,8 @@ from PySide6.QtSvg import QSvgRenderer
 
 from app.editor.evaluation.queries import Passing
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.curves_query import CurvesQuery
 from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.editor.viewers.plot.plotted_lines import CurvesQuery
 from core.chain.results import CurveData
 from core.editing.operations import Add, Placed, Remove, Rename, set_parameter
 from core.errors import ImagechainError

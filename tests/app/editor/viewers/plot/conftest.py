@@ -4,8 +4,8 @@ import pytest
 
 from app.editor.evaluation.queries import Answer
 from app.editor.theme import DARK
-from app.editor.viewers.plot.curves_query import PortDataQuery
 from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.editor.viewers.plot.plotted_lines import PortDataQuery
 
 PORT = "a.curve"
 

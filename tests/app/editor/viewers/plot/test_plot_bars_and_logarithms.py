@@ -11,9 +11,8 @@ from PySide6.QtGui import QColor
 
 from app.editor.evaluation.queries import Answer
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.curves_query import PortDataQuery
 from app.editor.viewers.plot.plot_export import csv_text
-from app.editor.viewers.plot.plotted_lines import curve_drawing, y_range
+from app.editor.viewers.plot.plotted_lines import PortDataQuery, curve_drawing, y_range
 from core.chain.results import CurveData, Series
 
 PORT = "a.curve"

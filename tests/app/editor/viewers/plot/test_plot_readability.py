@@ -7,8 +7,8 @@ from PySide6.QtGui import QColor
 
 from app.editor.evaluation.queries import Answer
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.curves_query import PortDataQuery
 from app.editor.viewers.plot.plot_looks import PlotAxis
+from app.editor.viewers.plot.plotted_lines import PortDataQuery
 from core.chain.results import CurveData, Series
 
 PORT = "a.curve"
