@@ -184,10 +184,7 @@ _BEHIND = "stopped: shows the earlier result; Ctrl+Enter computes it again"
 
 
 class StatusBar(QWidget):
-    """Shows notes for a while, errors until the next message, or until they no longer hold.
-
-    A warning stays below both until it is closed, or another network is open.
-    """
+    """Shows notes for a while, errors until they no longer hold, warnings until closed."""
 
     cancel_wanted = Signal()  # stop the computation
 

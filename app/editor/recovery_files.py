@@ -13,7 +13,7 @@ import secrets
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -43,15 +43,11 @@ class Autosave:
 
     def __init__(self, document: Document, folder: Path) -> None:
         self._document = document
-        self._file = folder / f"{secrets.token_hex(8)}{SUFFIX}"
+        # Its recovery file, which is there only while there is unsaved work.
+        self.path = folder / f"{secrets.token_hex(8)}{SUFFIX}"
         self._lock: FileLock | None = None
         self._written: tuple[Network, Path | None] | None = None
         self._busy = threading.Lock()
-
-    @property
-    def path(self) -> Path:
-        """Its recovery file, which is there only while there is unsaved work."""
-        return self._file
 
     def write_if_changed(self) -> bool:
         """Write the recovery file if the document has changed since; whether it did.
@@ -64,8 +60,10 @@ class Autosave:
                 self._remove()
                 return False
             state = self._document.network, self._document.path
-            if self._written is not None and self._unchanged(*state):
-                return False
+            if self._written is not None and self.path.exists():
+                network, path = self._written
+                if network is state[0] and path == state[1]:
+                    return False
             self._write(*state)
             self._written = state
             return True
@@ -73,15 +71,6 @@ class Autosave:
     def finish(self) -> None:
         with self._busy:
             self._remove()
-
-    def _unchanged(self, network: Network, path: Path | None) -> bool:
-        written = self._written
-        return (
-            written is not None
-            and written[0] is network
-            and written[1] == path
-            and self._file.exists()
-        )
 
     def _write(self, network: Network, path: Path | None) -> None:
         content = {
@@ -97,15 +86,15 @@ class Autosave:
         }
         self._prepare()
         # As ASCII: a path that is no valid Unicode can be written and comes back as it was.
-        write_text(self._file, json.dumps(content, indent=1) + "\n")
+        write_text(self.path, json.dumps(content, indent=1) + "\n")
 
     def _prepare(self) -> None:
         """Make the folder and the lock before the file: without a lock it counts as left behind."""
-        folder = self._file.parent
+        folder = self.path.parent
         try:
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             if self._lock is None:
-                self._lock = take(self._file.with_suffix(LOCK_SUFFIX))
+                self._lock = take(self.path.with_suffix(LOCK_SUFFIX))
         except OSError as error:
             reason = error.strerror or type(error).__name__
             raise FileError(f"cannot write in {folder}: {reason}") from error
@@ -114,7 +103,7 @@ class Autosave:
         # The lock is removed last: a file without one counts as left behind.
         if self._written is not None or self._lock is not None:
             with contextlib.suppress(OSError):
-                self._file.unlink(missing_ok=True)
+                self.path.unlink(missing_ok=True)
         if self._lock is not None:
             self._lock.let_go()
         self._lock = self._written = None
@@ -159,11 +148,7 @@ class Recovered:
 
 
 def recoverable(folder: Path) -> tuple[Recovered, ...]:
-    """The work that processes which are no more have left in a folder, the latest first.
-
-    A damaged file is among it, with its `problem`. Locks and half written files of such processes
-    are cleared away.
-    """
+    """What processes that are no more have left in a folder, damaged too, the latest first."""
     with contextlib.suppress(OSError):
         recovered = [
             _read(path) for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith(".")
@@ -288,7 +273,13 @@ class Autosaver(QObject):
 
     def write_now(self, following: Callable[[], None]) -> None:
         """Write at once, then call `following` in the writing thread unless that failed."""
-        self._thread.submit(self._write_then, self._autosave, following)
+        autosave = self._autosave
+
+        def write_then() -> None:
+            autosave.write_if_changed()
+            following()
+
+        self._thread.submit(write_then)
 
     def close(self) -> None:
         """The window is closed: nothing is left to recover, unless `keep` was called."""
@@ -299,11 +290,6 @@ class Autosaver(QObject):
         if not self._leave_file:
             self._thread.submit(self._autosave.finish)
         self._thread.shutdown(wait=True)
-
-    @staticmethod
-    def _write_then(autosave: Autosave, following: Callable[[], None]) -> None:
-        autosave.write_if_changed()
-        following()
 
     def _begin(self, *_: object) -> None:
         if self._session.document.modified and not self._timer.isActive():
@@ -321,11 +307,9 @@ class Autosaver(QObject):
             self._thread.submit(self._autosave.finish)
 
     def _write(self) -> None:
-        self._thread.submit(self._autosave.write_if_changed).add_done_callback(self._emit_written)
-
-    def _emit_written(self, done: Future[bool]) -> None:
-        """In the writing thread: pass the outcome to the window's."""
-        self._written.emit(done.exception())
+        writing = self._thread.submit(self._autosave.write_if_changed)
+        # Called in the writing thread; the signal arrives in the window's.
+        writing.add_done_callback(lambda done: self._written.emit(done.exception()))
 
     def _after(self, error: object) -> None:
         if isinstance(error, ImagechainError) and not self._warned:

@@ -210,11 +210,7 @@ class Adding:
 
 
 def possible_links(network: Network, library: Library, names: Collection[str]) -> dict[Link, str]:
-    """Every link that fits, and what it would replace.
-
-    Of one node to all others, of several among themselves. First those into empty inputs that need
-    one, then into other empty ones, then those that would take another link's place.
-    """
+    """Every link that fits, and what it would replace; first those into inputs that need one."""
     among = names if len(names) > 1 else network.nodes
     ours = set(names)
     possible = [

@@ -84,10 +84,7 @@ class Handler:
 
 
 class GraphView(NodeViewer):
-    """Shows a part of the scene. `handler` decides what the mouse and the keys do.
-
-    Of its base nothing acts by itself: neither menus nor search, nor its ways with wires.
-    """
+    """Shows a part of the scene; `handler` has mouse and keys, nothing of its base acts itself."""
 
     looked_elsewhere = Signal()  # it shows another part of the scene, or at another zoom
     handler: Handler

@@ -243,10 +243,7 @@ def link_between(one: NodePort, other: NodePort) -> Link:
 
 
 class DragNodes(Gesture):
-    """Move nodes, and a backdrop with what stands on it. One node on a wire is put into it.
-
-    `grabbed` is the node under the pointer; a mere click selects it alone.
-    """
+    """Move nodes, or a backdrop with its nodes; a click selects the node `grabbed` alone."""
 
     def __init__(
         self,

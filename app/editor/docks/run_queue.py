@@ -180,10 +180,7 @@ _PREFIX = "imagechain: "
 
 
 class RunProcess(QObject):
-    """Starts the process of a job, and stops it.
-
-    The process stops by itself when its input ends, which it does whatever becomes of this one.
-    """
+    """Starts the process of a job, and stops it; it stops by itself when its input ends."""
 
     stepped = Signal(object)  # (step): how far it is
     # (end, text, result): it is "done" with a `Result`, "failed" with a line on why, or

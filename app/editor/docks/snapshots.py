@@ -391,11 +391,7 @@ def drop_pictures(
     chosen: Snapshot | None,
     shown: Collection[str] = (),
 ) -> list[str]:
-    """Drop pictures until the rest takes no more than so many bytes; the names of what lost some.
-
-    The oldest lose theirs first; the one that is compared with comes last, and keeps those of the
-    ports that are `shown`.
-    """
+    """Drop pictures, the oldest first and those `shown` last, until the rest fits; of whom."""
     dropped = []
     for state in sorted(states, key=lambda state: state is chosen):
         if held_bytes(states) <= capacity_bytes:

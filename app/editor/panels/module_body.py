@@ -269,10 +269,7 @@ class SectionsView(QWidget):
     def follow(
         self, node: Node, values: Mapping[str, Any], faults: Mapping[str, LinkError]
     ) -> None:
-        """Show a node as the document has it; fields whose value is as before are left alone.
-
-        `values` are what its expressions come to, `faults` why they have no value, by parameter.
-        """
+        """Show a node where it differs; `values` and `faults` are of its expressions."""
         before, self._node = self._node, node
         for field in self.fields:
             name = field.parameter.name
@@ -455,11 +452,7 @@ class ReadoutValue(QLineEdit):
 
 
 class ReadoutsView(Viewer):
-    """One row for each read-out; queries them while it is visible.
-
-    Values that are of the network before the last edit are drawn faint, and the title says so:
-    where a preview of the pictures came first, and where the node is held back.
-    """
+    """One row for each read-out, faint where it is of the network before the last edit."""
 
     _is_held_back = False
     _freshness: Freshness | None = None

@@ -350,11 +350,7 @@ def _many(things: object, word: str) -> str:
 
 
 class NodePanel(QFrame):
-    """Head and body of a node's panel. It shows the document and holds no part of it.
-
-    For another node there is another panel. Without a folder where named sets of parameters are
-    kept, none are offered.
-    """
+    """Head and body of a node's panel, which holds no part of the document itself."""
 
     def __init__(
         self,

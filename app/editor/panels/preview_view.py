@@ -57,11 +57,7 @@ _CENTRED = int(Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap)
 
 @dataclass(frozen=True)
 class PreviewQuery(Query):
-    """The preview that a node's module declares; None of a disabled node.
-
-    One that is not connected yet, or waits for another node, is asked too: its module knows what it
-    can show.
-    """
+    """The preview that a node's module declares, connected or not; None of a disabled node."""
 
     urgency: ClassVar[int] = 1
 
@@ -106,11 +102,7 @@ def preview_query(module: type[Module], node: str) -> Query | None:
 
 
 class PreviewView(Viewer):
-    """Draws the preview of a node; it holds no part of the document.
-
-    Without an evaluator nothing is shown. Another document may have another module under the same
-    name before the panel is closed: of that one nothing is asked.
-    """
+    """Draws the preview of a node; without an evaluator, nothing."""
 
     def __init__(
         self,
@@ -195,10 +187,7 @@ class PreviewView(Viewer):
 
 
 def paint_preview(painter: QPainter, area: QRectF, preview: Preview, theme: Theme) -> None:
-    """Parts below one another; charts share the room that is left.
-
-    Where it is low, the parts stand closer, and are drawn smaller if that is not enough.
-    """
+    """Parts below one another, closer and then smaller where it is low; charts share the rest."""
     metrics = QFontMetricsF(painter.font())
     line = metrics.height()
     if area.height() < line:  # what is wrong has its place

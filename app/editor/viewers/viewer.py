@@ -198,11 +198,7 @@ VALUE = Qt.ItemDataRole.UserRole
 
 
 class NodeChoice(QComboBox):
-    """Entries under the names of their nodes; the first one, `nothing`, stands for none.
-
-    Subclasses give their entries in `groups` and say in `take` what a choice does. They call
-    `fill` once they are made.
-    """
+    """Entries under the names of nodes, `nothing` first; call `fill` once it is made."""
 
     def __init__(self, session: Session, nothing: str, parent: QWidget | None) -> None:
         super().__init__(parent)

@@ -169,11 +169,7 @@ _USUAL_COUNT, _USUAL_FRAMES = 5, 16
 
 
 class AddRun(QDialog):
-    """What is to be run, over what, and where to; what does not fit is said beside its field.
-
-    The document is taken as it stands when the run is added. `taken` gives the folders that other
-    runs are to write in.
-    """
+    """What to run, over what, and where to; a fault is said beside its field."""
 
     about_to_add = Signal()  # what is being typed elsewhere is to be taken now
     added = Signal(str, object)  # (title, job): the person has added a run

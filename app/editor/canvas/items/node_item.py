@@ -44,11 +44,7 @@ _TALLER = 34.0  # the title of a small node may be, above its frame
 
 
 class NodePort(QGraphicsItem):
-    """Where wires end; drawn by its node, which saves a call for each port.
-
-    Its point is its centre. `fits`: whether a wire that is being drawn may end here; None while
-    there is none.
-    """
+    """Where wires end, drawn by its node; `fits`: a wire that is being drawn may end here."""
 
     def __init__(self, port: Port, side: Side, parent: NodeItem) -> None:
         super().__init__(parent)

@@ -298,10 +298,7 @@ def _cells(box: Box) -> Iterable[tuple[int, int]]:
 
 
 class Course(NamedTuple):
-    """The height at which a wire gets past nodes, None for straight, and what that depends on.
-
-    A node that comes or goes outside of `reach` does not change the lane.
-    """
+    """A height past nodes, None for straight; what comes or goes outside of `reach` leaves it."""
 
     lane: float | None
     reach: Box

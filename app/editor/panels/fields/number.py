@@ -42,11 +42,7 @@ _HOW_TO_TYPE = (
 
 
 class NumberField(TypedField):
-    """A number, whole or not; the slider moves it but never rounds what was typed.
-
-    Where it follows other parameters the line has the expression and the slider's room, and the
-    value stands behind it.
-    """
+    """A number, with a slider that rounds nothing typed; a linked one has its expression there."""
 
     lines_up = True
 

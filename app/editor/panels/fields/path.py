@@ -55,11 +55,7 @@ class PathLine(TypeIn):
 
 
 def elided_path(path: str, metrics: QFontMetrics, width: int) -> str:
-    """A path that fits the width: the middle of its folder is left out first.
-
-    Only where the file's name alone is too wide is that cut, too, in its middle: its beginning and
-    suffix stay.
-    """
+    """A path that fits the width: without the middle of its folder, and only then of its name."""
     if metrics.horizontalAdvance(path) <= width:
         return path
     folder, slash, name = path.rpartition("/")

@@ -59,11 +59,7 @@ class KeptSide:
 
 
 class ImageViewer(Viewer):
-    """Shows one wire, or two compared, or one as it is beside what was kept of it.
-
-    Viewers of the window are numbered. `window_actions` are actions of the window that its menu
-    offers, too.
-    """
+    """Shows one wire, or two compared, or one as it is beside what was kept of it."""
 
     def __init__(
         self,

@@ -414,11 +414,7 @@ _FILLED = 0.8  # of the axis, by the histogram: else the axis is fitted anew
 
 
 class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
-    """Shows a histogram made elsewhere: it is tied to no picture, and computes nothing.
-
-    The length of its bars is the logarithm of the count, so that rare samples are seen beside a
-    uniform background.
-    """
+    """Shows a histogram made elsewhere, as logarithms: so rare samples are seen, too."""
 
     dragged = Signal(float, float)  # low, high: the person drags the levels
     released = Signal()  # the person has let them go

@@ -213,10 +213,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             super().contextMenuEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Move the probe by the arrows; zoom by plus, minus, 0 or F (all) and 1 (dot by dot).
-
-        With Ctrl the arrows move the wipe; Page Up and Page Down show the next band.
-        """
+        """Arrows move the probe, with Ctrl the wipe; +, -, 0, F, 1 zoom; Page: bands."""
         key = Qt.Key(event.key())
         step = ARROWS.get(key)
         far = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1

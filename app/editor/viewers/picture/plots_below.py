@@ -204,11 +204,7 @@ PAUSE_MS = 30
 
 
 class Spectra(PlotBelow):
-    """Curves over wavelength, and a line at every band that is shown alone or as a colour.
-
-    Its place and its axes stay as they are while the cursor moves: the ordinate only grows. Nothing
-    of it is there for a picture without bands.
-    """
+    """Curves over wavelength, with a line at every band that is shown alone or as a colour."""
 
     # line, wavelength: the person drags a line: 0, or 0 to 2 for red, green and blue
     dragged = Signal(int, float)
@@ -249,10 +245,7 @@ class Spectra(PlotBelow):
         self._show_where_it_fits()
 
     def show_picture(self, picture: Picture | None, port: str | None, choice: BandChoice) -> None:
-        """Have the bands of a picture, with lines at those that are shown alone.
-
-        At the same wavelengths the curves stay until there are newer ones: an edit does not blink.
-        """
+        """Have the bands of a picture; at the same wavelengths curves stay until newer."""
         bands = bands_of(picture.value) if picture is not None else None
         self._bands, self._port = bands, port or ""
         if bands is not None and picture is not None:

@@ -24,11 +24,7 @@ PARAMETERS = ("region_x", "region_y", "region_width", "region_height")
 
 
 class RegionTool(QObject):
-    """Shows the region of a node on the picture it is of.
-
-    It is that of the node selected last, or of one whose panel is pinned, on its input or on a
-    picture of the same size before it or of its own.
-    """
+    """Shows the region of the node selected last, or of a pinned one, on a picture of it."""
 
     picture_wanted = Signal(str)  # port: the viewer is to show that picture
 

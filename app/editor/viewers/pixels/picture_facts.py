@@ -199,10 +199,7 @@ Channels = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class BandChoice:
-    """What is shown of a picture with bands; of any other it means nothing.
-
-    Wavelengths, not numbers of bands: another file, or a narrower filter, has others.
-    """
+    """By wavelengths, not numbers of bands: another file, or a narrower filter, has others."""
 
     shown: BandsShown = "all"  # all bands together, one alone, or three as red, green and blue
     one_um: float | None = None  # wavelength of the one, in µm; None for the middle one

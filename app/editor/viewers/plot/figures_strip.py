@@ -26,11 +26,7 @@ OUTPUT = "output"
 
 
 class FiguresStrip(Viewer):
-    """Read-outs of the detector or electronics that lead to the final picture, and the run time.
-
-    That is how long all that is shown took after the last change. Figures from before the last
-    edit are faint.
-    """
+    """Read-outs of the sensor before the final picture, and the time since the last change."""
 
     def __init__(
         self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None

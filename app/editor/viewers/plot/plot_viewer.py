@@ -75,11 +75,7 @@ _NARROW = 75  # characters; a narrower viewer has its legend below the plot
 
 
 class PlotViewer(Viewer):
-    """Shows the chain's transfer functions, or the curves or table of one port.
-
-    It follows the selection, unless it is pinned: of a node with a transfer function the chain's
-    are shown, with the node's own drawn thick.
-    """
+    """Plots the chain, or curves or the table of a port, of the selected node unless pinned."""
 
     def __init__(
         self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
