@@ -44,6 +44,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 W = TypeVar("W", bound=QWidget)
 L = TypeVar("L", bound=QLayout)
 B = TypeVar("B", bound=QToolButton)

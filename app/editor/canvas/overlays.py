@@ -37,7 +37,7 @@ from app.editor.canvas.items.node_item import BackdropItem
 from app.editor.declared_text import tip
 from app.editor.session import Level
 from app.editor.theme import FAINT, RAISED
-from app.editor.widgets import filled, labelled
+from app.editor.widgets import RIGHT, filled, labelled
 
 _ROLE = Qt.ItemDataRole.UserRole
 _ROWS = 9
@@ -255,14 +255,13 @@ class _Row(QStyledItemDelegate):
         if detail < left.width() // 2:
             faint = palette.placeholderText().color()
             painter.setPen(text_colour.color() if chosen else faint)
-            painter.drawText(rect, _RIGHT, choice.detail)
+            painter.drawText(rect, RIGHT, choice.detail)
         painter.restore()
 
     def sizeHint(self, option: QStyleOptionViewItem, _index: Any) -> QSize:
         return QSize(0, option.fontMetrics.height() + 6)
 
 
-_RIGHT = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight
 _WINDOW_LEFT = Qt.FocusReason.ActiveWindowFocusReason
 _KEYS = (QEvent.Type.KeyPress, QEvent.Type.ShortcutOverride)
 

@@ -34,7 +34,7 @@ from PySide6.QtWidgets import (
 from app.editor.declared_text import tip
 from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.theme import FAINT, theme_of
-from app.editor.widgets import CopiedTable, labelled
+from app.editor.widgets import RIGHT, CopiedTable, labelled
 from app.measure.measurement_text import REFUSED, REMOVED, USED
 from core.modules.preview import Axis
 
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
     from core.physics.measurement.edges.edge_mtf import MtfCurve
 
 _PLACE = Qt.ItemDataRole.UserRole
-_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _SWITCH_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace, Qt.Key.Key_Space)
 _FIGURE_HEADS = ("Figure", "Value", "Unit")
 
@@ -115,7 +114,7 @@ class EdgeTable(QTreeWidget):
                 item.setForeground(column, self.palette().color(role))
                 item.setToolTip(column, tip(edge.why_not or "used"))
             for column in (0, 1):
-                item.setTextAlignment(column, _RIGHT)
+                item.setTextAlignment(column, RIGHT)
 
 
 def _cells(place: int, edge: MeasuredEdge) -> tuple[str, str, str, str]:
@@ -160,7 +159,7 @@ class FigureTable(CopiedTable):
             for column, text in enumerate(texts):
                 item = QTableWidgetItem(text)
                 if column == 1:
-                    item.setTextAlignment(_RIGHT)
+                    item.setTextAlignment(RIGHT)
                 item.setToolTip(rows[row][0])
                 self.setItem(row, column, item)
         self.resizeRowsToContents()

@@ -42,7 +42,7 @@ from app.editor.session import Session
 from app.editor.theme import CHANGED
 from app.editor.viewers.plot.plot_export import columns_text, have_plot_menu
 from app.editor.viewers.viewer import StatusLine
-from app.editor.widgets import FlowLayout, filled, labelled, toggle_button, tool_button
+from app.editor.widgets import RIGHT, FlowLayout, filled, labelled, toggle_button, tool_button
 from app.fit.fit_result import hardly_determined
 from core.editing.operations import Operation, Together, set_parameter
 from core.errors import ParameterError
@@ -453,7 +453,6 @@ class SpreadChart(ChartWidget):
 
 _HEADS = ("Parameter", "Now", "Fitted", "±", "Unit", "Low", "High")
 _FITTED, _UNIT, _LOW, _HIGH = 2, 4, 5, 6
-_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _UNDETERMINED = "not determined"
 
 
@@ -535,7 +534,7 @@ class FreeTable(QTableWidget):
             if parameter is not None:
                 item.setToolTip(tip(f"{about(parameter)}\nIn network files: {number.port}"))
         if column not in (0, _UNIT):
-            item.setTextAlignment(_RIGHT)
+            item.setTextAlignment(RIGHT)
 
     def _cells(self, number: FreeNumber, fitted: FittedNumber | None) -> tuple[str, ...]:
         parameter = self._parameter(number)

@@ -11,6 +11,7 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QP
 from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme, theme_of
+from app.editor.widgets import LEFT
 from core.modules.preview import Axis, Tick
 
 _FURTHEST = 1e4  # shares of the frame; what lies further out is cut there
@@ -214,8 +215,6 @@ def room_for_ticks(ticks: Sequence[Tick], metrics: QFontMetricsF) -> float:
     return widest + metrics.height() * 0.4
 
 
-LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
-RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _ELIDED = Qt.TextElideMode.ElideRight
 
 

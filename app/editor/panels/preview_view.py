@@ -15,13 +15,14 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from app.editor.declared_text import breakable, error_text, tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Passing, Query
-from app.editor.panels.chart import LEFT, RIGHT, Chart, ordinate_ticks, room_for_ticks
+from app.editor.panels.chart import Chart, ordinate_ticks, room_for_ticks
 from app.editor.panels.transfer_preview import TransferPreviewQuery, shrunk
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.pixels.grey_levels import grey_levels
 from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import Viewer
+from app.editor.widgets import LEFT, RIGHT
 from core.chain.engine import Plan
 from core.errors import ImagechainError, UnconnectedError
 from core.modules.declaration import Module, NodeContext, declaration

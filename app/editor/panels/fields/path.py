@@ -14,7 +14,7 @@ from app.editor.dialogs import FileDialog
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.panel_node import PanelNode
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.widgets import filled, labelled
+from app.editor.widgets import LEFT, filled, labelled
 from core.modules.parameters import Parameter
 
 # A line for a file name: its folder is cut in the middle, the file's own name is always seen.
@@ -42,7 +42,7 @@ class PathLine(TypeIn):
         style.drawPrimitive(QStyle.PrimitiveElement.PE_PanelLineEdit, option, painter, self)
         role = QPalette.ColorRole.Text
         style.drawItemText(
-            painter, self._room(), int(_LEFT), self.palette(), self.isEnabled(), text, role
+            painter, self._room(), int(LEFT), self.palette(), self.isEnabled(), text, role
         )
         painter.end()
 
@@ -64,9 +64,6 @@ def elided_path(path: str, metrics: QFontMetrics, width: int) -> str:
     if room >= metrics.horizontalAdvance(_DOTS):
         return metrics.elidedText(folder, Qt.TextElideMode.ElideMiddle, room) + end
     return metrics.elidedText(name, Qt.TextElideMode.ElideMiddle, width)
-
-
-_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 
 
 class PathField(TypedField):

@@ -30,6 +30,7 @@ from app.editor.viewers.plot.plotted_lines import (
     value_at,
     y_range,
 )
+from app.editor.widgets import LEFT, RIGHT
 
 _Range = tuple[float, float]
 _Ranges = tuple[_Range | None, tuple[_Range, ...]]
@@ -367,8 +368,6 @@ _NAMES = 0.45  # of the width, at most, for the names
 _THICK = 1.5  # lines of text that a bar is high at most
 _GAP = 6
 _ROUNDED = 2  # dots that a text may be wider than the whole number Qt returns
-_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 
 
 class BarChart(QScrollArea):
@@ -450,7 +449,7 @@ class _Bars(QWidget):
             group = QRectF(_GAP, place * group_height, before, group_height)
             painter.setPen(self.palette().text().color())
             shown = metrics.elidedText(name, Qt.TextElideMode.ElideMiddle, before)
-            painter.drawText(group, _RIGHT, shown)
+            painter.drawText(group, RIGHT, shown)
             pairs = list(zip(lines, drawn, strict=True))
             if alone:
                 pairs = sorted(pairs, key=lambda pair: _at(pair[0].y, place) == 0.0)[:1]
@@ -464,16 +463,16 @@ class _Bars(QWidget):
                 label = _text(line.y, place)
                 if end < at(zero):
                     box.setRight(bar.left() - _GAP)
-                    painter.drawText(box, _RIGHT, label)
+                    painter.drawText(box, RIGHT, label)
                 else:
                     box.setLeft(bar.right() + _GAP)
-                    painter.drawText(box, _LEFT, label)
+                    painter.drawText(box, LEFT, label)
         painter.setPen(self.palette().mid().color())
         painter.drawLine(round(at(zero)), 0, round(at(zero)), round(group_height * len(names)))
         painter.setPen(self.palette().text().color())
         foot = QRectF(0, self.height() - 1.6 * text, self.width(), 1.6 * text)
         foot.setLeft(min(left, self.width() - metrics.horizontalAdvance(panel.y_label) - _GAP))
-        painter.drawText(foot, _LEFT, panel.y_label + (", logarithmic" if panel.log else ""))
+        painter.drawText(foot, LEFT, panel.y_label + (", logarithmic" if panel.log else ""))
 
     def _lines(self) -> list[Line]:
         return [

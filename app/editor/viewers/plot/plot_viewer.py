@@ -53,6 +53,8 @@ from app.editor.viewers.viewer import (
     ports_by_node,
 )
 from app.editor.widgets import (
+    LEFT,
+    RIGHT,
     CopiedTable,
     FlowLayout,
     Toggle,
@@ -376,8 +378,6 @@ class PlotViewer(Viewer):
 # Named figures as a table.
 
 _HEADS = ("Name", "Value", "Unit", "Meaning")
-_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 
 
 class FigureTable(CopiedTable):
@@ -418,7 +418,7 @@ class FigureTable(CopiedTable):
                 item = QTableWidgetItem(text)
                 tips = {0: f"{text}: {figure.meaning}", 1: _exact(figure)}
                 item.setToolTip(tips.get(column, text))
-                item.setTextAlignment(_RIGHT if column == 1 else _LEFT)
+                item.setTextAlignment(RIGHT if column == 1 else LEFT)
                 self.setItem(row, column, item)
         self.resizeRowsToContents()
 
