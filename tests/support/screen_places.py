@@ -2,8 +2,8 @@
 
 from PySide6.QtCore import QPointF
 
-from app.editor.canvas.items.canvas_style import HEAD, NARROWEST
-from app.editor.canvas.items.content import hit
+from app.editor.canvas.canvas_style import HEAD, NARROWEST
+from app.editor.canvas.content import hit
 
 
 def place_of_node(canvas, name):

@@ -10,12 +10,12 @@ from typing import Any
 from PySide6.QtCore import QPoint, QPointF
 from PySide6.QtGui import QDropEvent
 
+from app.editor.canvas.canvas_style import face_of, geometry_of
+from app.editor.canvas.content import wires_near
 from app.editor.canvas.gestures import Surface, whole
-from app.editor.canvas.items.canvas_style import face_of, geometry_of
-from app.editor.canvas.items.content import wires_near
-from app.editor.canvas.items.node_item import NodePort
-from app.editor.canvas.items.wires import WireItem
+from app.editor.canvas.node_item import NodePort
 from app.editor.canvas.overlays import Choice, ChoicePopup
+from app.editor.canvas.wires import WireItem
 from app.editor.gestures import local_files
 from app.editor.library_view import dragged_module, found_by
 from app.run.preset_files import KEY

@@ -12,12 +12,12 @@ from PySide6.QtGui import QAction, QContextMenuEvent, QKeyEvent
 from PySide6.QtWidgets import QLabel, QMenu, QVBoxLayout, QWidget
 
 from app.editor.canvas.adding import Adding, Dropping
+from app.editor.canvas.canvas_style import COLOUR, TINTS, CanvasStyle
 from app.editor.canvas.canvas_view import GraphView, Handler, Minimap
+from app.editor.canvas.content import Content, Hit, Marks, node_at
 from app.editor.canvas.gestures import Surface
-from app.editor.canvas.items.canvas_style import COLOUR, TINTS, CanvasStyle
-from app.editor.canvas.items.content import Content, Hit, Marks, node_at
-from app.editor.canvas.items.node_item import BackdropItem
 from app.editor.canvas.mouse import Dots, Mouse, backdrop_at, moved_together
+from app.editor.canvas.node_item import BackdropItem
 from app.editor.canvas.node_thumbnails import NodeThumbnails
 from app.editor.canvas.overlays import ChoicePopup, TitleEditor
 from app.editor.evaluation.evaluator import Evaluator

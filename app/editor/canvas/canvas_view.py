@@ -39,10 +39,10 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QGraphicsView, QWidget
 
-from app.editor.canvas.items.canvas_style import CanvasStyle
-from app.editor.canvas.items.content import Content
-from app.editor.canvas.items.node_item import head_colour
-from app.editor.canvas.items.nodegraphqt import NodeViewer
+from app.editor.canvas.canvas_style import CanvasStyle
+from app.editor.canvas.content import Content
+from app.editor.canvas.node_item import head_colour
+from app.editor.canvas.nodegraphqt import NodeViewer
 from app.editor.gestures import accept_copy
 from app.editor.widgets import labelled
 

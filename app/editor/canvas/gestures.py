@@ -10,8 +10,8 @@ from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QLabel, QWidget
 
 from app.editor.canvas.canvas_view import GraphView
-from app.editor.canvas.items.content import Content, Hit, hit, wires_crossed
-from app.editor.canvas.items.wires import LiveWire
+from app.editor.canvas.content import Content, Hit, hit, wires_crossed
+from app.editor.canvas.wires import LiveWire
 from app.editor.session import Level, Session
 from core.editing.layout import Point
 from core.editing.operations import Rewire

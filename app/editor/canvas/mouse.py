@@ -9,8 +9,7 @@ from PySide6.QtCore import QPoint, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QMouseEvent
 
 from app.editor.canvas.adding import insertion_at, with_way_made
-from app.editor.canvas.gestures import Cut, Gesture, Pan, RubberBand, Surface, whole
-from app.editor.canvas.items.content import (
+from app.editor.canvas.content import (
     Hit,
     Marks,
     node_at,
@@ -18,8 +17,9 @@ from app.editor.canvas.items.content import (
     port_near,
     wires_near,
 )
-from app.editor.canvas.items.node_item import SMALLEST, BackdropItem, NodePort
-from app.editor.canvas.items.wires import WireItem
+from app.editor.canvas.gestures import Cut, Gesture, Pan, RubberBand, Surface, whole
+from app.editor.canvas.node_item import SMALLEST, BackdropItem, NodePort
+from app.editor.canvas.wires import WireItem
 from core.editing.backdrops import Backdrop, change, nodes_on
 from core.editing.links import refusal
 from core.editing.operations import Move, Operation, Rewire, Together

@@ -12,8 +12,8 @@ from PySide6.QtCore import QObject, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
-from app.editor.canvas.items.canvas_style import CanvasStyle
-from app.editor.canvas.items.content import Content
+from app.editor.canvas.canvas_style import CanvasStyle
+from app.editor.canvas.content import Content
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.panels.transfer_preview import shrunk, transfer_lines

@@ -33,7 +33,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.canvas.canvas_view import GraphView
-from app.editor.canvas.items.node_item import BackdropItem
+from app.editor.canvas.node_item import BackdropItem
 from app.editor.declared_text import tip
 from app.editor.session import Level
 from app.editor.theme import FAINT, RAISED

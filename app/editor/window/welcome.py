@@ -36,8 +36,8 @@ from PySide6.QtWidgets import (
 )
 
 import networks
-from app.editor.canvas.items.canvas_style import NARROWEST
-from app.editor.canvas.items.content import points_of
+from app.editor.canvas.canvas_style import NARROWEST
+from app.editor.canvas.content import points_of
 from app.editor.gestures import without_argument
 from app.editor.recovery_files import Recovered
 from app.editor.theme import FAINT, theme_of

@@ -27,7 +27,7 @@ def test_the_bindings_keep_no_source_of_what_is_imported_after_them():
 
 def test_the_canvas_imports_no_more_than_the_view_layer():
     code = (
-        "import app.editor.canvas.items.nodegraphqt as taken, sys\n"
+        "import app.editor.canvas.nodegraphqt as taken, sys\n"
         "names = ('distutils', 'setuptools', 'Qt', 'NodeGraphQt.base.graph')\n"
         "print(*(name for name in names if name in sys.modules))\n"
         "menu = sys.modules['NodeGraphQt.base.menu']\n"

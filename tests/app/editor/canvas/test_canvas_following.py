@@ -2,8 +2,8 @@
 
 import pytest
 
-from app.editor.canvas.items.node_item import NodeItem
-from app.editor.canvas.items.wires import WireItem
+from app.editor.canvas.node_item import NodeItem
+from app.editor.canvas.wires import WireItem
 from app.editor.evaluation.queries import Badge
 from app.editor.theme import LIGHT
 from core.editing.document import Document

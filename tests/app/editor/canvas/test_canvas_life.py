@@ -10,8 +10,8 @@ from PySide6.QtCore import QEvent, QPoint
 from PySide6.QtWidgets import QApplication
 
 from app.editor.canvas.canvas import Canvas
-from app.editor.canvas.items.canvas_style import CanvasStyle
-from app.editor.canvas.items.node_item import NodeItem
+from app.editor.canvas.canvas_style import CanvasStyle
+from app.editor.canvas.node_item import NodeItem
 from app.editor.evaluation.queries import Badge
 from app.editor.session import Session
 from app.run.shipped import shipped_networks

@@ -5,10 +5,10 @@ import random
 import pytest
 from PySide6.QtCore import QPointF
 
+from app.editor.canvas import wires
 from app.editor.canvas.canvas import Canvas
-from app.editor.canvas.items import wires
-from app.editor.canvas.items.content import distance
-from app.editor.canvas.items.wires import Ground, course_of, overlap, wire_path
+from app.editor.canvas.content import distance
+from app.editor.canvas.wires import Ground, course_of, overlap, wire_path
 from canvas_networks import long_chain
 from core.editing.document import Document
 from core.editing.operations import Move, Remove

@@ -5,7 +5,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QMessageBox
 
-from app.editor.canvas.items.wires import LiveWire
+from app.editor.canvas.wires import LiveWire
 from canvas_networks import chain_and_free_blur
 from core.editing.document import Document
 from panel_hands import drop, field_of, panel_area

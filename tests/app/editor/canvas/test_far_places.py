@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from app.editor.canvas.items.content import points_of
+from app.editor.canvas.content import points_of
 from app.editor.window.files import open_network_file
 from core.editing.backdrops import backdrops_of
 from core.editing.wire_dots import dots_of

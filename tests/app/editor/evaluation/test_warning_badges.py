@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.editor.canvas.items.node_item import BadgeItem
+from app.editor.canvas.node_item import BadgeItem
 from app.editor.evaluation.badges import STALE, badges
 from app.editor.evaluation.queries import Badge
 from app.editor.panels.head import PanelHead

@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from app.editor.canvas.items.canvas_style import TINTS, CanvasStyle
+from app.editor.canvas.canvas_style import TINTS, CanvasStyle
 from app.editor.theme import DARK, LIGHT
 from core.editing.backdrops import backdrops_of, nodes_on
 

@@ -8,7 +8,7 @@ from PySide6.QtGui import QContextMenuEvent, QFontInfo, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QInputDialog, QMenu, QMessageBox, QPushButton
 
-from app.editor.canvas.items.node_item import OVERVIEW
+from app.editor.canvas.node_item import OVERVIEW
 from app.editor.window.main_window import MainWindow
 from core.editing.operations import set_parameter
 from window_hands import show_small

@@ -11,8 +11,8 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QGraphicsPathItem
 
-from app.editor.canvas.items.canvas_style import CanvasStyle
-from app.editor.canvas.items.node_item import NodePort
+from app.editor.canvas.canvas_style import CanvasStyle
+from app.editor.canvas.node_item import NodePort
 from core.editing.layout import Box, hull
 from core.network.network import Link
 

@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QBrush, QColor, QFont, QFontMetricsF, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import QGraphicsItem
 
-from app.editor.canvas.items.canvas_style import (
+from app.editor.canvas.canvas_style import (
     BADGE_ROOM,
     INPUT,
     OUTPUT,
@@ -23,7 +23,7 @@ from app.editor.canvas.items.canvas_style import (
     geometry_of,
     label_room,
 )
-from app.editor.canvas.items.nodegraphqt import AbstractNodeItem
+from app.editor.canvas.nodegraphqt import AbstractNodeItem
 from app.editor.evaluation.queries import Badge, BadgeKind
 from core.editing.backdrops import Backdrop
 from core.editing.layout import Box

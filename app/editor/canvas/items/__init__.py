@@ -1,1 +1,0 @@
-"""What is drawn on the canvas, and where it lies."""
