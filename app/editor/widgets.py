@@ -282,10 +282,6 @@ class PageTabs(QWidget):
     def page(self) -> str:
         return self._pages[self._group.checkedId()] if self._pages else ""
 
-    def turn_to(self, page: str) -> None:
-        if page in self._pages:
-            self.buttons[self._pages.index(page)].setChecked(True)
-
     def offer(self, pages: Collection[str]) -> None:
         for page, button in zip(self._pages, self.buttons, strict=True):
             button.setVisible(page in pages)

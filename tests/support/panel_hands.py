@@ -51,8 +51,10 @@ def drop(session, key, name="node"):
 def field_of(area, session, name, node="node"):
     """The field of a parameter, brought to light: its page turned to, its condition met."""
     sections = area.panels[node].body.sections
-    pages = (section.page for section in sections.sections if name in section.parameters)
-    sections.tabs.turn_to(next(pages, ""))
+    page = next((each.page for each in sections.sections if name in each.parameters), "")
+    for button in sections.tabs.buttons:
+        if button.text() == page:
+            button.click()
     field = sections.field(name)
     for section in sections.sections:
         if name in section.parameters and section.shown_when and not field.isVisible():

@@ -35,6 +35,7 @@ from PySide6.QtWidgets import (
 from app.editor.canvas.canvas_view import GraphView
 from app.editor.canvas.node_item import BackdropItem
 from app.editor.declared_text import tip
+from app.editor.gestures import without_argument
 from app.editor.session import Level
 from app.editor.theme import FAINT, RAISED
 from app.editor.widgets import RIGHT, filled, labelled
@@ -311,7 +312,8 @@ class Crumbs(QWidget):
                 self._put(self._label(_BETWEEN))
             button = self._button(f"crumb.{depth}", text, f"Show the nodes of {text}")
             button.setEnabled(depth < len(path))
-            button.clicked.connect(partial(self._go, path[:depth]))
+            going = partial(self._level.go_to, path[:depth])
+            button.clicked.connect(partial(without_argument, going))
             self.steps.append(button)
             self._put(button)
         for widget in (*self.steps, *self._others):
@@ -319,9 +321,6 @@ class Crumbs(QWidget):
         self._row.activate()
         self.resize(self.sizeHint())
         self.raise_()
-
-    def _go(self, path: tuple[str, ...], *_: object) -> None:
-        self._level.go_to(path)
 
     def _put(self, widget: QWidget) -> None:
         self._row.insertWidget(self._row.count() - 1, widget)
