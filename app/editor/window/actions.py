@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
@@ -177,7 +177,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
     _compare("snapshots", "&Snapshots",
              "List the snapshots, with their figures beside the current ones", "Ctrl+Shift+K",
              checkable=True),
-    _help("shortcuts", "&Shortcuts", "List every shortcut", "?", "Ctrl+/"),
+    _help("shortcuts", "&Shortcuts", "List every shortcut, and change its keys", "?", "Ctrl+/"),
     _help("handbook", "&Handbook", "Open the handbook in the browser"),
     _help("module_help", "&Module", "Show what the selected module does", "F1"),
     _help("about", "&About", "Version and sources"),
@@ -219,14 +219,27 @@ _SCOPES = {
 
 class Actions(dict[str, QAction]):
     def __init__(
-        self, targets: Mapping[str, Callable[[], object]], *, window: QWidget, canvas: QWidget
+        self,
+        targets: Mapping[str, Callable[[], object]],
+        *,
+        window: QWidget,
+        canvas: QWidget,
+        keys: Mapping[str, Sequence[str]],
     ) -> None:
         super().__init__()
         for spec in ACTIONS:
             action = _made(spec, window)
+            if spec.name in keys:
+                action.setShortcuts([QKeySequence(key) for key in keys[spec.name]])
             action.triggered.connect(partial(without_argument, targets[spec.name]))
             (canvas if spec.scope == "canvas" else window).addAction(action)
             self[spec.name] = action
+
+    def own_keys(self) -> dict[str, list[str]]:
+        """The keys that the user has changed, by the action's name."""
+        portable = QKeySequence.SequenceFormat.PortableText
+        now = {name: [key.toString(portable) for key in self[name].shortcuts()] for name in self}
+        return {one.name: now[one.name] for one in ACTIONS if now[one.name] != default_keys(one)}
 
     def of_names(self, names: Iterable[str]) -> list[QAction]:
         return [self[name] for name in names]
@@ -257,6 +270,11 @@ class Actions(dict[str, QAction]):
             action = self[name]
             action.setEnabled(bool(step))
             action.setText(f"{verb} {step.replace('&', '&&')}".strip())
+
+
+def default_keys(spec: ActionSpec) -> list[str]:
+    portable = QKeySequence.SequenceFormat.PortableText
+    return [QKeySequence(key).toString(portable) for key in spec.keys]
 
 
 def _made(spec: ActionSpec, parent: QWidget) -> QAction:

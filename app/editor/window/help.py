@@ -48,7 +48,8 @@ from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot import plot_export
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.editor.widgets import centred_hint, filled, labelled
-from app.editor.window.actions import ACTIONS, Actions
+from app.editor.window.actions import ACTIONS, Actions, default_keys
+from app.editor.window.recent_files import Settings
 from app.editor.window.viewer_docks import ViewerDocks
 from app.options.command_options import version
 from app.run.shipped import command
@@ -74,17 +75,21 @@ class Help(QObject):
         session: Session,
         viewers: ViewerDocks,
         actions: Callable[[], Actions],
+        settings: Settings,
         window: QWidget,
     ) -> None:
         super().__init__(window)
         self._session = session
         self._viewers = viewers
         self._actions = actions
+        self._settings = settings
         self._window = window
         self.handbook = HandbookOpening(session, self)
 
     def shortcuts(self) -> None:
-        show_beside(self._window, ShortcutList(self._actions(), self._window))
+        page = ShortcutList(self._actions(), self._window)
+        page.changed.connect(partial(setattr, self._settings, "keys"))
+        show_beside(self._window, page)
 
     def module(self) -> None:
         name = self._session.selection[-1] if self._session.selection else ""
@@ -282,6 +287,7 @@ class ShortcutRow(NamedTuple):
     keys: str
     meaning: str
     sequences: tuple[str, ...] = ()
+    name: str = ""  # of the action; empty where its keys cannot be changed
 
     @property
     def text(self) -> str:
@@ -327,20 +333,31 @@ MOUSE = (
 
 
 class ShortcutList(QDialog):
+    changed = Signal(dict)  # (keys): the keys changed by the user, by the action's name
+
     def __init__(self, actions: Actions, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("shortcuts")
         self.setWindowTitle("Shortcuts")
-        self._rows = [
-            *shortcuts_of(actions),
-            *CANVAS,
-            *(ShortcutRow("Mouse", *row) for row in MOUSE),
-        ]
+        self._actions = actions
+        self._rows = _all_rows(actions)
         self.search = labelled(QLineEdit(self), "shortcuts.search", "Search the shortcuts")
         self.search.setPlaceholderText("Name of an action, or its keys")
         self.search.setToolTip("Name of an action, or its keys; Down goes to the list")
         self.search.setClearButtonEnabled(True)
-        self.catcher = KeyCatcher(self)
+        self.catcher = KeyCatcher(
+            self,
+            "press",
+            "Press a &Key",
+            "Then press a key combination: the list shows what it does",
+        )
+        self.changer = KeyCatcher(
+            self, "change", "&Change", "Then press new keys for the selected action"
+        )
+        self.without = _button(self, "none_at_all", "&Remove", "Leave the selected action no keys")
+        self.default = _button(
+            self, "default", "&Default", "Give the selected action the keys it had at first"
+        )
         self.table = _table(self)
         self.none = labelled(centred_hint("", self), "shortcuts.none")
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
@@ -349,8 +366,15 @@ class ShortcutList(QDialog):
             if isinstance(button, QPushButton):
                 button.setAutoDefault(False)  # Enter in the search closes nothing
                 button.setDefault(False)
+        self.said = labelled(centred_hint("", self), "shortcuts.said", "What became of the keys")
         above = filled(QHBoxLayout(), (self.search, 1), self.catcher, margins=None)
-        filled(QVBoxLayout(self), above, (self.table, 1), (self.none, 1), buttons, margins=None)
+        changes = (self.changer, self.without, self.default)
+        below = filled(QHBoxLayout(), *changes, (self.said, 1), buttons, margins=None)
+        filled(QVBoxLayout(self), above, (self.table, 1), (self.none, 1), below, margins=None)
+        self.changer.pressed_keys.connect(self._change)
+        self.without.clicked.connect(lambda *_: self._give([]))
+        self.default.clicked.connect(lambda *_: self._give(None))
+        self.table.itemSelectionChanged.connect(self._follow_selection)
         self.search.textEdited.connect(self._search)
         self.search.textChanged.connect(self._cleared)
         self.catcher.pressed_keys.connect(self._search_keys)
@@ -384,7 +408,43 @@ class ShortcutList(QDialog):
         self.search.setFocus(Qt.FocusReason.OtherFocusReason)
         self.search.selectAll()
 
+    def _selected(self) -> ShortcutRow | None:
+        chosen = self.table.selectionModel().selectedRows()
+        row = self._shown[chosen[0].row()] if chosen else None
+        return row if row is not None and row.name else None
+
+    def _follow_selection(self) -> None:
+        row = self._selected()
+        for button in (self.changer, self.without, self.default):
+            button.setEnabled(row is not None)
+        self.said.setText("")
+
+    def _change(self, pressed: tuple[str, ...]) -> None:
+        self._give([pressed[0]], pressed)
+
+    def _give(self, keys: list[str] | None, pressed: tuple[str, ...] = ()) -> None:
+        """Give the selected action these keys, or its first ones, unless another has them."""
+        row = self._selected()
+        if row is None:
+            return
+        if keys is None:
+            keys = next(default_keys(spec) for spec in ACTIONS if spec.name == row.name)
+        wanted = pressed or tuple(keys)
+        taken = [one for one in rows_of_keys(self._rows, wanted) if one.name != row.name]
+        if taken:
+            native = QKeySequence(keys[0]).toString(_NATIVE)
+            self.said.setText(f"{native} belongs to {taken[0].action}: change or remove that first")
+            return
+        self._actions[row.name].setShortcuts([QKeySequence(key) for key in keys])
+        self.changed.emit(self._actions.own_keys())
+        self._rows = _all_rows(self._actions)
+        known = {one.name: one for one in self._rows if one.name}
+        at = self._shown.index(row)
+        self._show([known.get(one.name, one) for one in self._shown], "")
+        self.table.selectRow(at)
+
     def _show(self, rows: list[ShortcutRow], none: str) -> None:
+        self._shown = rows
         before = ""
         self.table.setRowCount(len(rows))
         for number, row in enumerate(rows):
@@ -395,6 +455,7 @@ class ShortcutList(QDialog):
         self.table.setVisible(bool(rows))
         self.none.setVisible(not rows)
         self.none.setText(none)
+        self._follow_selection()
 
 
 class KeyCatcher(QPushButton):
@@ -404,11 +465,10 @@ class KeyCatcher(QPushButton):
     # belongs to the letter
     pressed_keys = Signal(tuple)
 
-    def __init__(self, parent: QWidget) -> None:
-        super().__init__("Press a &Key", parent)
-        self.setObjectName("shortcuts.press")
-        self.setAccessibleName("Press a key combination to see what it does")
-        self.setToolTip("Then press a key combination: the list shows what it does")
+    def __init__(self, parent: QWidget, name: str, text: str, tip: str) -> None:
+        super().__init__(text, parent)
+        labelled(self, f"shortcuts.{name}", tip, tip)
+        self._text = text
         self.setAutoDefault(False)
         self.setCheckable(True)
         self.toggled.connect(self._say)
@@ -433,7 +493,7 @@ class KeyCatcher(QPushButton):
         return True
 
     def _say(self, on: bool) -> None:
-        self.setText("Now press the keys…" if on else "Press a &Key")
+        self.setText("Now press the keys…" if on else self._text)
         if on:
             self.setFocus(Qt.FocusReason.OtherFocusReason)
 
@@ -455,12 +515,21 @@ def shortcuts_of(actions: Actions) -> list[ShortcutRow]:
     for spec in ACTIONS:
         action = actions[spec.name]
         keys = action.shortcuts()
-        if keys:
-            native = OR.join(key.toString(_NATIVE) for key in keys)
-            sequences = tuple(key.toString(_PORTABLE) for key in keys)
-            text, menu = action.text().replace("&", "").rstrip("…"), spec.menu.replace("&", "")
-            rows.append(ShortcutRow(menu, text, native, action.toolTip(), sequences))
+        native = OR.join(key.toString(_NATIVE) for key in keys)
+        sequences = tuple(key.toString(_PORTABLE) for key in keys)
+        text, menu = action.text().replace("&", "").rstrip("…"), spec.menu.replace("&", "")
+        rows.append(ShortcutRow(menu, text, native, action.toolTip(), sequences, spec.name))
     return rows
+
+
+def _all_rows(actions: Actions) -> list[ShortcutRow]:
+    return [*shortcuts_of(actions), *CANVAS, *(ShortcutRow("Mouse", *row) for row in MOUSE)]
+
+
+def _button(parent: QWidget, name: str, text: str, tip: str) -> QPushButton:
+    made = labelled(QPushButton(text, parent), f"shortcuts.{name}", tip, tip)
+    made.setAutoDefault(False)
+    return made
 
 
 def _table(parent: QWidget) -> QTableWidget:

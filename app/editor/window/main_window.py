@@ -79,7 +79,7 @@ class MainWindow(QMainWindow):
         self.canvas.show_thumbnails(self.evaluator)
         self.files = Files(self.session, settings, self)
         self.edits = EditCommands(self.level, self.canvas, self)
-        self.help = Help(self.session, self.viewers, lambda: self.actions_by_name, self)
+        self.help = Help(self.session, self.viewers, lambda: self.actions_by_name, settings, self)
         self.shelf = PresetShelf(
             self.level, self.canvas, self.library_view, settings.path.parent / "presets", self
         )
@@ -89,7 +89,9 @@ class MainWindow(QMainWindow):
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.full_screen = FullScreen(self.viewers, self.session, self)
         self.part_focus = PartFocus(self.parts, self)
-        self.actions_by_name = Actions(self._targets(), window=self, canvas=self.canvas)
+        self.actions_by_name = Actions(
+            self._targets(), window=self, canvas=self.canvas, keys=settings.keys
+        )
         self._spread_actions()
         self.layout_in_use.place()
         self.menus = self.actions_by_name.fill(self.menuBar())

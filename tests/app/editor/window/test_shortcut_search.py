@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QApplication
 from shiboken6 import isValid
 
 from app.editor.window.help import OR, ShortcutList, shortcuts_of
+from app.editor.window.recent_files import Settings
 from window_hands import CTRL, KEY, SHIFT, WindowHands
 
 ALT = Qt.KeyboardModifier.AltModifier
@@ -51,7 +52,7 @@ def test_it_begins_with_every_action_and_the_search(page, window):
 @pytest.mark.parametrize(
     ("typed", "first", "all_of_them"),
     [
-        ("LAY OUT", "Lay Out", True),
+        ("FIND NODE", "Find Node", True),
         ("ctrl+s", "Save", False),
         ("pan", "Pan", False),
     ],
@@ -66,7 +67,7 @@ def test_words_and_keys_are_found(hand, page, typed, first, all_of_them):
 def test_every_action_is_found_by_its_words_and_by_its_keys(page, window):
     for row in shortcuts_of(window.actions_by_name):
         action = row.action
-        for text in (action, *row.keys.split(OR)):
+        for text in (action, *filter(None, row.keys.split(OR))):
             page.search.clear()
             QTest.keyClicks(page.search, text)
             assert action in actions(page), text
@@ -130,3 +131,39 @@ def test_arrows_go_into_the_list_and_escape_closes(hand, page, qtbot):
     assert page.table.currentRow() == 1
     hand.key(KEY.Key_Escape)
     assert not page.isVisible()
+
+
+def change(hand, page, word, key, keys=Qt.KeyboardModifier.NoModifier):
+    page.search.setFocus()
+    page.search.selectAll()
+    hand.type(word)
+    hand.key(KEY.Key_Down)
+    hand.key(KEY.Key_C, ALT)
+    hand.wait_until(page.changer.isChecked)
+    hand.key(key, keys)
+
+
+def test_keys_are_changed_kept_and_put_back(hand, page, window, settings, make_window):
+    change(hand, page, "lay out", KEY.Key_J, CTRL)
+    action = window.actions_by_name["arrange"]
+    assert [key.toString() for key in action.shortcuts()] == ["Ctrl+J"]
+    assert page.table.item(page.table.currentRow(), 2).text() == "Ctrl+J"
+    hand.key(KEY.Key_R, ALT)
+    hand.wait_until(lambda: not action.shortcuts())
+    hand.key(KEY.Key_D, ALT)
+    hand.wait_until(lambda: [key.toString() for key in action.shortcuts()] == ["L"])
+    assert Settings(settings.path).keys == {}
+    change(hand, page, "lay out", KEY.Key_J, CTRL)
+    again = make_window(settings=Settings(settings.path)).actions_by_name
+    assert again["arrange"].shortcut().toString() == "Ctrl+J"
+
+
+def test_keys_of_another_action_are_not_taken(hand, page, window):
+    change(hand, page, "lay out", KEY.Key_S, CTRL)
+    assert page.said.text() == "Ctrl+S belongs to Save: change or remove that first"
+    assert window.actions_by_name["arrange"].shortcut().toString() == "L"
+    page.search.setFocus()
+    page.search.selectAll()
+    hand.type("middle button")
+    hand.key(KEY.Key_Down)
+    assert not page.changer.isEnabled()  # the mouse's are as they are
