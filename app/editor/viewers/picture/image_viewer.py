@@ -286,6 +286,7 @@ class ImageViewer(Viewer):
         bar.display.shape.toggled.connect(canvas.show_true_shape)
         bar.display.histogram.toggled.connect(canvas.levels.setVisible)
         bar.display.profile.toggled.connect(self._toggle_profile)
+        bar.display.means.toggled.connect(self._toggle_means)
         bar.display.spectra.toggled.connect(canvas.spectra.switch)
         self.band_bar.chosen.connect(self._choose_bands)
         self.band_bar.noted.connect(partial(self.session.message.emit, "note"))
@@ -347,9 +348,14 @@ class ImageViewer(Viewer):
         self.canvas.profile.show(on)
         self._fit_spectra()
 
+    def _toggle_means(self, on: bool) -> None:
+        self.canvas.means.show(on)
+        self._fit_spectra()
+
     def _fit_spectra(self, *_: object) -> None:
         """Where there is little height, the picture has all of it."""
-        self.canvas.spectra.fit(self.canvas.height() - self.canvas.profile.height)
+        plots = self.canvas.profile.height + self.canvas.means.height
+        self.canvas.spectra.fit(self.canvas.height() - plots)
 
     def _follow_choices(self) -> None:
         choices = self.choices

@@ -106,6 +106,7 @@ class DisplayMenu(QObject):
         self.shape = self._toggle(menu, "shape", "&True Shape of Pixels")
         self.histogram = self._toggle(menu, "histogram", "&Histogram")
         self.profile = self._toggle(menu, "profile", "Line &Profile")
+        self.means = self._toggle(menu, "means", "&Means of Rows and Columns")
         self.spectra = self._toggle(menu, "spectra", "Spectrum over &Wavelength")
 
     def _toggle(self, menu: QMenu, name: str, text: str) -> QAction:

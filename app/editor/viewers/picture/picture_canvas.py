@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QGraphicsView, QLabel, QWidget
 
 from app.editor.theme import RAISED, Theme, theme_of
 from app.editor.viewers.picture.picture_bar import LevelsBar
-from app.editor.viewers.picture.plots_below import ProfileLine, Spectra
+from app.editor.viewers.picture.plots_below import LineMeans, ProfileLine, Spectra
 from app.editor.viewers.picture.region_overlay import ARROWS, RegionOverlay
 from app.editor.viewers.pixels.grey_levels import Table, colour_table
 from app.editor.viewers.pixels.picture_query import Picture
@@ -60,6 +60,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.levels = LevelsBar()
         self.addItem(self.levels, row=0, col=1)
         self.profile = ProfileLine(self.plot, self.ci, self)
+        self.means = LineMeans(self.ci, self)
         self.spectra = Spectra(self.ci, self)
         self.region = RegionOverlay(self.view, self)
         self.fitted = True
@@ -88,7 +89,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.theme = theme = theme_of(self)
         self.setBackground(theme.surround)
         paint_axes(self.plot, theme)
-        for part in (self.levels, self.profile, self.region, self.spectra):
+        for part in (self.levels, self.profile, self.means, self.region, self.spectra):
             part.set_theme(theme)
         self.wipe.setPen(theme.accent, width=2)
         self.wipe.setHoverPen(theme.changed, width=3)
@@ -113,6 +114,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         channels = tuple(channel.spread for channel in picture.channels)
         self.levels.show_spread(picture.spread, picture.levels, channels)
         self.profile.show_picture(picture)
+        self.means.show_picture(picture)
         self.axes["bottom"].end_at(place.left(), place.right())
         self.axes["left"].end_at(place.top(), place.bottom())
         if moved:
@@ -128,6 +130,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._divide()
         self.mark(None)
         self.profile.clear()
+        self.means.show_picture(None)
 
     def show_sides(self, sides: Sides, left: str = "", right: str = "") -> None:
         """Show two pictures so, and their names; what covers all has it on the left."""

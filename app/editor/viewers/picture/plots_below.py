@@ -1,4 +1,4 @@
-"""What is plotted below a picture: the samples along a line, and the spectra of its bands."""
+"""What is plotted below a picture: samples along a line, means of lines, spectra of its bands."""
 
 from __future__ import annotations
 
@@ -189,6 +189,50 @@ class ProfileLine(PlotBelow):
         columns, rows = picture.facts.columns, picture.facts.rows
         x0, y0, x1, y1 = self.ends
         return (x0 * columns - 0.5, y0 * rows - 0.5), (x1 * columns - 0.5, y1 * rows - 0.5)
+
+
+# The mean of every row and of every column: banding, shading and drift show in them.
+
+
+class LineMeans(PlotBelow):
+    """Means of rows and of columns over their place; those of a second picture are dashed."""
+
+    _row = 3
+
+    def __init__(self, layout: pg.GraphicsLayout, canvas: QWidget) -> None:
+        super().__init__(layout, canvas)
+        self._picture: Picture | None = None
+
+    def show(self, shown: bool) -> None:
+        self._put(shown)
+        self.show_picture(self._picture)
+
+    def show_picture(self, picture: Picture | None) -> None:
+        self._picture = picture
+        if not self.shown:
+            return
+        facts = picture.facts if picture is not None else None
+        self.plot.setLabel("left", (facts.unit or facts.quantity) if facts is not None else "")
+        pictures = (picture, picture.other if picture is not None else None)
+        for one, curves in zip(pictures, (self.curves[:2], self.curves[2:]), strict=True):
+            for axis, curve in enumerate(curves):
+                samples = one.samples if one else np.empty((0, 0))
+                means = samples.sum(axis=1 - axis, dtype=np.float64) / (
+                    samples.shape[1 - axis] or 1
+                )
+                step = one.facts.rows / samples.shape[0] if one else 1.0
+                curve.setData((np.arange(len(means)) + 0.5) * step - 0.5, means)
+
+    def _fill(self, plot: pg.PlotItem) -> None:
+        self.curves = tuple(plot.plot() for _ in range(4))
+
+    def _paint(self, theme: Theme) -> None:
+        for number, curve in enumerate(self.curves):
+            dash = Qt.PenStyle.DashLine if number > 1 else Qt.PenStyle.SolidLine
+            curve.setPen(thick(theme.curves[number % 2], 1, dash))
+        names = zip(("rows", "columns"), theme.curves, strict=False)
+        coloured = (f"<span style='color: {colour}'>{name}</span>" for name, colour in names)
+        self.plot.setLabel("bottom", f"means of {' and '.join(coloured)}, by number")
 
 
 # The spectra of a picture with bands: its mean, and that of the probed sample.

@@ -222,7 +222,8 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             if along is not None and along[0] <= mark.x <= along[1] * (1 + 1e-9)
         ]
         while self._plots and len(self._marks) < len(marks):
-            self._marks.append(PlotMark(self._plots, theme_of(self), self._small))
+            high = len(self._marks) % 2 == 1
+            self._marks.append(PlotMark(self._plots, theme_of(self), self._small, high))
         for item, mark in zip_longest(self._marks, marks):
             if mark is None:
                 item.hide()
@@ -332,20 +333,22 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
 
 class PlotMark:
-    def __init__(self, plots: Sequence[pg.PlotItem], theme: Theme, font: QFont) -> None:
+    def __init__(self, plots: Sequence[pg.PlotItem], theme: Theme, font: QFont, high: bool) -> None:
         self._lines: list[pg.InfiniteLine] = []
         for plot in plots:
             line = pg.InfiniteLine(angle=90, pen=mark_pen(theme))
             line.setZValue(5)
             plot.addItem(line)
             self._lines.append(line)
-        # Upright beside the line, on its left: on the right the plot may end.
+        # Upright beside the line, on its left: on the right the plot may end. Every other one is
+        # at the upper end: two may be a few dots apart.
+        end = 1.0 if high else 0.0
         self._label = pg.InfLineLabel(
             self._lines[0],
             "",
-            position=0.03,
+            position=0.97 if high else 0.03,
             rotateAxis=(1, 0),
-            anchors=[(0, 1), (0, 1)],
+            anchors=[(end, 1), (end, 1)],
             color=theme.text,
             fill=see_through(theme.base, 190),
         )

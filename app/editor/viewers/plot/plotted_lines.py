@@ -402,7 +402,7 @@ class PortDataQuery(Query):
         return value
 
 
-_ALIKE = 0.999  # of one another, where one mark is enough
+_ALIKE = 0.99  # of one another, where one mark is enough
 
 
 def _marks(chain: Chain, grid: Grid, line: Direction) -> tuple[CurveMark, ...]:

@@ -235,6 +235,20 @@ def test_line_profile(bench, viewer):
     assert not viewer.canvas.profile.shown
 
 
+def test_means_of_rows_and_columns_of_both_pictures(bench, viewer):
+    viewer.bar.display.means.setChecked(True)
+    viewer.bar.compare.other_chosen.emit("scene.image")
+    bench.settle()
+    for curves, port in ((slice(0, 2), FINAL), (slice(2, 4), "scene.image")):
+        samples = np.asarray(bench.value(port), np.float64)
+        rows, columns = (curve.getData() for curve in viewer.canvas.means.curves[curves])
+        assert rows[1] == pytest.approx([float(np.mean(row)) for row in samples], rel=1e-6)
+        assert columns[1] == pytest.approx([float(np.mean(c)) for c in samples.T], rel=1e-6)
+        assert list(columns[0][:2]) == [0.0, 1.0]
+    viewer.bar.display.means.setChecked(False)
+    assert not viewer.canvas.means.shown
+
+
 @pytest.mark.parametrize("suffix", [".npy", ".tif", ".exr"])
 def test_samples_are_written(bench, viewer, tmp_path, suffix):
     path = tmp_path / f"out{suffix}"
