@@ -117,8 +117,8 @@ def test_a_camera_of_today_runs_without_a_warning(stem):
 @pytest.mark.parametrize(
     ("stem", "ground_m", "within"),
     [
-        ("pleiades_pan", 0.70, 0.01), ("worldview3_pan", 0.31, 0.005), ("sentinel2_b2", 10, 0.01),
-        ("sentinel2_b8", 10, 0.01), ("landsat8_oli_pan", 15, 0.03),
+        ("pleiades_pan", 0.70, 0.01), ("worldview3_pan", 0.31, 0.005), ("sentinel2_b2", 10, 0.02),
+        ("sentinel2_b8", 10, 0.02), ("landsat8_oli_pan", 14.3, 0.003),
         ("landsat8_tirs_b10", 100, 0.02),
     ],
 )  # fmt: skip
@@ -134,6 +134,18 @@ def test_a_satellite_sees_its_published_pixel_on_the_ground_for_as_long_as_it_cr
     time_s = nodes["focal_plane"].params["integration_time_s"]
     if "tirs" not in stem:
         assert time_s * speed == pytest.approx(ground_m, rel=within)
+
+
+@pytest.mark.parametrize(
+    ("stem", "above_K", "below_K"),
+    [("satellite_landsat8_tirs_b10", 0.05, 0.4), ("camera_flir_a6700sc", 0.0, 0.02)],
+)
+def test_a_cooled_camera_meets_the_netd_that_is_required(stem, above_K, below_K):
+    """Before 300 K. In orbit, TIRS has 0.05 K."""
+    network, sensor = in_a_chain(stem)
+    network = network.with_parameter("scene", "kind", "uniform")
+    network = network.with_parameter("scene", "temperature_K", 300.0)
+    assert above_K < readouts(network, sensor)["netd_K"] < below_K
 
 
 def test_a_material_counts_by_its_file_from_any_folder(tmp_path):
