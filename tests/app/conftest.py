@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import json
 from functools import partial
 from pathlib import Path
@@ -63,6 +61,18 @@ def write(tmp_path):
 def imagechain(tmp_path):
     """Run the command in `tmp_path`."""
     return partial(run_here, folder=tmp_path)
+
+
+@pytest.fixture
+def works(imagechain):
+    """Run a command that must succeed, and say nothing of errors."""
+
+    def run(*words, **how):
+        done = imagechain(*words, **how)
+        assert (done.returncode, done.stderr) == (0, "")
+        return done
+
+    return run
 
 
 @pytest.fixture

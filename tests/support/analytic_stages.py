@@ -1,7 +1,5 @@
 """Stages of a chain, and their transfer functions as the slow reference has them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from module_defaults import DEFAULTS

@@ -1,7 +1,5 @@
 """Modules whose arithmetic is plain, for tests of the engine."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np

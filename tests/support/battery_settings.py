@@ -1,7 +1,5 @@
 """Settings with which every registered module is tried."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from core.modules.declaration import declaration

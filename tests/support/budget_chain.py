@@ -1,7 +1,5 @@
 """A small sensor whose noise and blur are shared out, as a document and evaluated."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

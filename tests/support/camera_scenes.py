@@ -4,8 +4,6 @@ A scene is drawn for a frame's size and the electrons of full scale. The scenes 
 end are another family, of other shapes.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -189,8 +187,7 @@ def points(rng, rows, columns, full):
     count = rows * columns // 400
     place = rng.uniform(0, 1, (count, 2)) * (columns - 1, rows - 1)
     return Scene(
-        background=0.1 * full,
-        points=np.column_stack((place, full * rng.uniform(0.05, 1.5, count))),
+        background=0.1 * full, points=np.column_stack((place, full * rng.uniform(0.05, 1.5, count)))
     )
 
 
@@ -234,8 +231,7 @@ def band(rng, rows, columns, full):
     middle = np.array([columns, rows]) * rng.uniform(0.4, 0.6, 2)
     width = rng.uniform(45, 100)
     return Scene(
-        background=low,
-        shapes=(Shape(turned(box(1000, width), rng.uniform(0, 180), middle), high),),
+        background=low, shapes=(Shape(turned(box(1000, width), rng.uniform(0, 180), middle), high),)
     )
 
 

@@ -1,7 +1,5 @@
 """Running a chain: the right mean, finite numbers, or one clear error."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Programs run by a Python of their own, from the root of the repository."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Spectral cubes for tests: written as ENVI files, and filtered band by band."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.fft
 

@@ -1,7 +1,5 @@
 """Chains from a picture file, and what they deliver."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from analytic_stages import INTERVAL_X, INTERVAL_Y, PUPIL, SENSOR, STAGES

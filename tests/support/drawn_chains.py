@@ -1,7 +1,5 @@
 """Chains of random modules with random parameters."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Modules with parameters drawn about what matters to a picture of a given sampling."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from math import log10
 from random import Random

@@ -1,7 +1,5 @@
 """Random modules in random order as a network file, with the frames it reads."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from random import Random

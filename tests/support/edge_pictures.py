@@ -1,7 +1,5 @@
 """Pictures of edges and lines whose MTF is known: blurred, then averaged over pixels."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pictures of an edge by direct sums: each pixel a mean over many points of a blurred step."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

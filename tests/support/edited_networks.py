@@ -1,7 +1,5 @@
 """Random networks, and random operations on them as a person with an editor would do them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from random import Random
@@ -29,15 +27,7 @@ from core.editing.operations import (
     set_parameter,
 )
 from core.editing.room import made_way
-from core.editing.wiring import (
-    continued,
-    deleted,
-    dissolved,
-    fitting,
-    inserted,
-    new_node,
-    wired_to,
-)
+from core.editing.wiring import continued, deleted, dissolved, fitting, inserted, new_node, wired_to
 from core.modules.declaration import Library, declaration
 from core.network.expression_grammar import quoted
 from core.network.file import format_network

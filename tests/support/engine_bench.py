@@ -1,7 +1,5 @@
 """Small networks, and an engine that counts what it computes."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 

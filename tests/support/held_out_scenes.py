@@ -3,8 +3,6 @@
 Whoever works on finding edges, measuring or fitting goes by `camera_scenes`, and leaves these be.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

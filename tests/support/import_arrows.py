@@ -1,7 +1,5 @@
 """Imports between files and between folders of the product, read from its source."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Mapping
 from functools import cache

@@ -1,7 +1,5 @@
 """Small files of a lens, for the examples with which every module is tried."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 

@@ -1,7 +1,5 @@
 """One module at a time in a small network, and what must hold for any."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

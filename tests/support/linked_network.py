@@ -1,7 +1,5 @@
 """Networks written as tables of nodes and links."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the last bits of a result depend on: libraries, processor, and what is set for them."""
 
-from __future__ import annotations
-
 import os
 import platform
 from pathlib import Path

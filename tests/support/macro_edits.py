@@ -1,7 +1,5 @@
 """Random operations on macros, beside all others a person with an editor would do."""
 
-from __future__ import annotations
-
 from core.editing.grouping import group, ungroup
 from core.editing.macros import addressed, at_level, expose, hide, rename_exposed
 from core.editing.operations import ABSENT, Operation, set_parameter

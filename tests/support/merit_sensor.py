@@ -1,7 +1,5 @@
 """A small staring sensor before Figures of Merit, of which every part can be changed."""
 
-from __future__ import annotations
-
 import math
 
 from core.chain.engine import Engine

@@ -1,7 +1,5 @@
 """What a parameter is where nobody sets it, as plain data."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from core.modules.declaration import declaration

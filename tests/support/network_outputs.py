@@ -1,7 +1,5 @@
 """Every network ever shipped, run headless as ``imagechain run`` does: the files it delivers."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Iterator
 from pathlib import Path

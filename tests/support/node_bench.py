@@ -1,7 +1,5 @@
 """A network of nodes with their parameters and links, planned and evaluated in a folder."""
 
-from __future__ import annotations
-
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.modules.declaration import NodeContext

@@ -3,8 +3,6 @@
 Bounds are five standard errors; each is written out where it is used.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from core.chain.engine import Engine

@@ -3,8 +3,6 @@
 Nothing of the product is imported. Levels are electrons of a sample.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

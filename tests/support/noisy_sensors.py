@@ -1,7 +1,5 @@
 """A small sensor with every kind of noise, each of which can be had alone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Folders with all that the networks deliver at full size, and the first difference of two."""
 
-from __future__ import annotations
-
 import csv
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """What a run delivers, in short: hashes for equal bits, and statistics that hold on any machine."""
 
-from __future__ import annotations
-
 import csv
 import hashlib
 import json

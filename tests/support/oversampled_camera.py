@@ -10,8 +10,6 @@ and y down; the filter e^{−2πi f·shift} moves the picture by +shift.
     frame.picture, frame.edges, true_mtf(camera, angle_deg, frequency), true_sigma(camera, level)
 """
 
-from __future__ import annotations
-
 import io
 import math
 from dataclasses import dataclass, replace

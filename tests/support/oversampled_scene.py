@@ -4,8 +4,6 @@ Nothing of the product is imported: what is measured and fitted is judged by it.
 down, in samples; the middle of sample (row i, column j) is x = j, y = i.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

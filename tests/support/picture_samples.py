@@ -1,7 +1,5 @@
 """Samples that a picture file must keep to the last bit, and files of them from scratch."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 

@@ -1,7 +1,5 @@
 """The table of what every network delivers: hashes of one machine, statistics for all others."""
 
-from __future__ import annotations
-
 import json
 import tempfile
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """Planck's law integrated over a band by quadrature, 30 digits."""
 
-from __future__ import annotations
-
 import mpmath
 
 

@@ -4,8 +4,6 @@ A rule of files, since time goes by what a file starts: Qt, processes, large pic
 are left out test what others test as well, at more length or in the whole program.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 TESTS = Path(__file__).resolve().parents[1]

@@ -1,7 +1,5 @@
 """Read-outs of one module behind a small scene whose two axes are unlike in everything."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

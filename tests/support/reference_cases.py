@@ -1,7 +1,5 @@
 """Reference values that stand beside the repository; where they do not, there are no cases."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

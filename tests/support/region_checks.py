@@ -1,7 +1,5 @@
 """Regions of a picture, each evaluated on its own and compared with the whole."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from core.chain.engine import Engine

@@ -25,10 +25,7 @@ class PictureHand:
 
     def release(self, place):
         QTest.mouseRelease(
-            self.view,
-            Qt.MouseButton.LeftButton,
-            Qt.KeyboardModifier.NoModifier,
-            self.at(*place),
+            self.view, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, self.at(*place)
         )
 
     def drag(self, start, end):

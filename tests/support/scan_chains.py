@@ -1,7 +1,5 @@
 """Chains of a wide line scanner that end in Back Transform and in Line by Line."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A wide line scanner on tiny frames: stages, their laws, and columns summed up one by one."""
 
-from __future__ import annotations
-
 import cmath
 import math
 

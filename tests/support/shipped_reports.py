@@ -1,7 +1,5 @@
 """Both reports of a shipped network, made once for all tests of a run."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """A picture file through modules written as a list: spectra between Init & Trans and Back."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from core.modules.declaration import declaration

@@ -1,7 +1,5 @@
 """A document at which somebody works at random, and what its history must lead to."""
 
-from __future__ import annotations
-
 from collections import Counter
 from random import Random
 

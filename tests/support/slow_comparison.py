@@ -1,7 +1,5 @@
 """What the engine makes of a drawn network beside what the slow reference does."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from typing import Any

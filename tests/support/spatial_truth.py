@@ -1,7 +1,5 @@
 """Blur by spreading samples in space, on frames really extended: no frequency anywhere."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 

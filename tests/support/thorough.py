@@ -9,8 +9,6 @@ none of whose cases run. With `--thorough`, and where a test is named on the com
 Only for cases that go the same way through the code.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 

@@ -1,27 +1,52 @@
 """A background run in a real process writes what the command writes, or nothing at all."""
 
+import contextlib
 import csv
 import json
 import os
 import re
 import subprocess
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from app.command.cli import exit_code
 from app.options.stopping import stoppable
-from app.run.job import Job, Step, read_message
+from app.run.job import Job, Result, Step, job_text, read_message
+from app.run.shipped import command, environment
 from child_process import PATIENCE_S
-from core.editing.grouping import group
 from core.errors import UsageError
-from core.network.file import format_network
-from core.network.parsing import parse_network
-from job_process import finished_job, started
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
+
+@contextlib.contextmanager
+def started(job):
+    """Its process, which has been given the job; it is stopped at the end."""
+    with subprocess.Popen(
+        command("app.command.run_job"),
+        env=environment(),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as child:
+        try:
+            child.stdin.write(job_text(job) + "\n")
+            child.stdin.flush()
+            yield child
+        finally:
+            child.kill()
+
+
+def finished_job(job):
+    """Exit code, result and standard error of a job; its input stays open to the end."""
+    with started(job) as child:
+        messages = [read_message(line.rstrip("\n")) for line in child.stdout]
+        said = child.stderr.read()
+        code = child.wait(PATIENCE_S)
+    results = [message for message in messages if isinstance(message, Result)]
+    return code, results[-1] if results else None, said
+
+
 FOV = {"fov_x_deg": 3.0, "fov_y_deg": 2.5}
 RUN = {"final.png", "mtf.csv", "readouts.json"}
 TIMES = re.compile(r"\d{4}-\d\d-\d\d \d\d:\d\d [+-]\d{4}|\b\d+\.\d+ m?s\b")
@@ -53,13 +78,12 @@ def with_files(small, *, write_to=None):
     return {**small, "nodes": nodes, "links": links}
 
 
-def test_the_report_is_the_commands_but_for_its_times(job, imagechain, tmp_path):
+def test_the_report_is_the_commands_but_for_its_times(job, works, tmp_path):
     code, result, said = finished_job(job("report", output="mine.html"))
     assert (code, said) == (0, "")
     assert result.page == tmp_path / "mine.html"
     assert names(tmp_path) == {"net.json", "mine.html"}, "the report, and nothing else"
-    done = imagechain("run", "net.json", "--report", "theirs.html")
-    assert done.returncode == 0, done.stderr
+    works("run", "net.json", "--report", "theirs.html")
     mine, theirs = (
         TIMES.sub("TIME", (tmp_path / name).read_text()) for name in ("mine.html", "theirs.html")
     )
@@ -78,7 +102,7 @@ def test_one_run_writes_what_the_command_writes(job, imagechain, tmp_path):
         assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "theirs" / name).read_bytes()
 
 
-def test_a_sweep_writes_runs_and_the_trade_off(job, imagechain, tmp_path):
+def test_a_sweep_writes_runs_and_the_trade_off(job, imagechain, works, tmp_path):
     values = (0.1, 0.3, -2.0)
     code, result, said = finished_job(job("sweep", target="blur.sigma_x_mrad", values=values))
     assert (code, said) == (0, "")
@@ -96,33 +120,8 @@ def test_a_sweep_writes_runs_and_the_trade_off(job, imagechain, tmp_path):
             theirs = tmp_path / f"theirs{value}" / name
             assert (folder / setting / name).read_bytes() == theirs.read_bytes()
     vary = f"blur.sigma_x_mrad={','.join(map(str, values))}"
-    done = imagechain("tradeoff", "net.json", "--vary", vary, "--output", "theirs.csv")
-    assert done.returncode == 0, done.stderr
+    works("tradeoff", "net.json", "--vary", vary, "--output", "theirs.csv")
     assert (folder / "tradeoff.csv").read_text() == (tmp_path / "theirs.csv").read_text()
-
-
-def test_a_sweep_inside_of_a_macro_is_that_of_the_plain_network(job, imagechain, tmp_path):
-    """The editor names what it varies as the whole network does."""
-    plain = job("run")
-    network = parse_network(plain.network, library=LIBRARY)
-    network = group(network, LIBRARY, ("blur", "jitter", "back"), "camera")[1].apply(network)
-    text = format_network(network, library=LIBRARY)
-    swept = job("sweep", target="camera/blur.sigma_x_mrad", values=(0.25,))
-    code, result, said = finished_job(replace(swept, network=text))
-    assert (code, said) == (0, "")
-    assert result.failures == ()
-    folder = tmp_path / "out" / "camera_blur.sigma_x_mrad=0.25"
-    imagechain("run", "net.json", "--set", "blur.sigma_x_mrad=0.25", "--output-dir", "theirs")
-    theirs = tmp_path / "theirs" / "final.png"
-    assert (folder / "final.png").read_bytes() == theirs.read_bytes()
-
-
-def test_a_sweep_without_a_value_that_works_writes_nothing(job, tmp_path):
-    code, result, said = finished_job(job("sweep", target="blur.sigma_x_mrad", values=(-1.0, -2.0)))
-    assert (code, result) == (2, None)
-    allowed = "sigma_x_mrad = -1.0 mrad is not allowed: a number of at least 0"
-    assert said == f"imagechain: blur: {allowed}\n"
-    assert names(tmp_path) == {"net.json"}
 
 
 def test_frames_are_the_commands(job, imagechain, tmp_path):
@@ -134,18 +133,6 @@ def test_frames_are_the_commands(job, imagechain, tmp_path):
     assert frames.shape == (3, 20, 24)
     assert np.array_equal(frames, np.load(tmp_path / "theirs.npy"))
     assert names(tmp_path / "out") == RUN | {"frames.npy"}
-
-
-def test_frames_of_which_picture_is_said_in_one_line(job, small):
-    nodes = {**small["nodes"], "other": small["nodes"]["pixels"]}
-    two = {**small, "nodes": nodes, "links": [*small["links"], ["back.image", "other.image"]]}
-    code, _, said = finished_job(job("frames", two, frames=3))
-    assert code == 2
-    assert said.startswith(
-        "imagechain: this network ends in 2 pictures (pixels.image, other.image)"
-    )
-    assert "mark" in said
-    assert said.count("\n") == 1
 
 
 def test_files_are_run_one_by_one_and_the_damaged_ones_are_named(job, small, tmp_path):

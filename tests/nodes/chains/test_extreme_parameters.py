@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
+from itertools import count
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +14,134 @@ from chain_runs import not_nan, picture_of, run, run_on_file
 from core.chain.engine import Engine
 from core.errors import DataError, ParameterError
 from core.evaluation.policy import Policy
-from drawn_chains import GIVEN, LIBRARY, PICTURE, SENSOR, SPECTRUM
-from extreme_chains import each_extreme, fixed_chain
+from core.modules.declaration import declaration
+from core.modules.parameters import Parameter
+from drawn_chains import AFFORDABLE, BAND, GIVEN, LIBRARY, PICTURE, PUPIL, SENSOR, SPECTRUM, Chain
 from linked_network import linked_network
+
+# What is switched on beside the parameter under test, so that it acts.
+ACTIVE: dict[str, list[dict[str, Any]]] = {
+    "atmosphere_mtf": [
+        {"turbulence": "short_exposure", **GIVEN["atmosphere_mtf"]},
+        {"turbulence": "long_exposure", "cn2": 1e-14, "wavelength_um": 9},
+        {"turbulence": "long_exposure", "cn2": 1e-14, "wavelength_um": 9, "view": "vertical"},
+        {"fwhm_mrad": 1, "turbidity": "custom", "scatter_depth": 1},
+        {"turbidity": "custom", "scattering_per_km": 1, "view": "vertical"},
+    ],
+    "exit_pupil_mtf": [BAND, {**BAND, "method": "autocorrelation"}, {**BAND, "wavelengths": 3}],
+    "gaussian_mtf": [{"sigma_x_mrad": 1, "sigma_y_mrad": 1}],
+    "crosstrack_mtf": [{"dwell_time_s": 1e-4}],
+    "alongtrack_mtf": [{"integration_time_s": 0.01}],
+    "relative_motion_mtf": [
+        {"image_velocity_x": 3, "platform_velocity_y": 4, "integration_time_s": 0.1, "model": m}
+        for m in ("published", "line")
+    ],
+    "vibration_mtf": [
+        {"amplitude_x_mrad": 1, "amplitude_y_mrad": 2, "frequency_Hz": 9, "integration_time_s": t}
+        for t in (0.1, 1.0)
+    ],
+    "charge_eff_mtf": [{"efficiency": 0.9, "model": m} for m in ("exact", "published")],
+    "charge_eff_phase": [{"efficiency": 0.9, "model": m} for m in ("exact", "published")],
+    "poisson_noise": [{"percent": 10}, {"mode": "photon", "photons_per_unit": 10}],
+    "electronics_noise": [
+        GIVEN["electronics_noise"],
+        {**BAND, "region": "LWIR", "scan_mirror_rate_Hz": 1},
+        {
+            **GIVEN["electronics_noise"], "amplifier_snr": 9, "gain_percent": 2,
+            "bias_percent": 2, "noise_variability_percent": 5, "use_mtf": True,
+            "post_filter": "boost", "post_corner_Hz": 1000, "bits": 8,
+        },
+        {
+            **GIVEN["electronics_noise"], "gain_percent": 2, "bias_percent": 2, "bits": 64,
+            "gain_model": "literal", "post_filter": "lowpass", "post_corner_Hz": 1000,
+        },
+    ],
+    "periodic_noise": [{"amplitude": 1, "modulation": 0.5}],
+    "anti_alias": [{"factor": 3, "kernel": k} for k in ("box", "gaussian", "lanczos")],
+    "init_trans": [SENSOR],
+    "exit_pupil": [
+        PUPIL,
+        *({**PUPIL, "shape": s} for s in ("half_moon", "cassegrain", "cassegrain_slit", "spider")),
+        {**PUPIL, "defocus_waves": 0.5},
+        {**PUPIL, "shape": "cassegrain", "zernike_waves": [0, 0, 0, 0.1]},
+    ],
+}  # fmt: skip
+LARGEST, SMALLEST = 1.7976931348623157e308, 5e-324
+
+
+def extremes(parameter: Parameter) -> list[Any]:
+    """The ends of a parameter's range, and what lies far out within it."""
+    low, high = AFFORDABLE.get(parameter.name, (parameter.param.low, parameter.param.high))
+    if parameter.kind == "choice":
+        return list(parameter.choices)
+    if parameter.kind == "switch":
+        return [False, True]
+    if parameter.kind not in ("number", "integer"):
+        return []
+    sizes = [SMALLEST, 1e-30, 1e9, 1e300, LARGEST]
+    values = [*sizes, *(-v for v in sizes), 0.0]
+    values += [end for end in (low, high) if end is not None]
+    for end, step in ((low, math.inf), (high, -math.inf)):
+        if end is not None and parameter.kind == "number":
+            values.append(math.nextafter(end, step))
+    if parameter.kind == "integer":
+        values = [int(v) for v in values if abs(v) < 2**62 and v == int(v)]
+        values = [v for v in values if (low is None or v >= low) and (high is None or v <= high)]
+    return [v for v in dict.fromkeys(values) if parameter._in_range(v)]
+
+
+def fixed_chain(key: str, values: dict[str, Any]) -> Chain:
+    """Init, the module (of spectra), a pupil, back, the module (of pictures), in this order."""
+    on_picture = key in PICTURE
+    nodes: dict[str, tuple[str, dict[str, Any]]] = {
+        "file": ("read_image", {"path": "in.npy", "fov_x_deg": 1.5, "fov_y_deg": 1.1}),
+        "init": ("init_trans", SENSOR),
+        "pupil": ("exit_pupil", PUPIL),
+        "optics": ("exit_pupil_mtf", BAND),
+        "back": ("back_transform", {}),
+    }
+    links = [
+        ("file.image", "init.image"), ("init.context", "optics.context"),
+        ("pupil.pupil", "optics.pupil"), ("init.phase", "optics.phase"),
+        ("optics.magnitude", "back.magnitude"),
+    ]  # fmt: skip
+    phase = "optics.phase"
+    name = {"init_trans": "init", "exit_pupil": "pupil", "exit_pupil_mtf": "optics"}.get(key, "it")
+    nodes[name] = (key, values)
+    last = "back"
+    if on_picture:
+        links.append(("back.image", "it.image"))
+        last = "it"
+    declared = declaration(LIBRARY[key])
+    if name == "it" and declared.input("context"):
+        links.append(("init.context", "it.context"))
+    if name == "it" and declared.input("magnitude"):
+        links += [("init.magnitude", "it.magnitude"), ("it.magnitude", "optics.magnitude")]
+    else:
+        links.append(("init.magnitude", "optics.magnitude"))
+    if name == "it" and declared.input("phase"):
+        links += [(phase, "it.phase")]
+        phase = "it.phase"
+    links.append((phase, "back.phase"))
+    document = linked_network(nodes, links)
+    even = key not in ("charge_eff_phase", "exit_pupil") and values.get("model") != "line"
+    keeps = (not on_picture or key == "anti_alias") and even and not values.get("apply")
+    return Chain(document, last, keeps)
+
+
+def each_extreme(key: str, *, thorough: bool):
+    """Settings, and the precisions to try them in: samples overflow sooner in single.
+
+    Each value goes with one of what is switched on beside it, in turn; if `thorough`, with all.
+    """
+    bases, turn = ACTIVE.get(key, [{}]), count()
+    for parameter in declaration(LIBRARY[key]).parameters:
+        for value in extremes(parameter):
+            for base in bases if thorough else [bases[next(turn) % len(bases)]]:
+                far = isinstance(value, float) and not 1e-200 < abs(value) < 1e200
+                precisions = ("double",) if key not in PICTURE else ("single", "double")[: 1 + far]
+                for precision in precisions:
+                    yield {**base, parameter.name: value}, precision
 
 
 def test_faults_in_worker_threads_are_errors_too(folder):

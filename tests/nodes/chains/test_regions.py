@@ -1,7 +1,5 @@
 """A region of a picture is the whole picture's, to the bit, and costs less."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A camera's mean electrons and what becomes of them, without noise; pixels as sums of waves."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

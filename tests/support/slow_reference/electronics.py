@@ -1,7 +1,5 @@
 """What electronics do to a picture without drawing a random number, and patterns of noise."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from slow_reference.filtering import filtered_lines

@@ -1,7 +1,5 @@
 """Filtering by direct sums: forward matrix, transfer function, backward matrix."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from slow_reference.camera import at_places

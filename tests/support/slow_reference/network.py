@@ -1,7 +1,5 @@
 """A network as plain data to the picture on one of its ports."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from typing import Any
 

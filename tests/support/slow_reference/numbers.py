@@ -1,7 +1,5 @@
 """Constants, intervals and Fourier matrices in the type of the samples they are for."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

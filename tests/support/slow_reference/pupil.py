@@ -1,17 +1,10 @@
 """The OTF of an exit pupil over a band, as modulus and phase for the two wires."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from slow_reference.numbers import PI, like
 from slow_reference.pupil_area import overlap
-from slow_reference.pupil_samples import (
-    autocorrelation,
-    between,
-    transmission,
-    with_wavefront,
-)
+from slow_reference.pupil_samples import autocorrelation, between, transmission, with_wavefront
 
 FINEST = 1024  # samples across up to which a geometric pupil is sampled twice as finely
 

@@ -6,8 +6,6 @@ pupils or not at all: a point at its middle tells. Its area is the difference of
 circles or lines. Nothing is approximated.
 """
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A sampled pupil: its samples, wavefront error, autocorrelation lag by lag, and in between."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from slow_reference.numbers import PI, like

@@ -1,7 +1,5 @@
 """Combining, interpolating and low-passing samples, sample by sample."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from functools import lru_cache
 

@@ -4,8 +4,6 @@
 is None or 0. A law is None where the module passes its input on.
 """
 
-from __future__ import annotations
-
 from decimal import Decimal
 
 import numpy as np
