@@ -1,7 +1,5 @@
 """The modules there are, and the networks that are shipped."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

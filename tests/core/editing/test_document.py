@@ -1,14 +1,10 @@
 """The open document: what it tells, what it refuses, saving, its file and folder."""
 
-from __future__ import annotations
-
 import json
 import os
 
 import pytest
 
-from app.editor.recovery_files import Autosave, recoverable
-from child_process import run_program
 from core.editing.document import GONE, Document, mark, mark_of, rebased
 from core.editing.operations import (
     ABSENT,
@@ -78,16 +74,6 @@ def test_steps_of_one_kind_are_apart_without_a_gesture_or_after_its_end(document
     assert document.history.position == 4
 
 
-def test_a_drag_back_to_where_it_began_is_no_step(document):
-    for x in (481.0, 490.0, 480.0):
-        document.do(Move({"init": (x, 0)}), gesture="drag")
-    assert document.history.position == 0
-    assert not document.modified
-    assert document.network.layout["init"] == (480, 0)
-    document.do(Move({"init": (500.0, 0)}), gesture="drag")
-    assert document.history.position == 1
-
-
 def test_the_modified_mark_follows_undo_and_redo(document, tmp_path):
     document.do(Remove(("slices",)))
     assert document.modified
@@ -102,15 +88,6 @@ def test_the_modified_mark_follows_undo_and_redo(document, tmp_path):
     document.undo()
     assert document.modified
     assert document.history.redo_text == "Delete picture"
-
-
-def test_a_save_in_the_middle_of_a_drag_begins_a_new_step(document, tmp_path):
-    document.do(Move({"init": (1.0, 0)}), gesture="drag")
-    document.save(tmp_path / "a.json")
-    document.do(Move({"init": (2.0, 0)}), gesture="drag")
-    assert document.modified
-    document.undo()
-    assert not document.modified
 
 
 def test_listeners_hear_every_change_and_only_those(document):
@@ -158,15 +135,6 @@ def test_wiring_that_was_wrong_before_can_be_mended(library):
     assert document.do(Rewire(remove=loop[:1]))
 
 
-def test_a_refused_operation_leaves_the_redo_steps(document):
-    document.do(Remove(("slices",)))
-    document.undo()
-    with pytest.raises(NetworkError):
-        document.do(Remove(("nobody",)))
-    document.redo()
-    assert "slices" not in document.network.nodes
-
-
 def test_saving_writes_what_is_opened_again(document, library, tmp_path):
     document.do(set_parameter("init", "f_number", ABSENT))
     document.save(tmp_path / "a.json")
@@ -188,40 +156,6 @@ def test_a_save_that_fails_loses_nothing(document, tmp_path):
     assert document.path is None
     document.undo()
     assert "slices" in document.network.nodes
-
-
-FULL_DISK = """
-import resource, signal, sys
-from pathlib import Path
-from core.editing.document import Document
-from core.editing.operations import set_network_field
-from core.errors import FileError
-from core.network.network import Network
-document = Document(Network("a"), library={})
-path = Path(sys.argv[1]) / "a.json"
-document.save(path)
-old = path.read_bytes()
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
-document.do(set_network_field("description", "x" * 100_000))
-try:
-    document.save()
-except FileError as error:
-    assert document.modified and path.read_bytes() == old
-    assert [each.name for each in path.parent.iterdir()] == ["a.json"]
-    print("kept:", error)
-"""
-
-
-def test_a_full_disk_leaves_the_old_file_and_the_modified_mark(tmp_path):
-    assert run_program(FULL_DISK, str(tmp_path)).stdout.startswith("kept: cannot write")
-
-
-def test_points_of_nodes_that_are_not_there_are_dropped(library):
-    network = Network(nodes={"a": Node("a", "x")}, layout={"a": (0, 0), "b": (1, 1)})
-    document = Document(network, library=library)
-    assert document.network.layout == {"a": (0, 0)}
-    assert not document.modified
 
 
 @pytest.fixture
@@ -256,14 +190,6 @@ def test_the_second_to_save_is_refused_and_the_first_ones_work_stands(file, libr
     assert one.disagreement() == "changed"
 
 
-def test_one_alone_saves_again_and_again(file, library):
-    document = opened(file, library)
-    for number in range(5):
-        document.do(set_network_field("name", f"version {number}"))
-        document.save()
-        assert named(file) == f"version {number}"
-
-
 def test_a_change_within_one_tick_of_the_clock_is_noticed(file, library):
     """Of the same size, and at the same time to the nanosecond."""
     document = opened(file, library)
@@ -277,14 +203,6 @@ def test_a_change_within_one_tick_of_the_clock_is_noticed(file, library):
         document.save()
 
 
-def test_a_file_changed_and_changed_back_is_no_other(file, library):
-    document, content = opened(file, library), file.read_bytes()
-    file.write_text("{}")
-    file.write_bytes(content)
-    document.do(set_network_field("name", "mine"))
-    document.save()
-
-
 def test_a_removed_file_is_noticed_and_can_be_made_anew(file, library):
     document = opened(file, library)
     file.unlink()
@@ -293,16 +211,6 @@ def test_a_removed_file_is_noticed_and_can_be_made_anew(file, library):
         document.save()
     document.save(over=True)
     assert named(file) == "mine"
-
-
-def test_another_name_of_its_own_file_is_its_own_file(file, library):
-    document = opened(file, library)
-    link = file.with_name("link.json")
-    link.symlink_to(file)
-    file.write_text("{}")
-    document.do(set_network_field("name", "mine"))
-    with pytest.raises(ChangedFileError):
-        document.save(link)
 
 
 def test_another_file_is_not_looked_at(file, library):
@@ -327,61 +235,6 @@ def test_what_is_no_file_never_agrees(tmp_path, file, library):
     assert mark_of(tmp_path / "nothing") == GONE
     os.mkfifo(tmp_path / "pipe")
     assert mark_of(tmp_path / "pipe") not in ("", GONE)
-
-
-def test_a_file_longer_than_any_network_is_another(file, library):
-    document, content = opened(file, library), file.read_bytes()
-    with file.open("ab") as stream:
-        stream.truncate(2**26)
-    assert document.disagreement() == "changed"
-    file.write_bytes(content)
-    assert document.disagreement() == ""
-
-
-CRASHED = """
-import sys
-from pathlib import Path
-from app.editor.recovery_files import Autosave
-from core.editing.document import Document
-from core.editing.operations import set_network_field
-from core.network.network import Network
-path, folder = map(Path, sys.argv[1:])
-document = Document(Network("first"), library={}, path=path)
-document.do(set_network_field("name", "lost"))
-Autosave(document, folder).write_if_changed()
-"""
-
-
-def test_recovered_work_does_not_overwrite_what_came_after_the_crash(file, tmp_path, library):
-    run_program(CRASHED, str(file), str(tmp_path / "recovery"))
-    file.write_text(file.read_text().replace("first", "later"))
-    (work,) = recoverable(tmp_path / "recovery")
-    document = work.document(library)
-    with pytest.raises(ChangedFileError):
-        document.save()
-    assert named(file) == "later"
-
-
-@pytest.mark.parametrize("version", ["this", "earlier"])
-def test_recovered_work_is_saved_where_nothing_came_between(file, tmp_path, library, version):
-    run_program(CRASHED, str(file), str(tmp_path / "recovery"))
-    (left,) = (tmp_path / "recovery").glob("*.recovery")
-    if version == "earlier":
-        content = json.loads(left.read_text())
-        del content["stored"]
-        left.write_text(json.dumps(content))
-    (work,) = recoverable(tmp_path / "recovery")
-    work.document(library).save()
-    assert named(file) == "lost"
-
-
-def test_what_is_kept_says_what_the_file_held(file, tmp_path, library):
-    document = opened(file, library)
-    document.do(set_network_field("name", "mine"))
-    kept = Autosave(document, tmp_path / "recovery")
-    kept.write_if_changed()
-    assert json.loads(kept.path.read_text())["stored"] == mark(file.read_bytes())
-    kept.finish()
 
 
 def network_of(**paths):
@@ -418,15 +271,6 @@ def test_through_a_folder_that_is_a_link(library, tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "real/deep")
     found = moved(network_of(a="scene.npy"), library, tmp_path / "work", tmp_path / "link")
     assert (tmp_path / "link" / found["a"]).read_bytes() == b"here"
-
-
-def test_up_from_a_linked_folder(library, tmp_path):
-    (tmp_path / "real/deep").mkdir(parents=True)
-    (tmp_path / "work").mkdir()
-    (tmp_path / "real/scene.npy").write_bytes(b"here")
-    (tmp_path / "work/link").symlink_to(tmp_path / "real/deep")
-    found = moved(network_of(a="link/../scene.npy"), library, tmp_path / "work", tmp_path)
-    assert (tmp_path / found["a"]).read_bytes() == b"here"
 
 
 def test_what_needs_no_change_gets_none(library, tmp_path):

@@ -1,31 +1,25 @@
 """Parameters that follow others, in and around macros: whatever is grouped, the values stay."""
 
-from __future__ import annotations
-
-import copy
 import json
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from core.chain.engine import Engine
 from core.editing.clipboard import copied, pasted
 from core.editing.document import Document
 from core.editing.grouping import group, ungroup
 from core.editing.macros import addressed, at_level, expose, hide, rename_exposed
 from core.editing.operations import Remove, Rename, keeping_values, set_node_field, set_parameter
-from core.errors import ImagechainError, NetworkError
-from core.network.expression_grammar import LONGEST
+from core.errors import NetworkError
 from core.network.file import format_network, parse_network
 from core.network.linked_values import expression, resolved
-from core.network.macro import expanded, path_of
+from core.network.macro import path_of
 from core.network.network import Network
 from core.network.validation import problems
 
 LIMITS = settings(
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+    deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
 LINKS = {
     ("aberration", "sigma_x_mrad"): "init.f_number * 2 / 1000",
@@ -129,23 +123,6 @@ def camera(linked, library):
     """Aberration and optics in a macro: they follow nodes outside, the electronics follow them."""
     made = group(linked, library, ["aberration", "optics"], "camera")[1].apply(linked)
     return Document(made, library=library)
-
-
-def test_what_follows_a_node_outside_is_the_macros_own(camera, library):
-    node = camera.network.nodes["camera"]
-    shown = {name: raw["expression"] for name, raw in node.params.items()}
-    assert sorted(shown.values()) == [
-        "'camera/aberration'.sigma_y_mrad + init.focal_length_mm * 0.064",
-        "init.f_number * 2 / 1000",
-    ]
-    # Inside stands the value of that moment, and what follows only nodes inside.
-    inside = node.macro.nodes["aberration"].params
-    wanted = truth(camera.network)["aberration", "sigma_x_mrad"]
-    assert inside["sigma_x_mrad"] == pytest.approx(wanted)
-    assert inside["sigma_y_mrad"] == expression("aberration.sigma_x_mrad * 10")
-    assert camera.network.nodes["electronics"].params["bias_percent"] == expression(
-        "init.focal_length_mm / 100 + 'camera/optics'.size_x_cm"
-    )
 
 
 def test_a_node_renamed_inside_is_followed_outside(camera, library):
@@ -262,46 +239,3 @@ def test_a_cycle_through_a_macros_border_is_refused_with_its_way(camera, library
     )
     faults = problems(network, library=library)
     assert any("follows itself" in fault.message for fault in faults)
-
-
-def test_a_name_that_makes_an_expression_too_long_is_refused_at_its_node(camera, library):
-    long = "1 + " * ((LONGEST - 30) // 4) + "aberration.sigma_x_mrad * 10"
-    step = set_parameter("camera/aberration", "sigma_y_mrad", expression(long))
-    network = addressed(camera.network, step).apply(camera.network)
-    assert any(
-        f.node == "camera/aberration" and "at most 1000" in f.message
-        for f in problems(network, library=library)
-    )
-
-
-def test_the_engine_computes_the_same_picture(linked, library):
-    small = linked
-    for node in linked.nodes.values():
-        if node.module == "test_scene":
-            small = small.with_parameter(node.id, "width", 64).with_parameter(node.id, "height", 64)
-    macro = group(small, library, ["init", "optics", "aberration"], "camera")[1].apply(small)
-    engine = Engine(library)
-    plans = [engine.plan(small), engine.plan(expanded(macro, library))]
-    assert plans[1].nodes["camera/aberration"].error is None
-    for name in ("sigma_x_mrad", "sigma_y_mrad"):
-        one, other = plans[0].nodes["aberration"], plans[1].nodes["camera/aberration"]
-        assert one.node.params[name] == other.node.params[name]
-    # A later plan takes over what has not changed.
-    again = engine.plan(expanded(macro, library), previous=plans[1])
-    assert again.nodes["camera/aberration"] is plans[1].nodes["camera/aberration"]
-
-
-def test_damaged_expressions_in_macros_open_with_a_clear_line(camera, library):
-    document = json.loads(format_network(camera.network, library=library))
-    for wrong in (3, None, [], {"a": 1}, "1 +", "''.x", "'" * 9):
-        for place in ("inside", "outside"):
-            damaged = copy.deepcopy(document)
-            macro = damaged["nodes"]["camera"]
-            target = macro["macro"]["nodes"]["aberration"] if place == "inside" else macro
-            name = "sigma_y_mrad" if place == "inside" else next(iter(macro["params"]))
-            target["params"][name] = {"expression": wrong}
-            try:
-                network = parse_network(json.dumps(damaged), library=library)
-            except ImagechainError:
-                continue
-            assert problems(network, library=library)

@@ -1,7 +1,5 @@
 """Nodes laid out along their wires, and in line."""
 
-from __future__ import annotations
-
 import itertools
 from random import Random
 
@@ -9,16 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.editing.layout import (
-    EDGES,
-    WAYS,
-    aligned,
-    arranged,
-    columns_of,
-    crossings,
-    distributed,
-    rows_of,
-)
+from core.editing.layout import EDGES, WAYS, aligned, arranged, crossings, distributed
 from core.editing.operations import Move
 from core.network.network import Link, Network, Node
 from thorough import examples
@@ -89,14 +78,6 @@ def test_the_kodak_chain_stays_one_row(kodak):
     assert after.layout["pupil"][0] == after.layout["init"][0]  # right before what it feeds
 
 
-def test_the_upper_left_corner_stays(kodak):
-    far = {name: (x + 5000.0, y - 700.0) for name, (x, y) in kodak.layout.items()}
-    network = Network(nodes=kodak.nodes, links=kodak.links, layout=far)
-    after = Move(arranged(network, {})).apply(network)
-    assert min(x for x, _ in after.layout.values()) == 5000.0
-    assert min(y for _, y in after.layout.values()) == -700.0
-
-
 def test_only_the_chosen_nodes_move(kodak):
     chosen = {"aberration", "detector", "charge"}
     places = arranged(kodak, {}, chosen)
@@ -126,12 +107,6 @@ def test_long_chains_and_cycles_need_no_recursion(count):
     assert len(set(arranged(looped, {}).values())) == count
 
 
-def test_columns():
-    followers = {"scene": ["init"], "init": ["optics", "jitter"], "pupil": ["optics"],
-                 "optics": ["jitter"], "jitter": []}  # fmt: skip
-    assert columns_of(followers) == {"scene": 0, "init": 1, "pupil": 1, "optics": 2, "jitter": 3}
-
-
 @pytest.mark.parametrize("wires", [1, 2, 3, 5, 6, 7, 11, 16])
 def test_crossings_are_those_of_all_pairs(wires):
     """Every number of wires, not only those that halve evenly: each pair looked at."""
@@ -144,13 +119,6 @@ def test_crossings_are_those_of_all_pairs(wires):
     pairs = itertools.combinations(zip(left, right, strict=True), 2)
     crossed = sum((one[0] < other[0]) != (one[1] < other[1]) for one, other in pairs)
     assert crossings(followers, column, height) == crossed
-
-
-def test_wires_are_uncrossed():
-    followers = {"a": ["z"], "b": ["y"], "c": ["x"], "x": [], "y": [], "z": []}
-    column = {"a": 0, "b": 0, "c": 0, "x": 1, "y": 1, "z": 1}
-    left, right = rows_of(followers, column)
-    assert [followers[name][0] for name in left] == right
 
 
 UNEQUAL = {"a": (100.0, 50.0), "b": (200.0, 80.0), "c": (60.0, 120.0), "d": (90.0, 40.0)}

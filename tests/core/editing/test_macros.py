@@ -1,7 +1,5 @@
 """Grouping, ungrouping, and what a macro shows: by hand, and the picture is the same to the bit."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -118,16 +116,6 @@ def test_a_macro_in_a_macro_changes_no_bit(small, library):
     assert np.array_equal(before, picture(outer, library, "chip/electronics.image"))
 
 
-def test_without_its_name_of_the_noise_a_node_inside_draws_another(small, library):
-    """The macro is called camera, so a node inside is another than the one outside."""
-    network = small("kodak_kir310")
-    macro, _ = grouped(network, library, ["electronics"])
-    text = format_network(macro, library=library).replace('"noise": "electronics"', '"auto": true')
-    other = parse_network(text, library=library)
-    first = picture(macro, library, "camera.image")
-    assert not np.array_equal(first, picture(other, library, "camera.image"))
-
-
 def test_a_copy_of_a_macro_draws_its_own_noise(small, library):
     network = small("kodak_kir310")
     macro, _ = grouped(network, library, ["electronics"])
@@ -149,29 +137,6 @@ def test_a_copy_of_a_macro_draws_its_own_noise(small, library):
     )
     first = picture(after, library, "camera.image")
     assert not np.array_equal(first, picture(after, library, "camera_2.image"))
-
-
-def test_what_a_group_shows(shipped, library):
-    network = shipped["kodak_kir310"]
-    macro, name = grouped(network, library, ["back", "pixels", "electronics"])
-    extra = macro.nodes[name].macro.extra
-    assert dict(extra["inputs"]) == {
-        "magnitude": "back.magnitude",
-        "phase": "back.phase",
-        "context": "electronics.context",
-    }
-    assert dict(extra["outputs"]) == {"image": "electronics.image"}
-    assert Link("camera", "image", "frame_grabber", "image") in macro.links
-
-
-def test_one_wire_outside_may_feed_several_nodes_inside(shipped, library):
-    network = shipped["kodak_kir310"]
-    macro, name = grouped(network, library, ["optics", "aberration", "detector"])
-    assert macro.nodes[name].macro.extra["inputs"]["context"] == (
-        *("optics.context", "aberration.context", "detector.context"),
-    )
-    into = [link for link in macro.links if link.target == name and link.input == "context"]
-    assert into == [Link("init", "context", name, "context")]
 
 
 def test_a_way_out_and_back_in_is_refused(shipped, library):

@@ -1,7 +1,5 @@
 """What each operation does to a network: the values written here come from no operation."""
 
-from __future__ import annotations
-
 import json
 
 import pytest
@@ -17,7 +15,6 @@ from core.editing.operations import (
     Rename,
     Rewire,
     SetOutput,
-    Together,
     fresh_name,
     output_toggled,
     set_network_field,
@@ -25,7 +22,7 @@ from core.editing.operations import (
     set_parameter,
 )
 from core.errors import ImagechainError, NetworkError
-from core.network.file import format_network, parse_network
+from core.network.file import parse_network
 from core.network.network import Link, Network, Node
 
 
@@ -87,24 +84,10 @@ def test_names_that_are_taken_or_not_allowed_are_refused(network, new):
         Rename("look", new).apply(network)
 
 
-def test_moving(network):
-    after = Move({"scene": (7, 8.5), "look": (1, 2)}).apply(network)
-    assert after.layout == {**network.layout, "scene": (7.0, 8.5), "look": (1.0, 2.0)}
-
-
 @pytest.mark.parametrize("at", [(float("nan"), 0), (0, float("inf"))])
 def test_no_node_lies_nowhere(network, at):
     with pytest.raises(NetworkError, match="look cannot be placed at"):
         Move({"look": at}).apply(network)
-
-
-def test_a_link_into_an_occupied_input_takes_its_place(network):
-    new = Link("scene", "image", "look", "picture")
-    rewiring = Rewire(add=(new,))
-    after = rewiring.apply(network)
-    assert new in after.links
-    assert Link("add noise", "image", "look", "picture") not in after.links
-    assert len(after.links) == len(network.links)
 
 
 def test_a_link_that_is_there_stays_one_link(network):
@@ -122,12 +105,6 @@ def test_a_parameter_is_set_and_left_at_its_default_again(network):
     assert after.nodes["jitter"].params == {"sigma_mrad": 3.0}
     assert set_parameter("jitter", "sigma_mrad", ABSENT).apply(after).nodes["jitter"].params == {}
     assert list(after.nodes) == list(network.nodes)
-
-
-def test_parameters_of_an_unknown_module_are_set_as_well(network, small_library):
-    network = Add((Placed(Node("old", "no such module", {"a": [1, 2]})),)).apply(network)
-    after = set_parameter("old", "a", {"b": 1}).apply(network)
-    assert '"b": 1' in format_network(after, library=small_library)
 
 
 def test_fields_of_nodes_and_of_the_network(network):
@@ -175,11 +152,6 @@ def test_what_does_not_fit_says_so(network):
             operation.apply(network)
 
 
-def test_several_operations_follow_each_other(network):
-    both = Together((Rename("look", "see"), set_parameter("see", "level", 9.0), Remove(("see",))))
-    assert "see" not in both.apply(network).nodes
-
-
 @pytest.mark.parametrize(
     ("wanted", "taken", "fresh"),
     [
@@ -207,11 +179,6 @@ def fresh(kodak, library):
     return Document(kodak, library=library)
 
 
-def test_the_networks_own_field_counts_as_a_mark(fresh):
-    assert fresh.network.output_nodes == ("frame_grabber",)
-    assert marked(fresh.network) == []
-
-
 def test_a_mark_takes_the_place_of_every_other(fresh):
     before = fresh.text()
     fresh.do(SetOutput(("back",)))
@@ -225,23 +192,6 @@ def test_a_mark_takes_the_place_of_every_other(fresh):
     assert fresh.text() == before
     fresh.redo()
     assert marked(fresh.network) == ["back"]
-
-
-def test_it_stands_in_the_file_beside_the_parameters(fresh, library):
-    fresh.do(SetOutput(("back",)))
-    node = json.loads(fresh.text())["nodes"]["back"]
-    assert node == {"module": "back_transform", "final": True}
-    read = parse_network(fresh.text(), library=library)
-    assert marked(read) == ["back"]
-    assert format_network(read, library=library) == fresh.text()
-
-
-@pytest.mark.parametrize("wrong", [1, "true", None])
-def test_only_true_or_false_is_a_mark(kodak, library, wrong):
-    document = json.loads(format_network(kodak, library=library))
-    document["nodes"]["back"]["final"] = wrong
-    with pytest.raises(NetworkError, match=r"nodes\.back\.final must be true or false"):
-        parse_network(json.dumps(document), library=library)
 
 
 def test_toggling(fresh, library):
@@ -259,15 +209,6 @@ def test_toggling(fresh, library):
 def test_what_makes_no_picture_cannot_be_marked(fresh, library, name):
     with pytest.raises(NetworkError, match="it has no picture"):
         output_toggled(fresh.network, library, name)
-
-
-def test_two_marks_made_by_hand_are_mended_by_one(fresh, library):
-    document = json.loads(fresh.text())
-    for name in ("back", "electronics"):
-        document["nodes"][name]["final"] = True
-    network = parse_network(json.dumps(document), library=library)
-    operation = output_toggled(network, library, "frame_grabber")
-    assert marked(operation.apply(network)) == ["frame_grabber"]
 
 
 def test_a_copy_is_not_marked(fresh, library):

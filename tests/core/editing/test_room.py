@@ -1,7 +1,5 @@
 """Room for new nodes: nothing stands on anything, and nothing moves farther than it must."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from random import Random
@@ -44,16 +42,6 @@ def free(network, points):
     return free_places(points, sizes_of(points), network, sizes_of(network.nodes))
 
 
-def test_where_there_is_room_nothing_moves():
-    assert free(network_at({"a": (0.0, 0.0)}), {"new": (400.0, 0.0)}) == {"new": (400.0, 0.0)}
-
-
-def test_a_node_on_another_goes_the_shortest_way():
-    """From 10 right and 20 below the other's corner: down is 100 + gap − 20, the shortest."""
-    moved = free(network_at({"a": (0.0, 0.0)}), {"new": (10.0, 20.0)})
-    assert moved == {"new": (10.0, 100.0 + GAP_Y)}
-
-
 @pytest.mark.parametrize("seed", range(40))
 def test_new_nodes_stand_free_and_moved_by_the_least(seed):
     """Against a search over a fine grid of shifts, which knows nothing of edges."""
@@ -92,21 +80,6 @@ def pushed(points, at, behind=()):
     network = network_at({**points, "new": at})
     places = made_way(network, sizes_of(network.nodes), "new", at, behind)
     return {**network.layout, **places}
-
-
-def test_a_node_put_between_two_pushes_the_one_behind_and_what_that_meets():
-    points = {"a": (0.0, 0.0), "b": (240.0, 0.0), "c": (480.0, 0.0), "far": (2000.0, 0.0)}
-    after = pushed(points, (190.0, 5.0), behind={"b", "c", "far"})
-    assert after["a"] == (0.0, 0.0)
-    assert after["new"] == (180.0 + GAP_X, 5.0)
-    assert after["b"] == (180.0 + GAP_X + 180.0 + GAP_X, 0.0)
-    assert after["c"][0] == after["b"][0] + 180.0 + GAP_X
-    assert after["far"] == (2000.0, 0.0)
-
-
-def test_another_row_stays():
-    points = {"a": (0.0, 0.0), "b": (240.0, 0.0), "below": (240.0, 400.0)}
-    assert pushed(points, (210.0, 0.0), behind={"b", "below"})["below"] == (240.0, 400.0)
 
 
 @pytest.mark.parametrize("seed", range(30))

@@ -1,7 +1,5 @@
 """Whatever is done to a network, undo gives back the text of its file, and redo does it again."""
 
-from __future__ import annotations
-
 from random import Random
 
 from hypothesis import HealthCheck, given, settings

@@ -1,9 +1,6 @@
 """Networks whose parameters follow others: values, refusals, files."""
 
-from __future__ import annotations
-
 import json
-import pickle
 
 import pytest
 
@@ -59,27 +56,14 @@ def test_values_take_the_place_of_expressions(document, small_library):
     assert type(nodes["scene"].params["width"]) is int
 
 
-def test_a_value_out_of_range_is_refused_with_all_that_helps(document, small_library):
-    network = linked(document, small_library, jitter__sigma_mrad="1 - init.focal_length_mm")
-    assert refusals(network, small_library) == [
-        "jitter: sigma_mrad = 1 - init.focal_length_mm is not allowed: it gives -199 mrad; it must "
-        "give a number of at least 0 (mrad)"
-    ]
-
-
 @pytest.mark.parametrize(
     ("text", "part"),
     [
-        ("init.near_m / 0", "1 / 0 divides by zero"),
-        ("9^9^9^9", "too large"),
         ("int.near_m", "int.near_m names int, which is not a node; did you mean init?"),
         ("init.nearm", "Init & Trans has no parameter init.nearm; did you mean near_m?"),
         ("scene.kind", "scene.kind is point; an expression needs numbers"),
         ("scene.path", "scene.path is empty"),
-        ("3 K", "K is a unit of temperature"),
         ("jitter.sigma_mrad", "follows itself: jitter.sigma_mrad → jitter.sigma_mrad"),
-        ("(" * 100_000, "at most 1000"),
-        ("", "the expression is empty"),
     ],
 )
 def test_one_line_says_what_is_wrong(text, part, document, small_library):
@@ -219,9 +203,3 @@ def library_and_linked():
         plain,
         network.with_parameter("blur", "sigma_x_mrad", expression("init.f_number / 4")),
     )
-
-
-def test_errors_travel_between_processes(document, small_library):
-    network = linked(document, small_library, jitter__sigma_mrad="1 / 0")
-    (error,) = problems(network, library=small_library, unfinished=True)
-    assert str(pickle.loads(pickle.dumps(error))) == str(error)

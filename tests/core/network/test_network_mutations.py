@@ -1,7 +1,5 @@
 """Whatever is done to a network file: it loads as it stands, or gives one clear line."""
 
-from __future__ import annotations
-
 import copy
 import json
 
@@ -162,8 +160,7 @@ PLAIN = st.recursive(
         st.text(st.characters(exclude_categories=["Cs"]), max_size=8),
     ),
     lambda inner: st.one_of(
-        st.lists(inner, max_size=3),
-        st.dictionaries(st.text("abµ ", max_size=4), inner, max_size=3),
+        st.lists(inner, max_size=3), st.dictionaries(st.text("abµ ", max_size=4), inner, max_size=3)
     ),
     max_leaves=6,
 )

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import json
 import sys
 import threading
@@ -31,29 +29,18 @@ HEAD = '{"format": "imagechain-network", "version": 1, "nodes": {}, '
     ("text", "message"),
     [
         ("nodes: {}", "not JSON: Expecting value (line 1, column 1)"),
-        ("{} {}", "not JSON: Extra data (line 1, column 4)"),
         ("[]", "a network must be an object, not a list"),
-        ("null", "a network must be an object, not null"),
         (
             "{}",
             "not an Imagechain network: its format must be 'imagechain-network', but it has none",
         ),
-        (
-            '{"format": ["x"]}',
-            "not an Imagechain network: its format must be 'imagechain-network', not ['x']",
-        ),
         (HEAD + '"seed": NaN}', "NaN is not a number in JSON"),
-        (HEAD + '"seed": -Infinity}', "-Infinity is not a number in JSON"),
         (HEAD + '"x": 1e999}', "the number 1e999 is too large"),
-        (HEAD + f'"x": {"9" * 309}}}', "a number of 309 digits is too large"),
         (HEAD + f'"x": {"9" * 10**6}}}', "a number of 1000000 digits is too large"),
-        (HEAD + '"seed": 1, "seed": 1}', "the key seed occurs twice in one object"),
         (HEAD + '"x": {"a\\n": 1, "a\\n": 2}}', "the key 'a\\n' occurs twice in one object"),
         (HEAD + '"x": ["\\ud800"]}', "'\\ud800' is not valid Unicode text"),
-        (HEAD + '"\\udfff": 1}', "'\\udfff' is not valid Unicode text"),
         (HEAD + '"x": ' + "[" * 65 + "]" * 65 + "}", "nested more than 64 deep"),
         ("[" * 10**6, "nested more than 64 deep"),
-        ('{"a":' * 10**6, "nested more than 64 deep"),
     ],
 )
 def test_text_that_is_no_network(text, message, small_library):
@@ -74,33 +61,21 @@ def test_depth_does_not_depend_on_the_caller(document, small_library):
     ("path", "value", "message"),
     [
         (["version"], "1", "version must be a whole number, not a string"),
-        (["version"], True, "version must be a whole number, not true or false"),
         (["version"], 0, "version = 0 is not allowed: a whole number, 1 or more"),
         (["version"], 99, "version 99 is from a newer Imagechain: this one reads up to 2"),
-        (["name"], 3, "name must be a string, not a whole number"),
         (["description"], None, "description must be a string, not null"),
         (["seed"], 1.0, "seed must be a whole number, not a number"),
         (["seed"], -1, "seed = -1 is not allowed: a whole number from 0 to 9223372036854775807"),
-        (["nodes"], [], "nodes must be an object, not a list"),
         (["nodes", "init"], "init", "nodes.init must be an object, not a string"),
         (["nodes", "init", "module"], 1, "nodes.init.module must be a string, not a whole number"),
         (["nodes", "init", "module"], "", "nodes.init.module must not be empty"),
         (["nodes", "init", "params"], [], "nodes.init.params must be an object, not a list"),
-        (["nodes", "init", "auto"], 1, "nodes.init.auto must be true or false, not a whole number"),
-        (
-            ["nodes", "init", "disabled"],
-            None,
-            "nodes.init.disabled must be true or false, not null",
-        ),
         (["links"], {}, "links must be a list, not an object"),
         (["links", 2], "a.b", "link 3 must be a list, not a string"),
-        (["links", 0], ["a.b"] * 3, 'link 1 must be two strings, ["NODE.PORT", "NODE.PORT"]'),
         (["links", 0], ["a.b", 1], 'link 1 must be two strings, ["NODE.PORT", "NODE.PORT"]'),
         (["links", 0], ["a.b", "c"], "link 1: 'c' is not a port: write NODE.PORT"),
-        (["links", 0], ["a.", "c.d"], "link 1: 'a.' is not a port: write NODE.PORT"),
         (["layout"], [], "layout must be an object, not a list"),
         (["layout", "init"], [1], "layout.init must be two numbers, [x, y]"),
-        (["layout", "init"], [1, True], "layout.init must be two numbers, [x, y]"),
     ],
 )
 def test_wrong_types_and_values(path, value, message, document, small_library):
@@ -135,10 +110,6 @@ def test_what_may_be_left_out(small_library):
     assert (dict(network.nodes), network.links, dict(network.layout)) == ({}, (), {})
 
 
-def test_a_link_is_split_at_its_last_dot():
-    assert Link.between("a.b.c", "d.e") == Link("a.b", "c", "d", "e")
-
-
 def test_migrations_run_in_turn_from_the_version_of_the_file():
     steps = tuple(
         lambda document, name=name: document | {"steps": document["steps"] + name} for name in "abc"
@@ -155,12 +126,6 @@ def test_old_names_of_modules_parameters_and_ports(document, small_library):
     scene["params"]["columns"] = scene["params"].pop("width")
     document["links"][0][0] = "scene.picture"
     assert parse_network(json.dumps(document), library=small_library) == new
-
-
-def test_an_old_name_beside_the_new_one_stays_to_be_reported(document, small_library):
-    document["nodes"]["scene"]["params"]["columns"] = 3
-    network = parse_network(json.dumps(document), library=small_library)
-    assert network.nodes["scene"].params["columns"] == 3
 
 
 def test_an_unknown_output_is_not_taken_for_the_name_of_the_input(document, small_library):
@@ -207,11 +172,7 @@ def test_reading_a_long_file_from_a_small_stack(small_library):
 @pytest.mark.parametrize("slip", ["param", "Params", "parameters", "disable"])
 def test_a_slip_in_a_node_is_not_kept_as_a_field(small_library, slip):
     text = json.dumps(
-        {
-            "format": "imagechain-network",
-            "version": 1,
-            "nodes": {"a": {"module": "x", slip: {}}},
-        }
+        {"format": "imagechain-network", "version": 1, "nodes": {"a": {"module": "x", slip: {}}}}
     )
     with pytest.raises(NetworkError, match="did you mean"):
         parse_network(text, library=small_library)
