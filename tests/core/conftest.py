@@ -1,7 +1,5 @@
 """A small library of modules and a network made of them; an engine that counts."""
 
-from __future__ import annotations
-
 import copy
 import json
 from pathlib import Path

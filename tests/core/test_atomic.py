@@ -118,12 +118,6 @@ def test_system_error_in_the_block_is_one_clear_line(tmp_path):
     assert names(tmp_path) == []
 
 
-def test_long_names_work(tmp_path):
-    name = "n" * 251 + ".txt"
-    write_text(tmp_path / name, "x")
-    assert names(tmp_path) == [name]
-
-
 def test_refuses_what_is_no_file(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     cases = {

@@ -1,7 +1,5 @@
 """What killed processes leave is cleared away, and nothing else."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import time
@@ -151,7 +149,3 @@ def test_what_another_user_left_stays(tmp_path):
     shutil.chown(place, 65534)
     sweep(tmp_path)
     assert place.is_dir()
-
-
-def test_a_folder_that_is_not_there(tmp_path):
-    sweep(tmp_path / "none")

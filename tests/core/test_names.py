@@ -1,7 +1,5 @@
 """Names that are near to one that is not there."""
 
-from __future__ import annotations
-
 import pytest
 
 from core.names import alike
@@ -11,11 +9,7 @@ KNOWN = ("gaussian_mtf", "jitter_mtf", "diffraction_mtf", "poisson_noise")
 
 @pytest.mark.parametrize(
     ("name", "found"),
-    [
-        ("jitter", "jitter_mtf"),
-        ("gausian_mtf", "gaussian_mtf"),
-        ("noise", "poisson_noise"),
-    ],
+    [("jitter", "jitter_mtf"), ("gausian_mtf", "gaussian_mtf"), ("noise", "poisson_noise")],
 )
 def test_a_part_or_a_slip_finds_the_name(name, found):
     suggestion = alike(name, KNOWN)

@@ -1,7 +1,5 @@
 """Delivered pictures against direct sums that share no code with the engine."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

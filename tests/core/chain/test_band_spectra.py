@@ -1,7 +1,5 @@
 """The spectrum of a sample: read alone, attenuated, averaged over blocks, none after filters."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

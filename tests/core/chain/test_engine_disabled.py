@@ -1,7 +1,5 @@
 """Disabled nodes pass their main input through."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -46,11 +44,11 @@ class TestDisabled:
         with pytest.raises(NetworkError, match="init"):
             plan.output("bin.image")
 
+    def test_wrong_parameters_of_a_disabled_node_are_still_errors(self, bench):
+        document = disabled(network(LINE), "a").with_parameter("a", "factor", "x")
+        assert [error.node for error in bench.engine.plan(document).errors()] == ["a"]
+
     def test_readouts_of_a_disabled_node_do_not_fail(self, bench):
         plan = bench.engine.plan(disabled(network(LINE), "a"))
         found = bench.engine.readouts(plan, "a", bench.work())
         assert found.get("mean") in (None, 11.5)
-
-    def test_wrong_parameters_of_a_disabled_node_are_still_errors(self, bench):
-        document = disabled(network(LINE), "a").with_parameter("a", "factor", "x")
-        assert [error.node for error in bench.engine.plan(document).errors()] == ["a"]

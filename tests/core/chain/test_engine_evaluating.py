@@ -1,15 +1,11 @@
 """What is handed out, what is told on the way, and cancelling."""
 
-from __future__ import annotations
-
 import pickle
 import threading
-import time
 
 import pytest
 
-from child_process import PATIENCE_S
-from core.errors import Cancelled, DataError
+from core.errors import Cancelled
 from core.evaluation.policy import Policy
 from core.evaluation.store import Store
 from core.evaluation.work import Work
@@ -24,24 +20,10 @@ class TestHandedOut:
         with pytest.raises(ValueError, match="read-only"):
             array[0, 0] = 1
 
-    def test_the_same_array_is_handed_out(self, bench):
-        document = network(LINE)
-        assert bench.get(document, "b.image") is bench.get(document, "b.image")
-
     def test_plans_pickle(self, bench):
         plan = bench.engine.plan(network(CHAIN, CHAIN_LINKS))
         again = pickle.loads(pickle.dumps(plan.output("bin.image")))
         assert again.key == plan.output("bin.image").key
-
-
-class TestProgress:
-    def test_is_told_each_node_before_it_is_computed(self, bench):
-        bench.get(network(LINE), "b.image")
-        assert bench.computed == ["make", "a", "b"]
-
-    def test_chain_tells_its_nodes(self, bench):
-        bench.get(network(CHAIN, CHAIN_LINKS), "bin.image")
-        assert {"make", "back"} <= set(bench.computed)
 
 
 class TestCancel:
@@ -85,27 +67,3 @@ class TestCancel:
         with pytest.raises(Cancelled):
             work.for_each(one, range(1000))
         assert len(calls) < 1000
-
-    def test_from_another_thread(self):
-        stop = threading.Event()
-        work = Work(Policy(), Store(), stop)
-        threading.Timer(0.05, stop.set).start()
-
-        def wait() -> None:
-            begin = time.monotonic()
-            while time.monotonic() - begin < PATIENCE_S:
-                work.check()
-                time.sleep(0.001)
-
-        with pytest.raises(Cancelled):
-            wait()
-
-    def test_errors_in_threads_come_out(self):
-        work = Work(Policy(threads=2), Store())
-
-        def one(item: int) -> None:
-            if item == 7:
-                raise DataError("seven")
-
-        with pytest.raises(DataError, match="seven"):
-            work.for_each(one, range(20))

@@ -94,15 +94,6 @@ def test_nodes_held_back_stay_as_they_were_and_the_rest_builds_on_them(opened):
     assert freed.output("back.image").key != first.output("back.image").key
 
 
-def test_a_node_is_held_back_though_nothing_was_planned_before(opened):
-    engine, network = opened
-    held = {"aberration": engine.plan(network).nodes["aberration"]}
-    edited = network.with_parameter("aberration", "sigma_x_mrad", 0.3)
-    plan = engine.plan(edited, held=held)
-    assert plan.output("back.image").key == engine.plan(network).output("back.image").key
-    assert plan.nodes["aberration"].node is network.nodes["aberration"]
-
-
 def test_an_input_without_a_wire_is_an_error_of_its_own_kind(opened):
     engine, network = opened
     cut = replace(network, links=tuple(k for k in network.links if k.target != "back"))

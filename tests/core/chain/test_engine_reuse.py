@@ -1,7 +1,5 @@
 """What is computed, how often, and a store that engines share."""
 
-from __future__ import annotations
-
 import threading
 from dataclasses import replace
 
@@ -35,14 +33,6 @@ class TestOnce:
         bench.get(document.with_parameter("a", "factor", 7), "b.image")
         assert bench.computed == ["a", "b"]
 
-    def test_going_back_computes_nothing(self, bench):
-        document = network(LINE)
-        bench.get(document, "b.image")
-        bench.get(document.with_parameter("a", "factor", 7), "b.image")
-        bench.computed.clear()
-        bench.get(document, "b.image")
-        assert bench.computed == []
-
     def test_what_is_no_part_of_the_key_computes_nothing(self, bench):
         document = network(LINE)
         bench.get(document, "b.image")
@@ -53,25 +43,6 @@ class TestOnce:
             bench.get(other, "y.image" if other is renamed else "b.image")
         bench.get(document.with_parameter("a", "mode", "shown"), "b.image")
         assert bench.computed == []
-
-    def test_a_new_blur_keeps_the_spectrum(self, bench):
-        document = network(CHAIN, CHAIN_LINKS)
-        bench.get(document, "bin.image")
-        first = len(bench.computed)
-        bench.computed.clear()
-        bench.get(document.with_parameter("blur", "sigma", 2), "bin.image")
-        assert len(bench.computed) == 1 < first
-        bench.computed.clear()
-        bench.get(document.with_parameter("blur", "sigma", 2), "back.image")
-        assert "make" not in bench.computed
-
-    def test_a_picture_shared_by_two_nodes_is_made_once(self, bench):
-        document = network({**LINE, "c": ("scale", {"factor": 2.0}), "s": ("sum", {})},
-                           [("make.image", "a.image"), ("make.image", "c.image"),
-                            ("a.image", "s.image"), ("c.image", "s.other")])  # fmt: skip
-        bench.get(document, "s.image")
-        assert bench.computed.count("make") == 1
-        assert len([node for node in bench.computed if node in ("a", "c")]) == 1
 
     def test_precisions_are_kept_apart(self, bench):
         plan = bench.engine.plan(network(LINE))
@@ -112,12 +83,6 @@ class TestSharedStore:
         one.get(network(LINE), "b.image")
         two.get(network(LINE), "b.image")
         assert two.computed == []
-
-    def test_a_tiny_store_gives_the_same_pictures(self):
-        document = network(CHAIN, CHAIN_LINKS)
-        small = Bench(Store(capacity_bytes=1))
-        assert np.array_equal(small.get(document, "bin.image"), Bench().get(document, "bin.image"))
-        assert small.engine.store.used_bytes <= 1
 
     def test_many_threads_many_ports(self):
         document = network(CHAIN, CHAIN_LINKS)

@@ -15,11 +15,6 @@ def frames(tmp_path, *kinds, count=2, **settings):
     return image, work, [work.value(at_frame(image.recipe, n)) for n in range(count)]
 
 
-def test_frame_0_is_the_picture_itself(tmp_path):
-    image, _, _ = frames(tmp_path, *ALL)
-    assert at_frame(image.recipe, 0) is image.recipe
-
-
 @pytest.mark.parametrize("kind", ["photons", "published photons", "detector", "amplifier"])
 def test_temporal_noise_is_drawn_anew(tmp_path, kind):
     _, _, (first, second, third) = frames(tmp_path, kind, count=3, resize=False)

@@ -1,7 +1,5 @@
 """What a linear change says of itself."""
 
-from __future__ import annotations
-
 from core.chain.linear_change import Linear
 
 

@@ -161,8 +161,7 @@ def test_resampled(work, order, new, edges):
 
 def test_mirrored_after_periodic(work):
     expected = by_impulses(
-        work,
-        lambda image: through(through(image, BLUR, "periodic"), CHAINS["odd"], "reflect"),
+        work, lambda image: through(through(image, BLUR, "periodic"), CHAINS["odd"], "reflect")
     )
     power = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(work, BLUR, GRID, "periodic")
     found = power.filtered(work, CHAINS["odd"], GRID, "mirrored")

@@ -1,7 +1,5 @@
 """Events that move: their distribution against that of deviates about a local mean summed here."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What an evaluation did not compute is said of the right nodes, and only where it is so."""
 
-from __future__ import annotations
-
 import math
 import threading
 from dataclasses import replace
@@ -16,7 +14,7 @@ from core.chain.skipped import skips
 from core.chain.wires import Image
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
-from core.evaluation.store import EvaluationLog, Store
+from core.evaluation.store import EvaluationLog
 from core.modules.declaration import Module, NodeContext
 from engine_bench import CHAIN, CHAIN_LINKS, LINE, Bench, network
 
@@ -99,10 +97,6 @@ class TestStages:
         true = -math.expm1(-2 * (math.pi * sigma) ** 2 * 0.5)
         assert true <= left_out.bound <= true * (1 + 1e-5)
 
-    def test_nothing_is_left_out_of_a_picture_that_nobody_asked_for(self):
-        found = evaluated(chain(blur=("sigma", 1e-9)), "make.image", tolerance=1e-3)
-        assert of_kind(found, "below_budget") == {}
-
     def test_a_stage_left_out_of_a_picture_in_the_store_is_still_named(self):
         bench, document = Bench(), chain(blur=("sigma", 1e-9))
         for _ in range(2):
@@ -149,23 +143,12 @@ class TestPictures:
 
 
 class TestUnchanged:
-    def test_a_first_evaluation_has_none(self):
-        assert of_kind(evaluated(chain(), "bin.image", "back.image"), "unchanged") == {}
-
     def test_a_second_one_computes_nothing(self):
         bench = Bench()
         evaluated(network(LINE), "b.image", bench=bench)
         found = of_kind(evaluated(network(LINE), "b.image", bench=bench), "unchanged")
         assert list(found) == ["make", "a", "b"]
         assert {each.share for each in found.values()} == {0.0}
-
-    def test_the_whole_chain_behind_a_picture_that_was_there(self):
-        bench = Bench()
-        for _ in range(2):
-            found = evaluated(chain(), "bin.image", bench=bench)
-        assert list(of_kind(found, "unchanged")) == ["make", "back", "bin"]
-        unseen = {name: each.ports for name, each in of_kind(found, "unseen").items()}
-        assert unseen["back"] == ("image",)  # neither now nor before
 
     def test_a_node_that_computed_something_is_not_unchanged(self):
         """Of two outputs one was there behind another picture, the other is new."""
@@ -177,15 +160,6 @@ class TestUnchanged:
                 engine.value(plan, port, work)
         assert list(of_kind(skips(plan, work), "unchanged")) == ["a"]
 
-    def test_what_an_edit_follows_is_unchanged(self):
-        bench, document = Bench(), network(LINE)
-        evaluated(document, "b.image", bench=bench)
-        edited = document.with_parameter("b", "factor", 4)
-        found = evaluated(edited, "b.image", bench=bench)
-        assert list(of_kind(found, "unchanged")) == ["make", "a"]
-        unseen = {name: each.ports for name, each in of_kind(found, "unseen").items()}
-        assert unseen == {"a": ("noise",), "b": ("noise",)}
-
     def test_a_new_blur_keeps_the_spectrum(self):
         bench = Bench()
         evaluated(chain(), "bin.image", bench=bench)
@@ -194,27 +168,12 @@ class TestUnchanged:
         assert found["back"].share == 1 / 2  # the spectrum was there, the inverse was not
         assert "1 of 2" in found["back"].text
 
-    def test_a_picture_that_two_nodes_share_is_not_unchanged(self):
-        document = network({**LINE, "c": ("scale", {"factor": 2.0}), "s": ("sum", {})},
-                           [("make.image", "a.image"), ("make.image", "c.image"),
-                            ("a.image", "s.image"), ("c.image", "s.other")])  # fmt: skip
-        assert of_kind(evaluated(document, "s.image"), "unchanged") == {}
-
-    def test_a_store_too_small_keeps_nothing(self):
-        bench = Bench(Store(capacity_bytes=1))
-        for _ in range(2):
-            found = evaluated(network(LINE), "b.image", bench=bench)
-            assert of_kind(found, "unchanged") == {}
-
 
 class TestAccount:
     def test_what_two_pictures_share_is_said_once(self):
         found = evaluated(chain(blur=("sigma", 1e-9)), "bin.image", "back.image", tolerance=1e-3)
         said = [(each.node, each.kind) for each in found]
         assert len(said) == len(set(said))
-
-    def test_before_anything_is_evaluated_nobody_has_asked(self):
-        assert {each.kind for each in evaluated(chain())} == {"unseen"}
 
     def test_a_failed_node_has_no_account(self):
         document = network({**LINE, "make": ("maker", {"level": -13})})

@@ -1,7 +1,5 @@
 """Few wavelengths for all: the error is what is stated, and uniform pictures stay as they are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import qr
@@ -48,11 +46,6 @@ def test_complex_functions_are_fitted_in_both_parts():
     rank = few_wavelengths(turned[::2], turned[1::2], tolerance=1e-6)
     assert np.abs(turned - turned[:, rank.chosen] @ rank.shares).max() <= 1e-6
     assert len(rank.chosen) < 12
-
-
-def test_equal_functions_need_one():
-    same = np.repeat(np.linspace(1, 0, 100)[:, np.newaxis], 7, axis=1)
-    assert len(few_wavelengths(same[::2], same[1::2], tolerance=1e-6).chosen) == 1
 
 
 def test_as_many_steps_as_wavelengths_and_those_of_lapack(monkeypatch):

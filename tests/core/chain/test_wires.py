@@ -1,7 +1,5 @@
 """Chains of many stages on a wire: their keys, and how long they may be."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

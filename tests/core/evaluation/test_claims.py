@@ -1,7 +1,5 @@
 """Values that are still needed stay, whatever their size; chains may be of any length."""
 
-from __future__ import annotations
-
 import threading
 from collections import Counter
 
@@ -165,15 +163,6 @@ class Unclaimable(Step):
 class TestFailedClaims:
     """A claim that fails leaves the counts as they were."""
 
-    def test_none_of_those_asked_for_together_stays(self):
-        store = Store(1)
-        claims = Claims(store, "/x")
-        good, bad = chain(3), Unclaimable.of(made, value=2, node="bad")
-        for wanted in ([good, bad], [bad, good], [Step.of(plus, good, bad), good]):
-            with pytest.raises(MemoryError):
-                claims.take(wanted)
-            assert (store.pinned, claims.waiting) == (0, {})
-
     def test_claims_of_others_stay(self):
         store = Store(1)
         claims = Claims(store, "/x")
@@ -188,12 +177,14 @@ class TestFailedClaims:
         claims.give_up([good])
         assert (store.pinned, claims.waiting) == (0, {})
 
-    def test_a_value_that_cannot_be_claimed_leaves_nothing(self):
-        work = Counting()
-        recipe = Step.of(plus, chain(3), Unclaimable.of(plus, chain(2), node="bad"), node="last")
-        with pytest.raises(MemoryError):
-            work.value(recipe)
-        assert work.nothing_left()
+    def test_none_of_those_asked_for_together_stays(self):
+        store = Store(1)
+        claims = Claims(store, "/x")
+        good, bad = chain(3), Unclaimable.of(made, value=2, node="bad")
+        for wanted in ([good, bad], [bad, good], [Step.of(plus, good, bad), good]):
+            with pytest.raises(MemoryError):
+                claims.take(wanted)
+            assert (store.pinned, claims.waiting) == (0, {})
 
 
 class TestDeep:
@@ -201,12 +192,6 @@ class TestDeep:
         work = Counting()
         assert work.value(chain(DEEP))[0, 0] == DEEP + 1
         assert set(work.times.values()) == {1}
-        assert work.nothing_left()
-
-    def test_part(self):
-        work = Counting()
-        assert work.part(chain(DEEP), REGION)[0, 0] == DEEP + 1
-        assert max(work.times.values()) == 1
         assert work.nothing_left()
 
     def test_keys_and_frames(self):

@@ -1,7 +1,5 @@
 """A long row of values read once: store and log end as they began, less what the row shares."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -60,20 +58,3 @@ def test_what_the_row_shares_is_made_once(work):
     list(work.one_by_one(row(20), forgetting=True))
     assert CALLS.count(("scene", 0)) == 1
     assert [number for name, number in CALLS if name == "deviates"] == list(range(20))
-
-
-def test_what_was_there_before_stays(work):
-    kept = Step.of(deviates, frame=99)
-    first = row(1)[0]
-    work.value(kept)
-    work.value(first)
-    list(work.one_by_one(row(20), forgetting=True))
-    assert work.has(kept)
-    assert work.has(first)
-    assert kept.key in work.log.requested
-
-
-def test_without_forgetting_all_stay(work):
-    recipes = row(5)
-    list(work.one_by_one(recipes))
-    assert all(work.has(recipe) for recipe in recipes)

@@ -1,7 +1,5 @@
 """Rectangles of samples, and evaluating what lies in one alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -54,12 +52,6 @@ class TestRectangle:
         np.testing.assert_array_equal(cut, PICTURE[1:4, 2:6])
         assert not np.shares_memory(cut, PICTURE)
         assert str(Region(1, 2, 3, 4)) == "1:4,2:6"
-
-    def test_cuts_what_is_broadcast(self):
-        region = Region(1, 2, 3, 4)
-        np.testing.assert_array_equal(region.cut(PICTURE[:1]), PICTURE[:1, 2:6])
-        np.testing.assert_array_equal(region.cut(PICTURE[:, :1]), PICTURE[1:4, :1])
-        np.testing.assert_array_equal(region.cut(PICTURE[:1, :1]), PICTURE[:1, :1])
 
     @given(one=regions(9, 8), other=regions(9, 8))
     def test_overlap(self, one, other):
@@ -224,12 +216,6 @@ class TestEngine:
         part = bench.engine.value(plan, port, bench.work(), Region(1, 2, 2, 3))
         np.testing.assert_array_equal(part, whole[1:3, 2:5])
         assert bench.engine.value(plan, port, bench.work(), Region(0, 0, 4, 6)).shape == (4, 6)
-
-    def test_the_whole_as_a_region_is_the_whole(self):
-        bench = Bench()
-        plan = bench.engine.plan(network(CHAIN, CHAIN_LINKS))
-        part = bench.engine.value(plan, "back.image", bench.work(), Region(0, 0, 4, 6))
-        assert part is bench.engine.value(plan, "back.image", bench.work())
 
     @pytest.mark.parametrize(
         ("port", "region", "told"),

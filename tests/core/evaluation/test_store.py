@@ -1,7 +1,5 @@
 """The store of computed values, and the content keys it keeps them under."""
 
-from __future__ import annotations
-
 import threading
 import time
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Values a parameter refuses: one line with its name, the value, its unit and what is allowed."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 import pytest

@@ -1,7 +1,5 @@
 """Roots and ranges of probabilities, against closed forms."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -43,17 +41,6 @@ def test_a_zero(function, low, high, zero):
     assert len(calls) <= 202  # a triple zero is slow, as it is for scipy
 
 
-def test_it_is_faster_than_halving():
-    calls = []
-
-    def counted(x):
-        calls.append(x)
-        return math.log(x) + 7
-
-    assert brent_root(counted, low=1e-9, high=1.0) == pytest.approx(math.exp(-7), rel=1e-12)
-    assert len(calls) < 30
-
-
 def test_without_a_change_of_sign_it_is_refused():
     with pytest.raises(ParameterError, match="zero between"):
         brent_root(lambda x: x * x + 1, low=-1.0, high=1.0)
@@ -91,27 +78,6 @@ def test_same_as_bisection(half_m, steepness, wanted, levels):
         assert found == math.inf
     else:
         assert found == pytest.approx(by_bisection(at, wanted), rel=3e-13)
-
-
-# 1/(1 + (R/R50)^s) = p where R = R50·((1 − p)/p)^(1/s).
-@pytest.mark.parametrize("wanted", [0.01, 0.5, 0.9, 0.999])
-def test_in_closed_form(wanted):
-    found = range_for_probability(
-        probability_at=lambda r: 1 / (1 + (r / 4321.0) ** 3), probability=wanted
-    )
-    assert found == pytest.approx(4321.0 * ((1 - wanted) / wanted) ** (1 / 3), rel=1e-12)
-
-
-def test_asks_for_many_ranges_at_once():
-    asked = []
-
-    def at(range_m):
-        asked.append(len(range_m))
-        return 1 / (1 + range_m / 50.0)
-
-    range_for_probability(probability_at=at, probability=0.5)
-    assert len(asked) <= 14
-    assert max(asked) == 16
 
 
 @pytest.mark.parametrize("where", [2e-3, 10.0, 3e8])

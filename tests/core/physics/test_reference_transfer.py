@@ -1,7 +1,5 @@
 """The published reference values of sampling, blur, motion, detector, transfer and electronics."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

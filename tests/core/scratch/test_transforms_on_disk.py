@@ -45,10 +45,7 @@ FACTORS = {
     "separable": ((Separable(Law.of(gaussian), Law.of(gaussian)),), ()),
     "phases": ((Separable(Law.of(gaussian), None),), LAGS),
     "radial": ((Planar(Law.of(conical), radial=True, symmetric=True),), LAGS),
-    "tilted": (
-        (Planar(Law.of(tilted), take="modulus"),),
-        (Planar(Law.of(tilted), take="phase"),),
-    ),
+    "tilted": ((Planar(Law.of(tilted), take="modulus"),), (Planar(Law.of(tilted), take="phase"),)),
 }
 
 

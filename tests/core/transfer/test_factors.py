@@ -1,7 +1,5 @@
 """What one factor is, shown on a plane and at pairs of frequencies."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Which transforms are in use: installed ones of Intel, else those of scipy."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 
 import numpy as np

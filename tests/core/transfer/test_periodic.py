@@ -1,7 +1,5 @@
 """A periodic frame filtered in blocks of rows, against the definition on the whole plane."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

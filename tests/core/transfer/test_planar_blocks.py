@@ -18,7 +18,6 @@ from core.transfer.planar_blocks import (
     _probes,
     axes_of,
     cross_approximation,
-    thin_product,
 )
 from core.transfer.product import Product
 
@@ -138,12 +137,6 @@ def test_a_plane_kept_or_not_gives_the_same_bits(factor, precision, axes):
     assert np.array_equal(kept, anew)
 
 
-def test_the_product_by_pieces_is_the_product():
-    rng = np.random.default_rng(3)
-    u, v = rng.normal(size=(333, 40)), rng.normal(size=(40, 1500))
-    np.testing.assert_allclose(thin_product(u, v), u @ v, rtol=1e-12, atol=1e-12)
-
-
 def test_a_plane_of_high_rank_is_given_up():
     noise = np.random.default_rng(1).normal(size=(300, 200))
     found = cross_approximation(lambda i, j: noise[np.ix_(i, j)], 300, 200, 1e-7)
@@ -168,8 +161,3 @@ def test_what_the_first_probes_miss_is_found_between_them():
     found = cross_approximation(lambda i, j: plane[np.ix_(i, j)], size, size, 1e-9)
     assert found is not None
     assert np.abs(found[0] @ found[1] - plane).max() < 1e-9
-
-
-def test_a_plane_with_the_edge_of_its_support_is_given_up():
-    plane = np.maximum(0.0, 1 - np.hypot(*np.mgrid[0:2:300j, 0:2:200j]))
-    assert cross_approximation(lambda i, j: plane[np.ix_(i, j)], 300, 200, 1e-7) is None

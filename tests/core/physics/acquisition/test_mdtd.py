@@ -1,7 +1,5 @@
 """MDTD by hand for a staring array, by blurring in space, and the laws that it must obey."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -103,14 +101,6 @@ def test_components_of_noise():
 
 @pytest.mark.parametrize("window", ["target", "image"])
 class TestLaws:
-    def test_one_over_the_root_of_the_area_of_large_targets(self, window):
-        small, large = mdtd([20.0, 80.0], window=window)
-        assert small / large == pytest.approx(4, rel=0.02)
-
-    def test_one_over_the_area_of_small_targets(self, window):
-        small, large = mdtd([0.002, 0.004], window=window)
-        assert small / large == pytest.approx(4, rel=1e-3)
-
     def test_falls_with_size(self, window):
         assert (np.diff(mdtd(np.geomspace(0.001, 90, 60), window=window)) < 0).all()
 
@@ -122,13 +112,6 @@ class TestLaws:
         assert at == pytest.approx(beyond[0], rel=0.02)
         assert at > beyond[0]
         np.testing.assert_allclose(beyond, beyond[0], rtol=1e-9)
-
-    def test_proportional_to_noise_and_root_of_frames(self, window):
-        size = np.geomspace(0.01, 50, 9)
-        usual = mdtd(size, window=window)
-        doubled = mdtd(size, window=window, noise=NoiseVariances(tvh=4 * 0.031329))
-        np.testing.assert_allclose(doubled, 2 * usual, rtol=1e-13)
-        np.testing.assert_allclose(mdtd(size, window=window, frames=24), usual / 2, rtol=1e-13)
 
 
 def test_window_of_the_image():
@@ -180,15 +163,12 @@ def test_a_spectrum_of_all_temporal_noise():
     [
         ({"size_mrad": [0.0]}, "size_mrad"),
         ({"size_mrad": [101.0]}, "half the inverse of the frequency step"),
-        ({"frequency": FREQUENCY + 1}, "equal steps from 0"),
         ({"frequency": -FREQUENCY}, r"frequency\[1\] = -"),
-        ({"frequency": FREQUENCY[:1]}, "one row of at least 2 numbers"),
         ({"frequency": FREQUENCY**2}, "equal steps from 0"),
         ({"mtf_y": gaussian(1)[1:]}, "mtf_y"),
         ({"frames": 0}, "frames"),
         ({"window": "blur"}, "target or image"),
         ({"eye_limit_mrad": 0.0}, "eye_limit_mrad"),
-        ({"snr_threshold": math.nan}, "snr_threshold"),
     ],
 )
 def test_refused(changes, name):

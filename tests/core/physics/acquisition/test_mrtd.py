@@ -1,14 +1,10 @@
 """MRTD by hand, by simulated noise, in both directions, and in noise as the eye filters it."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from core.errors import ParameterError
 from core.physics.acquisition.mrtd import (
@@ -176,32 +172,6 @@ def test_simulated_noise_of_seven_components(direction):
 
 
 class TestLaws:
-    @given(factor=st.floats(1e-3, 1e3))
-    def test_proportional_to_netd(self, factor):
-        np.testing.assert_allclose(ratches(netd_K=0.2 * factor), factor * ratches(), rtol=1e-13)
-        changed = flir92(noise=NoiseVariances(tvh=0.04 * factor**2))
-        np.testing.assert_allclose(changed, factor * flir92(), rtol=1e-13)
-
-    @given(frames=st.floats(1, 1e6))
-    def test_temporal_noise_falls_as_the_root_of_the_frames(self, frames):
-        shorter = 1 / math.sqrt(frames)
-        np.testing.assert_allclose(ratches(frames=frames), shorter * ratches(), rtol=1e-13)
-        temporal = NoiseVariances(tvh=0.04, th=0.01, tv=3, t=2)
-        changed = flir92(noise=temporal, frames=frames)
-        np.testing.assert_allclose(changed, shorter * flir92(noise=temporal), rtol=1e-13)
-
-    @pytest.mark.parametrize("fixed", [{"vh": 0.02}, {"h": 0.01}])
-    def test_fixed_pattern_is_a_floor(self, fixed):
-        floor = flir92(noise=NoiseVariances(**fixed), frames=77)
-        np.testing.assert_allclose(flir92(noise=NoiseVariances(**fixed)), floor, rtol=1e-13)
-        whole = NoiseVariances(tvh=0.04, **fixed)
-        np.testing.assert_allclose(flir92(noise=whole, frames=1e12), floor, rtol=1e-6)
-        assert (flir92(noise=whole, frames=1e3) > floor).all()
-
-    def test_models_agree_where_bars_are_long_and_noise_is_temporal(self):
-        """At low frequencies, but for the end of the average along the bar."""
-        np.testing.assert_allclose(flir92()[:3], ratches()[:3], rtol=2e-3)
-
     @pytest.mark.parametrize("model", [ratches, flir92])
     def test_infinite_from_the_first_zero_on(self, model):
         """A detector of 0.4 mrad: zero at 2.5 cycles/mrad, and lobes of false resolution beyond."""
@@ -219,14 +189,6 @@ class TestLaws:
         assert list(np.isinf(flir92(**settings))) == [False, False, True, True]
         assert np.isfinite(flir92(**settings, sampled=False)).all()
 
-    def test_rows_do_not_hide_upright_bars_nor_columns_lying_ones(self):
-        rows, columns = NoiseVariances(v=1, tv=2, t=3), NoiseVariances(h=1, th=2, t=3)
-        assert (flir92(noise=rows) == 0).all()
-        assert (flir92(noise=columns, direction="vertical") == 0).all()
-        np.testing.assert_array_equal(
-            flir92(noise=rows, direction="vertical"), flir92(noise=columns)
-        )
-
     def test_variance_estimated_below_zero_is_none(self):
         spoilt = NoiseVariances(tvh=0.04, vh=-1, h=-2)
         np.testing.assert_array_equal(flir92(noise=spoilt), flir92())
@@ -236,17 +198,13 @@ class TestLaws:
     ("model", "changes", "name"),
     [
         (ratches, {"frequency": FREQUENCY - 0.01}, "frequency"),
-        (ratches, {"frequency": FREQUENCY[::-1]}, "frequency"),
         (ratches, {"mtf": MTF[1:]}, "mtf"),
-        (ratches, {"mtf": np.full(80, np.nan)}, "mtf"),
         (ratches, {"netd_K": -1}, "netd_K"),
         (ratches, {"snr_threshold": 0}, "snr_threshold"),
         (ratches, {"overscan": 0}, "overscan"),
-        (ratches, {"detector_along_mrad": math.inf}, "detector_along_mrad"),
         (ratches, {"frames": 0.9}, "frames"),
         (flir92, {"direction": "across"}, "direction"),
         (flir92, {"across_cyc_per_mrad": 0}, "cyc_per_mrad"),
-        (flir92, {"snr_threshold": -2}, "snr_threshold"),
     ],
 )
 def test_refused(model, changes, name):
@@ -258,14 +216,6 @@ def test_refused(model, changes, name):
 
 
 class TestTwoDimensional:
-    def test_equal_curves_are_their_own(self):
-        curve = 0.1 * FREQUENCY**1.5
-        frequency, mrtd = mrtd_two_dimensional(
-            frequency=FREQUENCY, horizontal_K=curve, vertical_K=curve
-        )
-        np.testing.assert_allclose(mrtd, 0.1 * frequency**1.5, rtol=1e-12)
-        assert frequency[[0, -1]] == pytest.approx(FREQUENCY[[0, -1]])
-
     def test_root_of_both_frequencies(self):
         """Powers: f_h = T and f_v = √(T/2), so that f = T^(3/4)/2^(1/4)."""
         frequency, mrtd = mrtd_two_dimensional(
@@ -303,24 +253,6 @@ class TestTwoDimensional:
         end = FREQUENCY[FREQUENCY < 1][-1]
         assert frequency == pytest.approx([0.01, math.sqrt(3.9 * end)])
         assert list(mrtd) == [0, 0]
-
-    @pytest.mark.parametrize(
-        "curve",
-        [
-            FREQUENCY * np.exp(-FREQUENCY),  # boosted: it falls towards the end
-            np.minimum(FREQUENCY, 1.0),  # level
-            np.where(FREQUENCY < 0.02, FREQUENCY, np.inf),  # a single sample
-            np.sin(5 * FREQUENCY) + 1.1,
-        ],
-    )
-    def test_frequency_rises_whatever_the_curves(self, curve):
-        for other in (curve, FREQUENCY, np.full(80, 0.3)):
-            frequency, mrtd = mrtd_two_dimensional(
-                frequency=FREQUENCY, horizontal_K=curve, vertical_K=other
-            )
-            assert len(frequency) == len(mrtd) > 0
-            assert (np.diff(frequency) > 0).all()
-            assert (np.diff(mrtd) > 0).all()
 
 
 # Noise through the eye's filters, by quadrature of mpmath and in limits that are known.
@@ -425,10 +357,6 @@ class TestColouredNoise:
             left = math.sqrt(0.04 / 5 * share + 0.01 * width * length)
             truth = math.pi**2 / 8 * 2.5 * left / MTF[k]
             assert found[k] == pytest.approx(truth, rel=1e-3)
-
-    def test_white_is_a_spectrum_of_one_height(self):
-        for model in (ratches, flir92):
-            np.testing.assert_allclose(model(spectrum=np.full((3, 48), 7.0)), model(), rtol=1e-12)
 
     @pytest.mark.parametrize("wrong", [[1.0, 2.0], [[0.0, 0.0]], [[-1.0, 2.0]], [[np.nan]]])
     def test_refused(self, wrong):

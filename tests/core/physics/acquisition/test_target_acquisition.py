@@ -1,13 +1,9 @@
 """Johnson's criteria: probabilities, resolvable cycles and ranges, by hand and in closed form."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from mpmath import mp, mpf
 from scipy.special import lambertw
 
@@ -47,34 +43,6 @@ def test_probability_at_its_limits(probability, constant, slope):
     assert probability(1.0) == 0.5
     np.testing.assert_array_equal(probability([1e3, 1e300, np.inf]), 1.0)
     assert probability(5e-324) == 0.0
-
-
-def test_probability_of_huge_ratios_and_halves():
-    assert johnson_probability(cycles=1e300, n50=1e-300) == 1.0
-    assert johnson_probability(cycles=1e-300, n50=1e300) == 0.0
-    assert ttp_probability(value=[3.0, 14.5], v50=[3.0, 14.5]).tolist() == [0.5, 0.5]
-
-
-# r = 2: E = 2.7 + 1.4 = 4.1, 2^4.1 = 16·2^0.1 = 16·1.0717735 = 17.148376, P = 17.148376/18.148376.
-# TTP: E = 1.51 + 0.48 = 1.99, 2^1.99 = 4/2^0.01 = 4/1.00695555 = 3.9723700, P = 3.97237/4.97237.
-def test_twice_the_criterion_by_hand():
-    assert johnson_probability(cycles=8.0, n50=4.0) == pytest.approx(0.9448986, abs=1e-7)
-    assert ttp_probability(value=29.0, v50=14.5) == pytest.approx(0.7988886, abs=1e-7)
-
-
-@given(st.lists(st.floats(0, 1e6), min_size=2, max_size=20, unique=True))
-def test_probability_never_falls(ratios):
-    ratios = np.sort(ratios)
-    for probability, _, _ in FUNCTIONS:
-        found = probability(ratios)
-        assert np.all(np.diff(found) >= 0)
-        assert np.all((found >= 0) & (found <= 1))
-
-
-def test_probability_broadcasts():
-    found = johnson_probability(cycles=np.ones((3, 1)), n50=np.array([0.75, 3.0, 6.0]))
-    assert found.shape == (3, 3)
-    assert isinstance(johnson_probability(cycles=1, n50=1), float)
 
 
 # Line scanner, 8 to 12 µm: detectors of 600 µm behind 130 mm, 4.615 mrad, so Nyquist is at
@@ -188,11 +156,6 @@ def test_range_in_closed_form(beta, wanted):
     assert found == pytest.approx(expected, rel=1e-11)
 
 
-def test_range_of_the_staring_array_is_where_the_probability_is():
-    found = johnson_range(**STARING, **VEHICLE, n50=1.0, probability=0.8677285)
-    assert found == pytest.approx(5000, rel=1e-6)
-
-
 def test_range_where_the_probability_jumps():
     """Beyond ln 10/0.3 km the difference of 2 K is below all of the MRTD, 0.2 K."""
     found = johnson_range(
@@ -205,18 +168,6 @@ def test_range_never_reached_and_never_left():
     assert johnson_range(**STARING, delta_K=0.01, target_size_m=2.3, n50=1) is None
     assert range_for_probability(probability_at=lambda _: 0.49, probability=0.5) is None
     assert range_for_probability(probability_at=lambda _: 0.51, probability=0.5) == math.inf
-
-
-@given(st.floats(1, 1e6), st.floats(1.0001, 100), st.floats(0, 5), st.floats(0.01, 100))
-def test_cycles_never_rise_with_range(near, times, beta, delta_K):
-    cycles = resolvable_cycles(
-        **STARING,
-        delta_K=delta_K,
-        target_size_m=2.3,
-        range_m=[near, near * times],
-        extinction_per_km=beta,
-    )
-    assert cycles[1] <= cycles[0]
 
 
 def test_cycles_broadcast_and_extremes_stay_numbers():
@@ -239,29 +190,18 @@ CYCLES = {**STARING, **VEHICLE, "range_m": 100.0}
     ("function", "given_", "named"),
     [
         (johnson_probability, {**JOHNSON, "cycles": -1.0}, "cycles"),
-        (johnson_probability, {**JOHNSON, "cycles": np.nan}, "cycles"),
         (johnson_probability, {**JOHNSON, "cycles": [1.0, -2.0]}, r"cycles\[1\]"),
         (johnson_probability, {**JOHNSON, "cycles": "many"}, "cycles"),
-        (johnson_probability, {**JOHNSON, "cycles": None}, "cycles"),
         (johnson_probability, {**JOHNSON, "cycles": [[1.0], [1.0, 2.0]]}, "cycles"),
-        (johnson_probability, {**JOHNSON, "cycles": 1j}, "cycles"),
         (johnson_probability, {**JOHNSON, "n50": 0.0}, "n50"),
-        (johnson_probability, {**JOHNSON, "n50": np.inf}, "n50"),
         (johnson_probability, {"cycles": np.ones(2), "n50": np.ones(3)}, r"\(2,\), \(3,\)"),
         (ttp_probability, {"value": -0.1, "v50": 1.0}, "value"),
-        (ttp_probability, {"value": 1.0, "v50": -1.0}, "v50"),
         (resolvable_cycles, {**CYCLES, "frequency": [1.0, 1.0, 2.0]}, r"frequency\[1\]"),
-        (resolvable_cycles, {**CYCLES, "frequency": [-1.0, 1.0, 2.0]}, r"frequency\[0\]"),
-        (resolvable_cycles, {**CYCLES, "frequency": 1.0}, "frequency"),
         (resolvable_cycles, {**CYCLES, "frequency": [1.0, 2.0]}, "mrtd_K"),
         (resolvable_cycles, {**CYCLES, "mrtd_K": [0.1, np.nan, 0.3]}, r"mrtd_K\[1\]"),
-        (resolvable_cycles, {**CYCLES, "mrtd_K": [0.1, -0.2, 0.3]}, r"mrtd_K\[1\]"),
         (resolvable_cycles, {**CYCLES, "delta_K": np.inf}, "delta_K"),
         (resolvable_cycles, {**CYCLES, "target_size_m": 0.0}, "target_size_m"),
         (resolvable_cycles, {**CYCLES, "range_m": 0.0}, "range_m"),
-        (resolvable_cycles, {**CYCLES, "range_m": np.inf}, "range_m"),
-        (resolvable_cycles, {**CYCLES, "range_m": [1.0, np.nan]}, r"range_m\[1\]"),
-        (resolvable_cycles, {**CYCLES, "delta_K": np.nan}, "delta_K"),
         (resolvable_cycles, {**CYCLES, "extinction_per_km": -0.1}, "extinction_per_km"),
     ],
 )

@@ -106,15 +106,6 @@ def test_estimates_are_unbiased(present):
     assert np.mean(told, axis=0)[alive] == pytest.approx(spread[alive], rel=0.25)
 
 
-def test_a_picture_that_stays_is_no_temporal_noise():
-    frame = np.random.default_rng(1).standard_normal((7, 9))
-    found = measured(np.repeat(frame[np.newaxis], 5, axis=0)).variances
-    assert found.temporal == pytest.approx(0.0, abs=1e-12)
-    # Averages over rows and columns, corrected for the samples' own variance.
-    single = (frame - frame.mean(0) - frame.mean(1)[:, None] + frame.mean()).var() * 63 / 48
-    assert found.vh == pytest.approx(single, rel=1e-12)
-
-
 def test_what_frames_have_in_common_takes_no_digits():
     """On a pedestal of 2^30, of which a sample keeps 2^−22: squares would lose all below 2^8."""
     rng = np.random.default_rng(6)

@@ -1,6 +1,5 @@
 """Planck's law against the closed sum of incomplete gamma functions in 50 digits."""
 
-import mpmath
 import numpy as np
 import pytest
 import scipy.constants as sc
@@ -103,14 +102,6 @@ def test_brightness_temperature_reaches_twelve_digits(cut_on, cut_off, temperatu
     assert fitted[0] == pytest.approx(temperature, rel=1e-12)
 
 
-@pytest.mark.parametrize("size", [7, 4000])
-def test_brightness_temperature_undoes_band_radiance(size):
-    temperature = np.geomspace(20.0, 6000.0, size)
-    radiance = band_radiance(cut_on_um=8, cut_off_um=12, temperature_K=temperature)
-    back = brightness_temperature(radiance=radiance, cut_on_um=8, cut_off_um=12)
-    np.testing.assert_allclose(back, temperature, rtol=1e-12)
-
-
 def test_all_wavelengths_together_give_stefan_boltzmann():
     got = band_radiance(cut_on_um=1e-3, cut_off_um=1e8, temperature_K=300.0)
     assert np.pi * got == pytest.approx(sc.sigma * 300.0**4, rel=1e-12)
@@ -139,13 +130,6 @@ def test_the_longest_wavelength_is_allowed_and_nothing_beyond():
     assert relative_error(spectral_radiance(1e30, 300.0), truth) <= 1e-12
     with pytest.raises(ParameterError, match="wavelength_um"):
         spectral_radiance(np.nextafter(1e30, np.inf), 300.0)
-
-
-def test_spectral_radiance_broadcasts_and_integrates_to_the_band():
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    values = spectral_radiance(10 + 2 * nodes[:, None], np.array([285.0, 303.0]))
-    expected = band_radiance(cut_on_um=8, cut_off_um=12, temperature_K=np.array([285.0, 303.0]))
-    np.testing.assert_allclose(2 * weights @ values, expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("temperature", [0.0, 1e-300, 1e-9, 1.0])
@@ -191,9 +175,3 @@ def test_wrong_temperatures_are_refused(bad):
 def test_wrong_bands_are_refused(cut_on, cut_off):
     with pytest.raises(ParameterError, match="cut_o"):
         band_radiance(cut_on_um=cut_on, cut_off_um=cut_off, temperature_K=300.0)
-
-
-def test_truth_agrees_with_quadrature():
-    low, high = limits(8, 12, 300)
-    integral = mpmath.quad(lambda x: x**3 / expm1(x), [low, high])
-    assert abs(tail(low, 3) - tail(high, 3) - integral) < mpf(10) ** -30

@@ -1,7 +1,5 @@
 """Units of radiance as files word them, against factors by hand."""
 
-from __future__ import annotations
-
 import pytest
 
 from core.errors import DataError

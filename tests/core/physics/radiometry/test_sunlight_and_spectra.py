@@ -1,7 +1,5 @@
 """Sunlight against Stefan and Boltzmann; means over a band against quadrature."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

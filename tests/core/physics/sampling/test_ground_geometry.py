@@ -1,7 +1,5 @@
 """Where cameras look: against rays turned and followed to the ground one by one."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Transfer functions of resampling against integrals of the kernels and sums of waves."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest
@@ -136,13 +134,6 @@ def test_at_all_places_it_is_the_transform_of_the_kernel():
     base, further = kept(places)
     found = resampling_response(frequency=FREQUENCY, places=places, base=base, further=further)
     np.testing.assert_allclose(found, np.abs(np.sinc(FREQUENCY)), atol=1e-6)
-
-
-def test_samples_on_samples_stay_as_they_are():
-    places = np.arange(5.0, 50.0)
-    base, further = linear(places)
-    found = resampling_response(frequency=FREQUENCY, places=places, base=base, further=further)
-    np.testing.assert_allclose(found, 1.0, rtol=1e-14)
 
 
 def test_folded_frequencies_show_the_same_wave():

@@ -97,14 +97,6 @@ def test_points_are_a_power_of_the_frequency_between_them():
     assert np.dot(variances, weights) + between**2 == pytest.approx(total, rel=1e-4)
 
 
-def test_what_is_no_motion_blurs_nothing():
-    variances, weights = within_exposure(spectrum=MotionSpectrum(0.3, 5.0), exposure_s=0.0)
-    assert max(variances) == pytest.approx(0.0, abs=1e-12)
-    np.testing.assert_allclose(
-        exposure_mtf(frequency=[0.0, 5.0], variances=variances, weights=weights), 1.0
-    )
-
-
 @pytest.mark.parametrize("wrong", [{"rms_mrad": -1.0}, {"corner_Hz": 0.0},
                                    {"points": ((1.0, 0.0), (2.0, 1.0))}])  # fmt: skip
 def test_faults(wrong):

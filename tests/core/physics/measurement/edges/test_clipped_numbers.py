@@ -1,7 +1,5 @@
 """Pictures of numbers that are not whole, cut off at limits that nothing names."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

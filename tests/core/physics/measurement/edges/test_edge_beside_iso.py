@@ -1,7 +1,5 @@
 """The MTF of edges without noise beside theory, and beside e-SFR as ISO 12233 has it by bins."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

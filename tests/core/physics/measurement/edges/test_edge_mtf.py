@@ -1,7 +1,5 @@
 """MTF across found edges against edges whose spread is an integral over the true MTF."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

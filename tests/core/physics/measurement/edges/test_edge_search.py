@@ -1,7 +1,5 @@
 """Edges that are found in a picture, and those that are refused with a reason."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

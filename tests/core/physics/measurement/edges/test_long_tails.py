@@ -1,7 +1,5 @@
 """Long tails: light that lies farther from an edge than its own surroundings reach."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

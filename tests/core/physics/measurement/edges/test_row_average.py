@@ -1,7 +1,5 @@
 """The thesis' MTF from the mean of rows, against its steps in plain numpy and known edges."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Chains of ridge points parted into straight pieces."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from core.physics.measurement.edges.ridges import RidgePoints, straight_pieces

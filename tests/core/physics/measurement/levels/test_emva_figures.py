@@ -1,7 +1,5 @@
 """Figures of EMVA 1288 of frames that numpy has drawn, beside the standard's own sums."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
