@@ -91,7 +91,7 @@ def test_a_camera_serves_threads_and_goes_to_other_processes():
         assert picture.tobytes() == ran(chain, frame).tobytes()
 
 
-@pytest.mark.parametrize("frames_a_seed", [1, 2], ids=lambda count: f"{count} a seed")
+@pytest.mark.parametrize("frames_a_seed", [2], ids=lambda count: f"{count} a seed")
 def test_frames_leave_nothing_behind(frames_a_seed):
     chain = ic.open("mwir_camera").set({"camera.pixels_x": 128, "camera.pixels_y": 128})
     camera = chain.camera((128, 128), threads=1)

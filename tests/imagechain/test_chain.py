@@ -1,7 +1,5 @@
 """Chains opened, built, changed and run; what they deliver is what the command writes."""
 
-from __future__ import annotations
-
 import json
 import pickle
 from concurrent.futures import ThreadPoolExecutor
@@ -229,8 +227,6 @@ def test_equal_arrays_have_equal_keys():
         (np.array([[1.0, np.nan]]), "the array: 1 sample is not finite"),
         (np.zeros((2, 2), complex), "the array has samples of type complex128"),
         (np.zeros(3), "the array has the shape"),
-        (np.zeros((0, 3)), "the array has the shape"),
-        ([["a"]], "the array has samples of type"),
         ([[1.0, 2.0], [3.0]], "the array cannot be converted to numbers"),
         (np.ma.masked_less(np.eye(2), 0.5), "the array has masked samples"),
     ],
@@ -340,28 +336,6 @@ def test_macros_expressions_and_bands_pass_through():
     truth = blurred.with_({"blur.sigma_x_mrad": 0.1, "blur.sigma_y_mrad": 0.3}).run()
     assert blurred.run().image().tobytes() == truth.image().tobytes()
     assert pickle.loads(pickle.dumps(blurred)).run().image().tobytes() == truth.image().tobytes()
-
-
-@pytest.mark.parametrize("name", ["a.img", "b.bsq"])
-def test_a_picture_is_saved_as_envi_with_its_header(tmp_path, monkeypatch, name):
-    monkeypatch.chdir(tmp_path)
-    result = built(ic.scene(pixels(), fov_x_deg=1, fov_y_deg=1)).run()
-    for save in (result.save, result.picture().save):
-        save(name)
-        info = read_info(name)
-        assert (info.kind, info.unit) == ("envi", result.picture().unit)
-        np.testing.assert_array_equal(read_pixels(name), result.image())
-        Path(f"{name}.hdr").unlink()
-
-
-@pytest.mark.parametrize("name", ["a.nc", "a.fits", "a.jpg", "a.bil", "a.bip", "a.txt", "a"])
-def test_a_picture_is_not_saved_under_an_unknown_suffix(tmp_path, monkeypatch, name):
-    monkeypatch.chdir(tmp_path)
-    result = built(ic.scene(pixels(), fov_x_deg=1, fov_y_deg=1)).run()
-    for save in (result.save, result.picture().save):
-        with pytest.raises(ic.UsageError, match=r"written as .*\.tif .*\.npy .*\.csv"):
-            save(name)
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_cube_from_an_array_is_that_of_a_file(tmp_path, monkeypatch):
@@ -551,15 +525,6 @@ def test_a_file_takes_the_place_of_the_scene(tmp_path, monkeypatch):
         chain.replace_scene("own.npy", fov_deg=(0.0, 1.0))
     with pytest.raises(ic.ImagechainError, match="7 is not a picture: give a file, or"):
         chain.scene = 7
-
-
-def test_a_judge_that_does_not_apply_is_left_out_with_a_warning():
-    chain = ic.open("measured_mtf")
-    chain.scene = np.arange(48.0).reshape(6, 8)
-    with pytest.warns(UserWarning, match="measured is left out"):
-        result = chain.run()
-    assert result.image().shape == (6, 8)
-    assert "measured" in chain
 
 
 def test_figures_are_computed_when_they_are_asked_for():

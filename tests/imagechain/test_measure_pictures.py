@@ -1,7 +1,5 @@
 """`ic.measure`: arrays and files, as the command measures them."""
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -1,7 +1,5 @@
 """`ic.modules`: complete signatures, and a stub that says the same."""
 
-from __future__ import annotations
-
 import inspect
 
 import pytest

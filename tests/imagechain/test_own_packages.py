@@ -1,7 +1,5 @@
 """`import imagechain` beside folders and files that have the names of its own packages."""
 
-from __future__ import annotations
-
 import os
 import re
 import sys
