@@ -1,7 +1,5 @@
 """Every fault of a command line: exit code 2, one line that names it, nothing written."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path
@@ -17,24 +15,14 @@ USAGE = {
     "command like another": (["chekc", "net.json"], "chekc; did you mean check?"),
     "option before the command": (["--vesrion"], "--vesrion; did you mean --version?"),
     "no network": (["run"], "NETWORK (imagechain run --help)"),
-    "option like another": (["run", "net.json", "--reprot=a.html"], "--reprot; did you mean --re"),
     "too many words": (["run", "net.json", "kodak"], "unexpected argument: kodak"),
     "check no such network": (["check", "nosuch"], "nosuch is neither a file nor the name of"),
     "unknown option": (["run", "net.json", "--fast"], "--fast"),
-    "abbreviated option": (["run", "net.json", "--prec", "double"], "--prec"),
     "precision": (["run", "net.json", "--precision", "half"], "half"),
     "seed is no number": (["run", "net.json", "--seed", "x"], "--seed"),
     "negative seed": (["run", "net.json", "--seed", "-1"], "seed = -1"),
-    "huge seed": (["run", "net.json", "--seed", "9" * 500], "--seed"),
     "threads": (["run", "net.json", "--threads", "100000"], "threads = 100000"),
-    "tolerance is no number": (["run", "net.json", "--tolerance", "low"], "--tolerance 'low'"),
-    "negative tolerance": (["run", "net.json", "--tolerance", "-1"], "from 0 to below 1"),
     "tolerance of all": (["run", "net.json", "--tolerance", "1"], "from 0 to below 1"),
-    "tolerance not finite": (["run", "net.json", "--tolerance", "nan"], "from 0 to below 1"),
-    "tolerance twice": (
-        ["run", "net.json", "--tolerance", "0", "--tolerance", "0"],
-        "--tolerance is given more than once",
-    ),
     "one file of three for TLS": (
         [
             "study",
@@ -63,45 +51,23 @@ USAGE = {
     "impossible name": (["run", "a" * 5000], "aaa"),
     "set without value": (["run", "net.json", "--set", "blur"], "NODE.PARAM=VALUE"),
     "set unknown node": (["run", "net.json", "--set", "blurr.sigma_x_mrad=1"], "mean blur?"),
-    "set unknown parameter": (["run", "net.json", "--set", "blur.sigma_x=1"], "sigma_x_mrad?"),
-    "set wrong kind": (["run", "net.json", "--set", "blur.sigma_x_mrad=soft"], "'soft' mrad"),
+    "disable unknown": (["run", "net.json", "--disable", "blurr"], "did you mean blur?"),
+    "disable a source": (["run", "net.json", "--disable", "scene"], "has no input to pass on"),
     "set out of range": (["run", "net.json", "--set", "blur.sigma_x_mrad=-1"], "at least 0"),
     "set not finite": (["run", "net.json", "--set", "blur.sigma_x_mrad=NaN"], "nan mrad"),
-    "set deep": (["run", "net.json", "--set", "blur.sigma_x_mrad=" + "[" * 9000], "sigma_x"),
     "set needless": (["run", "net.json", "--set", "pixels.factor_x=100"], "100 × 2"),
     "save without file": (["run", "net.json", "--save", "pixels.image"], "NODE.PORT=FILE"),
     "save unknown suffix": (["run", "net.json", "--save", "pixels.image=a.jpg"], "'a.jpg'"),
     "save unknown node": (["run", "net.json", "--save", "pixel.image=a.npy"], "mean pixels?"),
-    "save unknown port": (["run", "net.json", "--save", "pixels.imag=a.npy"], "mean image?"),
     "save context": (["run", "net.json", "--save", "init.context=a.npy"], "context"),
     "save into nothing": (["run", "net.json", "--save", "pixels.image=no/a.npy"], "no folder no"),
-    "save twice": (
-        ["run", "net.json", "--save", "pixels.image=a.npy", "--save", "back.image=./a.npy"],
-        "two outputs",
-    ),
     "save over the network": (["run", "net.json", "--report", "net.json"], "input of this run"),
     "final without a port": (["run", "net.json", "--final", "back"], "--final back: write NODE.P"),
     "report suffix": (["run", "net.json", "--report", "a.pdf"], "'a.pdf'"),
     "output folder is a file": (["run", "net.json", "--output-dir", "net.json"], "not a folder"),
     "output below a file": (["run", "net.json", "--output-dir", "net.json/x"], "not a folder"),
-    "output folder empty": (["run", "net.json", "--output-dir", ""], "--output-dir"),
     "device": (["run", "net.json", "--save", "pixels.image=pipe.npy"], "not a regular file"),
-    "check nothing": (["check"], "NETWORK"),
     "unknown module": (["modules", "jiter_mtf"], "mean jitter_mtf?"),
-    "modules too much": (["modules", "jitter_mtf", "x"], "x"),
-    "final picture twice": (
-        ["run", "net.json", "--output-dir", ".", "--save", "pixels.image=./final.png"],
-        "two outputs would be written to final.png",
-    ),
-    "read-outs twice": (
-        ["run", "net.json", "--output-dir", ".", "--report", "readouts.json"],
-        "two outputs would be written to readouts.json",
-    ),
-    "table twice": (
-        ["run", "net.json", "--output-dir", ".", "--save", "blur.mtf=mtf.csv"],
-        "two outputs would be written to mtf.csv",
-    ),
-    "long folder": (["run", "net.json", "--output-dir", "a" * 300], "cannot write to " + "a" * 300),
     "long folder, seen from the root": (
         ["run", "net.json", "--output-dir", "a/" * 2045],
         "a/a: File name too long; nothing was written",
@@ -110,18 +76,7 @@ USAGE = {
         ["run", "net.json", "--allow-writes-to", "a" * 300],
         "a: there is no such folder",
     ),
-    "output folder twice": (
-        ["run", "net.json", "--output-dir", "a", "--output-dir", "a"],
-        "--output-dir is given more than once",
-    ),
     "seed twice": (["run", "net.json", "--seed", "1", "--seed", "1"], "--seed is given more"),
-    "threads twice": (["run", "net.json", "--threads", "1", "--threads=2"], "--threads is given"),
-    "precision twice": (
-        ["run", "net.json", "--precision", "single", "--precision", "double"],
-        "--precision is given more than once",
-    ),
-    "seed beyond the range": (["run", "net.json", "--seed", "9" * 23], f"0 to {2**63 - 1}"),
-    "set no number": (["run", "net.json", "--set", "blur.sigma_x_mrad=.e3"], "'.e3' mrad"),
 }
 
 
@@ -143,8 +98,9 @@ def test_a_scene_that_does_not_fit(kind, fails):
     """2³² samples of 8 bytes; refused before they are asked for."""
     large = [f"--set=scene.{name}=65536" for name in ("width", "height")]
     large += ["--memory", "1000GB"]  # else it is made in blocks
-    line = fails("run", "net.json", f"--set=scene.kind={kind}", *large, "--precision", "double")
-    assert "scene: height × width: 65536 × 65536 samples need 34.4 GB; allowed on this" in line
+    assert "scene: height × width: 65536 × 65536 samples need 34.4 GB; allowed on this" in fails(
+        "run", "net.json", f"--set=scene.kind={kind}", *large, "--precision", "double"
+    )
 
 
 @pytest.mark.parametrize(("words", "told"), USAGE.values(), ids=USAGE.keys())
@@ -252,16 +208,6 @@ def test_what_is_written_is_said_where_it_cannot_be_printed(tmp_path):
     assert (tmp_path / "r.json").is_file()
     done = shell("imagechain modules >/dev/full", tmp_path)
     assert done.stderr == ("imagechain: cannot write to standard output: No space left on device\n")
-
-
-def test_current_folder_removed(tmp_path):
-    (tmp_path / "gone").mkdir()
-    done = shell("cd gone; rmdir ../gone; imagechain run first_steps", tmp_path)
-    assert done.returncode == 2
-    assert done.stderr == (
-        "imagechain: cannot write to first_steps-output: No such file or directory (the current "
-        "folder has been removed: change to another one)\n"
-    )
 
 
 def test_folder_not_to_be_entered(tmp_path, capsys, monkeypatch):

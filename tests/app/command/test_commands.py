@@ -1,7 +1,5 @@
 """`check`, `modules`, help, and ends that are not the user's fault."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os
@@ -18,8 +16,7 @@ import pytest
 import app.command.run
 import app.run.evaluation
 from app.command.cli import main
-from app.run.responses import response
-from app.run.saving import encode_png, grey_levels, robust_limits
+from app.run.saving import encode_png, grey_levels
 from child_process import PATIENCE_S, ROOT, catches, finished, wait_for
 from core.modules.declaration import declaration
 from core.network.file import load_network
@@ -63,15 +60,6 @@ def test_modules_that_a_word_finds(capsys):
     assert {"poisson_noise", "focal_plane"} < set(found)
     assert main(["modules", "noise", "--json"]) == 0
     assert [each["key"] for each in json.loads(capsys.readouterr().out)] == found
-
-
-def test_help_by_its_name(capsys):
-    for by_name, by_option in (
-        (["help"], ["--help"]), (["help", "help"], ["--help"]), (["help", "run"], ["run", "--help"])
-    ):  # fmt: skip
-        assert main(by_name) == main(by_option) == 0
-        text = capsys.readouterr().out
-        assert text[: len(text) // 2] == text[len(text) // 2 :]
 
 
 def test_check(capsys, write, small, tmp_path, monkeypatch):
@@ -118,8 +106,10 @@ def test_a_bug_is_one_line_and_exit_1(capsys, write, small, tmp_path, monkeypatc
 ENDLESS = ["run", "kodak_kir310", "--frames", "1000000", "--save"]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-@pytest.mark.parametrize("moment", ["starting", "writing"])
+@pytest.mark.parametrize(
+    ("number", "moment"),
+    [(signal.SIGINT, "starting"), (signal.SIGTERM, "writing"), (signal.SIGHUP, "writing")],
+)
 def test_stopped(number, moment, tmp_path):
     words = [sys.executable, "-m", "app.command.cli", *ENDLESS, "frame_grabber.image[:1,:1]=a.npy"]
     process = subprocess.Popen(
@@ -186,18 +176,6 @@ def test_networks_are_listed(capsys):
         assert told["description"] in " ".join(text.split())
 
 
-def test_help_says_what_there_is(capsys):
-    main(["--help"])
-    text = capsys.readouterr().out
-    assert all(path.stem in text for path in (ROOT / "networks").glob("*.json"))
-    assert "exit codes" in text
-    assert "--vary may be given twice" in text
-    main(["run", "--help"])
-    text = " ".join(capsys.readouterr().out.split())
-    assert text.lower().count("may be repeated") == 5
-    assert "null" in text
-
-
 def test_reader_that_has_seen_enough():
     line = f"{sys.executable} -m app.command.cli modules | head -n 1; echo ${{PIPESTATUS[0]}}"
     done = finished(["bash", "-c", line], env=ENVIRONMENT)
@@ -243,25 +221,6 @@ def test_png_reads_back(tmp_path):
     np.testing.assert_array_equal(read_pixels(tmp_path / "a.png"), levels)
 
 
-@pytest.mark.parametrize("scale", [1e-300, 1.0, 1e300, 1.7e308])
-def test_grey_levels_of_any_range(scale):
-    samples = np.array([[-1.0, 0.0, 1.0]]) * scale
-    np.testing.assert_array_equal(grey_levels(-scale, scale, samples), [[0, 128, 255]])
-    assert np.all(grey_levels(scale, scale, samples) == 128)
-
-
-def test_limits_of_a_point():
-    samples = np.zeros((100, 100))
-    samples[3, 4] = 7.0
-    assert robust_limits(samples) == (0.0, 7.0)
-
-
-def test_response_of_nothing():
-    got = response(None, [], np.arange(3.0), "x")
-    assert got.mtf.tolist() == [1, 1, 1]
-    assert got.ptf.tolist() == [0, 0, 0]
-
-
 @pytest.mark.parametrize("unit", [5e-324, 1e-310, 1.0, 1.7e308 / 51])
 def test_grey_levels_of_the_smallest_and_the_largest_numbers(unit):
     """The smallest numbers have no halves, and the largest no difference."""
@@ -271,12 +230,3 @@ def test_grey_levels_of_the_smallest_and_the_largest_numbers(unit):
     share = (steps - steps[0]) / (steps[-1] - steps[0])
     assert np.abs(levels[0] - 255 * share).max() <= 0.5 + 1e-9
     assert (levels[0, 0], levels[0, -1]) == (0, 255)
-
-
-def test_one_module_comes_with_its_formula_and_source(capsys):
-    assert main(["modules", "jitter_mtf"]) == 0
-    text = capsys.readouterr().out
-    assert "exp(−2π²σ²(xi² + eta²))" in text
-    assert "Source: Tantalo 1996, eq. 4.36" in text
-    assert main(["modules"]) == 0
-    assert "eq. 4.36" not in capsys.readouterr().out

@@ -1,7 +1,5 @@
 """Networks with macros on the command line: the files are those of the plain network."""
 
-from __future__ import annotations
-
 import csv
 import json
 
@@ -55,24 +53,22 @@ def test_a_run_gives_the_same_picture_and_figures(given, networks, imagechain, t
     }
 
 
-def test_a_trade_off_on_a_parameter_of_a_macro(networks, imagechain, tmp_path):
+def test_a_trade_off_on_a_parameter_of_a_macro(networks, works, tmp_path):
     tables = []
     for file, varied in zip(networks, ("init.f_number", "camera.f_number"), strict=True):
         out = tmp_path / f"{varied}.csv"
-        done = imagechain("tradeoff", file, "--vary", f"{varied}=2:4:3", "--output", out.name)
-        assert done.returncode == 0, done.stderr
+        works("tradeoff", file, "--vary", f"{varied}=2:4:3", "--output", out.name)
         with out.open(newline="") as lines:
             tables.append(list(csv.reader(lines)))
     plain, grouped = tables
     assert [[cell.replace("camera/", "") for cell in row] for row in grouped] == plain
 
 
-def test_check_and_report_pass_through_the_same_network(networks, imagechain, tmp_path):
+def test_check_and_report_pass_through_the_same_network(networks, imagechain, works, tmp_path):
     _, grouped = networks
     done = imagechain("check", grouped)
     assert "no errors" in done.stdout
-    done = imagechain("run", grouped, "--report", "page.html")
-    assert done.returncode == 0, done.stderr
+    works("run", grouped, "--report", "page.html")
     assert "camera/electronics" in (tmp_path / "page.html").read_text()
 
 
@@ -80,7 +76,6 @@ def test_check_and_report_pass_through_the_same_network(networks, imagechain, tm
     ("given", "message"),
     [
         ("camera.f_numbr=2", "the macro shows no such parameter; did you mean f_number?"),
-        ("camra.f_number=2", "there is no node camra; did you mean camera"),
         ("camera/init.f_numbr=2", "Init & Trans has no parameter f_numbr; did you mean f_number?"),
         ("camera.f_number=-2", "camera/init: f_number = -2 is not allowed: a number of at least 0"),
     ],

@@ -1,7 +1,5 @@
 """``imagechain measure``: pictures of known edges and noise, and what cannot be measured."""
 
-from __future__ import annotations
-
 import json
 import math
 
@@ -37,10 +35,9 @@ def pictures(tmp_path):
     return "across.npy", "along.tif"
 
 
-def test_mtf_and_noise_of_known_pictures(imagechain, pictures, tmp_path):
+def test_mtf_and_noise_of_known_pictures(works, pictures, tmp_path):
     words = ("--json", "m.json", "--csv", "mtf.csv", "--fov-x-deg", "2")
-    done = imagechain("measure", *pictures, *words)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = works("measure", *pictures, *words)
     facts = json.loads((tmp_path / "m.json").read_text())
     for direction, sigma in (("x", SIGMA_X), ("y", SIGMA_Y)):
         curve = facts["mtf"][direction]
@@ -64,10 +61,9 @@ def test_mtf_and_noise_of_known_pictures(imagechain, pictures, tmp_path):
     assert "mtf50_x" in done.stdout
 
 
-def test_units_of_the_detector_and_the_mtf_at_nyquist(imagechain, pictures, tmp_path):
+def test_units_of_the_detector_and_the_mtf_at_nyquist(fails, works, pictures, tmp_path):
     """0.5 cycles/sample of a pitch of 15 µm are 33.3 cycles/mm; a Gaussian in closed form there."""
-    done = imagechain("measure", *pictures, "--pitch-um", "15", "--json", "m.json")
-    assert (done.returncode, done.stderr) == (0, "")
+    done = works("measure", *pictures, "--pitch-um", "15", "--json", "m.json")
     facts = json.loads((tmp_path / "m.json").read_text())
     assert facts["pitch_um"] == 15.0
     rows = [line.split() for line in done.stdout.splitlines()]
@@ -79,18 +75,15 @@ def test_units_of_the_detector_and_the_mtf_at_nyquist(imagechain, pictures, tmp_
         assert float(row[1]) == pytest.approx(MTF50 / sigma / 0.015, abs=4.0 * float(row[3]))
         [row] = [row for row in rows if row[0] == f"mtf_nyquist_{direction}"]
         assert float(row[1]) == pytest.approx(gaussian(0.5, sigma), abs=4.0 * float(row[3]) + 0.001)
-    done = imagechain("measure", *pictures, "--pitch-um", "0")
-    assert done.returncode == 2
-    assert done.stderr == "imagechain: --pitch-um = 0.0 µm is not allowed: above 0 to 10000\n"
+    line = fails("measure", *pictures, "--pitch-um", "0")
+    assert line == "imagechain: --pitch-um = 0.0 µm is not allowed: above 0 to 10000\n"
 
 
-def test_the_module_mtf_file_reads_the_table(imagechain, pictures, small, write, tmp_path):
-    done = imagechain("measure", *pictures, "--csv", "mtf.csv")
-    assert done.returncode == 0, done.stderr
+def test_the_module_mtf_file_reads_the_table(works, pictures, small, write, tmp_path):
+    works("measure", *pictures, "--csv", "mtf.csv")
     small["nodes"]["init"]["params"] |= {"detector_x_um": 20.0, "detector_y_um": 20.0}
     small["nodes"]["blur"] = {"module": "mtf_file", "params": {"path": "mtf.csv"}}
-    done = imagechain("run", write(small), "--save", "blur.mtf=h.npy", "--precision", "double")
-    assert done.returncode == 0, done.stderr
+    works("run", write(small), "--save", "blur.mtf=h.npy", "--precision", "double")
     made = np.load(tmp_path / "h.npy")
     # 100 mm of focal length over 20 µm are 5 cycles/mrad for each a pixel; 48 samples in 3°, 40
     # in 2.5°. The tail of a spread leaves a standard error of 0.018; unlike blurs are not to mix.
@@ -100,12 +93,11 @@ def test_the_module_mtf_file_reads_the_table(imagechain, pictures, small, write,
         assert values == pytest.approx(gaussian(frequency, sigma), abs=0.03)
 
 
-def test_colours_are_measured_by_luminance_or_by_one_of_them(imagechain, tmp_path):
+def test_colours_are_measured_by_luminance_or_by_one_of_them(imagechain, works, tmp_path):
     red, rest = edge(6.0, SIGMA_X, 3), np.full((160, 200), 90.0)
     picture = np.rint(np.stack([red, rest, rest], axis=2)).astype(np.uint8)
     Pillow.fromarray(picture).save(tmp_path / "colour.png")
-    done = imagechain("measure", "colour.png", "--json", "all.json")
-    assert done.returncode == 0, done.stderr
+    done = works("measure", "colour.png", "--json", "all.json")
     assert "measured in colour.png: luminance, 0.2126 R + 0.7152 G + 0.0722 B" in done.stdout
     assert "usually have a gamma" in done.stdout
     done = imagechain("measure", "colour.png", "--band", "0", "--json", "red.json")
@@ -137,19 +129,17 @@ def test_frames_of_one_scene_give_gain_and_components_and_others_do_not(imagecha
     )
 
 
-def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
+def test_a_picture_without_an_edge_says_so(fails, works, tmp_path):
     flat = LOW + NOISE * np.random.default_rng(4).standard_normal((120, 120))
     np.save(tmp_path / "flat.npy", flat)
-    done = imagechain("measure", "flat.npy", "--json", "m.json")
-    assert done.returncode == 0, done.stderr
+    done = works("measure", "flat.npy", "--json", "m.json")
     facts = json.loads((tmp_path / "m.json").read_text())
     assert set(facts["mtf"]["x"]) == set(facts["mtf"]["y"]) == {"reason"}
     assert not any(one["used"] for one in facts["edges"])
     assert facts["noise"]["sigma"] == pytest.approx(NOISE, rel=0.03)
     assert "no horizontal MTF: " in done.stdout
-    done = imagechain("measure", "flat.npy", "--json", "n.json", "--csv", "n.csv")
-    assert done.returncode == 2
-    assert done.stderr.startswith("imagechain: there is no MTF to write (horizontal: ")
+    line = fails("measure", "flat.npy", "--json", "n.json", "--csv", "n.csv")
+    assert line.startswith("imagechain: there is no MTF to write (horizontal: ")
     assert not (tmp_path / "n.json").exists()
 
 
@@ -164,29 +154,18 @@ def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
          "of one camera, all stored the same way"),
         (("small.npy",),
          "small.npy: 20 × 9 samples are too few to be measured; at least 16 × 16 are needed"),
-        (("colours.npy",),
-         "colours.npy: 3 × 30 samples are too few to be measured; at least 16 × 16 are needed"
-         "; from an array (rows, columns, colours) give one colour, (rows, columns)"),
         (("nan.npy",), "nan.npy: 1 sample is not finite (NaN or infinite), the first (nan)"
          " at row 3, column 4; replace them by one number, such as 0: areas of one number are "
          "left out"),
         (("far.npy",), "far.npy: samples from 0 to 1e+300 cannot be measured; allowed: up to "
          "1e+60, with differences of 1e-60 or more: scale them"),
-        (("a.npy", "--json", "m.txt"), "--json 'm.txt': the file's name must end in .json"),
         (("a.npy", "--band", "1"), "a.npy has no band 1; allowed: 0 alone"),
-        (("a.npy", "--json", "a.npy.json", "--csv", "none/m.csv"),
-         "cannot write none/m.csv: there is no folder none"),
         (("a.npy", "--flats", "a.npy"),
          "a.npy: holds a single frame; a flat field needs 2 or more"),
         (("a.npy", "--dark", "light.npy"), "a.npy: its mean level, 130, is not above the dark "
          "level, 500: give frames without light as --dark, or the number as --offset-dn"),
-        (("a.npy", "--offset-dn", "1e300"), "a.npy: its mean level, 130, is not above the dark "
-         "level, 1e+300: give frames without light as --dark, or the number as "
-         "--offset-dn"),
         (("a.npy", "--dark", "small.npy"),
          "small.npy has 20 × 9 samples, and a.npy 200 × 160: give frames of one camera"),
-        (("a.npy", "--fov-x-deg", "200"),
-         "--fov-x-deg = 200.0 deg is not allowed: at least 1e-30 and below 180"),
     ],
 )  # fmt: skip
 def test_what_is_refused(imagechain, tmp_path, words, line):

@@ -1,7 +1,5 @@
 """``imagechain netd``: frames that numpy has drawn, and those of a simulated camera."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -33,13 +31,12 @@ def fields(tmp_path):
     return tmp_path
 
 
-def test_sitf_netd_and_components(imagechain, fields):
+def test_sitf_netd_and_components(works, fields):
     """σ_tvh and rounding, √(9 + 1/12), over 50 numbers of a kelvin; known to 1/√(2·120,000)."""
-    done = imagechain(
+    done = works(
         "netd", "hot.npy=303.15K", "cold.npy=20C", "middle.npy=25°C",
         "--output", "n.json", "--output", "n.csv",
     )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, "")
     facts = json.loads((fields / "n.json").read_text())
     figures = facts["figures"]
     netd = (SIGMA**2 + 1 / 12) ** 0.5 / SITF
@@ -59,40 +56,36 @@ def test_sitf_netd_and_components(imagechain, fields):
     assert "netd_K" in done.stdout
 
 
-def test_two_temperatures_are_enough(imagechain, fields):
-    done = imagechain("netd", "cold.npy=293.15K", "hot.npy=303.15K", "--output", "n.json")
-    assert done.returncode == 0, done.stderr
+def test_two_temperatures_are_enough(works, fields):
+    done = works("netd", "cold.npy=293.15K", "hot.npy=303.15K", "--output", "n.json")
     assert "give three or more to get its change with temperature" in done.stdout
     figures = json.loads((fields / "n.json").read_text())["figures"]
     assert figures["sitf"] == pytest.approx(SITF, rel=0.001)
     assert "wavelength_um" not in figures
 
 
-def test_a_wrong_temperature_is_warned_of(imagechain, fields):
+def test_a_wrong_temperature_is_warned_of(works, fields):
     np.save(fields / "more.npy", frames(308.15, 9))
     words = ("cold.npy=20C", "middle.npy=25C", "hot.npy=30C", "more.npy=36C")
-    done = imagechain("netd", *words)
-    assert done.returncode == 0, done.stderr
+    done = works("netd", *words)
     assert "a mean deviates from Planck's law" in done.stdout
 
 
-def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_path):
+def test_the_camera_that_is_simulated_has_the_netd_it_predicts(works, tmp_path):
     """Focal Plane's own NETD, of the photons of a black body; σ is known to 0.5 %."""
     words, predicted = [], {}
     for number, kelvin in enumerate((290.15, 293.15, 296.15)):
-        done = imagechain(
+        works(
             "run", "mwir_camera", "--set", "scene.kind=uniform", "--set", "scene.width=64",
             "--set", "scene.height=64", "--set", "camera.pixels_x=32",
             "--set", "camera.pixels_y=32",
             "--set", f"scene.temperature_K={kelvin}", "--frames", 24, "--seed", number,
             "--save", f"focal_plane.image=f{number}.tif", "--output-dir", f"o{number}",
         )  # fmt: skip
-        assert done.returncode == 0, done.stderr
         readouts = json.loads((tmp_path / f"o{number}" / "readouts.json").read_text())
         predicted[kelvin] = readouts["focal_plane"]["netd_K"]
         words.append(f"f{number}.tif={kelvin}K")
-    done = imagechain("netd", *words, "--output", "n.json")
-    assert (done.returncode, done.stderr) == (0, "")
+    works("netd", *words, "--output", "n.json")
     levels = json.loads((tmp_path / "n.json").read_text())["levels"]
     for level in levels:
         expected = predicted[level["temperature_K"]]
@@ -103,7 +96,6 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_p
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("none.npy=3K", "hot.npy=9K"), "none.npy: no such file"),
         (("huge.npy=3K", "hot.npy=9K"),
          "huge.npy: the samples are too large to compute their variance"),
         (("one.npy=3K", "hot.npy=9K"),
@@ -114,8 +106,6 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_p
         (("hot.npy=300", "cold.npy=20C"),
          "netd 'hot.npy=300': give a file and its black body's temperature, FILE=293.15K or "
          "FILE=20C"),
-        (("hot.npy",), "netd 'hot.npy': give a file and its black body's temperature, FILE=293.15K "
-         "or FILE=20C"),
         (("hot.npy=-300C",), "netd 'hot.npy=-300C': -26.85 K is not a possible temperature; "
          "allowed: above 0 to 10000 K"),
         (("hot.npy=300K", "cold.npy=300K"),
@@ -123,8 +113,6 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_p
         (("hot.npy=300K", "same.npy=290K"),
          "same.npy: all frames are the same: the field is saturated, rounding hides the noise, or "
          "the file repeats one frame"),
-        (("cold.npy=300K", "cold.npy=301K", "--output", "n.png"),
-         "--output 'n.png': the file's name must end in .csv or .json"),
     ],
 )  # fmt: skip
 def test_what_is_refused(imagechain, fields, words, line):
@@ -132,8 +120,7 @@ def test_what_is_refused(imagechain, fields, words, line):
     assert (done.returncode, done.stderr) == (2, f"imagechain: {line}\n")
 
 
-def test_a_saturated_field_is_refused(imagechain, fields):
-    done = imagechain("netd", "full.npy=310K", "cold.npy=293K")
-    assert done.returncode == 2
-    assert "full.npy: " in done.stderr
-    assert "samples are 3502: the field is saturated" in done.stderr
+def test_a_saturated_field_is_refused(fails, fields):
+    line = fails("netd", "full.npy=310K", "cold.npy=293K")
+    assert "full.npy: " in line
+    assert "samples are 3502: the field is saturated" in line

@@ -1,7 +1,5 @@
 """``imagechain photon-transfer``: files of numpy's frames, and of a simulated camera's."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -44,10 +42,9 @@ def flats(tmp_path):
     return names
 
 
-def test_gain_read_noise_and_full_well(imagechain, flats, tmp_path):
+def test_gain_read_noise_and_full_well(works, flats, tmp_path):
     words = ("--dark", "dark.npy", "--output", "p.json", "--output", "p.csv")
-    done = imagechain("photon-transfer", *flats, *words)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = works("photon-transfer", *flats, *words)
     facts = json.loads((tmp_path / "p.json").read_text())
     figures = facts["figures"]
     assert figures["gain_e_per_dn"] == pytest.approx(GAIN, rel=0.02)
@@ -60,9 +57,8 @@ def test_gain_read_noise_and_full_well(imagechain, flats, tmp_path):
     assert "saturated" in done.stdout
 
 
-def test_what_is_missing_is_said(imagechain, flats):
-    done = imagechain("photon-transfer", *flats[:3])
-    assert done.returncode == 0, done.stderr
+def test_what_is_missing_is_said(imagechain, works, flats):
+    done = works("photon-transfer", *flats[:3])
     assert done.stdout.splitlines()[-1] == (
         "read noise and full well need --dark FILE, or --offset-dn DN"
     )
@@ -72,7 +68,7 @@ def test_what_is_missing_is_said(imagechain, flats):
     )
 
 
-def test_frames_of_a_simulated_camera(imagechain, small, write, tmp_path):
+def test_frames_of_a_simulated_camera(works, small, write, tmp_path):
     """Focal Plane's own gain, read noise, well and patterns, through multi-page TIFFs."""
     small["nodes"]["scene"]["params"] |= {
         "kind": "uniform", "cut_on_um": 3.7, "cut_off_um": 4.8, "width": 80, "height": 60,
@@ -89,14 +85,12 @@ def test_frames_of_a_simulated_camera(imagechain, small, write, tmp_path):
     net, files = write(small), []
     for number, seconds in enumerate((1e-9, 1e-4, 5e-4, 1e-3, 2e-3, 4e-3, 2e-2)):
         # A frame's noise goes by its number: another seed gives others; patterns go with it too.
-        done = imagechain(
+        works(
             "run", net, "--frames", 40, "--set", f"camera.integration_time_s={seconds}",
             "--seed", number, "--save", f"camera.image=f{number}.tif",
         )  # fmt: skip
-        assert done.returncode == 0, done.stderr
         files.append(f"f{number}.tif")
-    done = imagechain("photon-transfer", *files[1:], "--dark", files[0], "--output", "p.json")
-    assert (done.returncode, done.stderr) == (0, "")
+    works("photon-transfer", *files[1:], "--dark", files[0], "--output", "p.json")
     figures = json.loads((tmp_path / "p.json").read_text())["figures"]
     assert figures["gain_e_per_dn"] == pytest.approx(80.0, rel=0.02)
     assert figures["read_noise_e"] == pytest.approx(300.0, rel=0.02)
@@ -108,7 +102,6 @@ def test_frames_of_a_simulated_camera(imagechain, small, write, tmp_path):
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("none.npy",), "none.npy: no such file"),
         (("one.npy", "dark.npy"), "one.npy: contains a single frame; a flat field needs 2 or more"),
         (
             ("flat0.npy", "other.npy"),
@@ -117,17 +110,11 @@ def test_frames_of_a_simulated_camera(imagechain, small, write, tmp_path):
         ),
         (("flat0.npy", "--offset-dn", "much"), "--offset-dn 'much': give a number"),
         (
-            ("flat0.npy", "--output", "p.png"),
-            "--output 'p.png': the file's name must end in .csv or .json",
-        ),
-        (
             ("flat0.npy",),
             "1 of 1 levels are below 0.7 of saturation; a photon transfer curve needs 2 or more "
             "levels of different brightness, or one level and dark frames that are not clipped at "
             "zero",
         ),
-        (("flat0.npy", "--output", "dark.json", "--dark", "dark.npy", "--output", "dark.json"),
-         "cannot write: two outputs would be written to dark.json"),
     ],
 )  # fmt: skip
 def test_what_is_refused(imagechain, flats, tmp_path, words, line):
@@ -158,7 +145,7 @@ def patterned(rows, columns):
     [("pixels", False), ("lines", False), ("sloping light", True), ("a scene", True),
      ("a falling corner", True)],
 )  # fmt: skip
-def test_a_field_that_is_not_uniform_is_warned_of(imagechain, tmp_path, kind, warned):
+def test_a_field_that_is_not_uniform_is_warned_of(works, tmp_path, kind, warned):
     """Pixels, rows and columns that differ at random are a camera's own; waves are a scene's."""
     random, field = np.random.default_rng(3), patterned(96, 128)[kind]
     names = []
@@ -166,8 +153,7 @@ def test_a_field_that_is_not_uniform_is_warned_of(imagechain, tmp_path, kind, wa
         made = random.poisson(level * field, (12, *field.shape)) / GAIN + OFFSET
         np.save(tmp_path / f"l{level}.npy", np.rint(made).astype(np.uint16))
         names.append(f"l{level}.npy")
-    done = imagechain("photon-transfer", *names, "--offset-dn", "150")
-    assert done.returncode == 0, done.stderr
+    done = works("photon-transfer", *names, "--offset-dn", "150")
     lines = [line for line in done.stdout.splitlines() if line.startswith("warning: ")]
     assert len(lines) == (3 if warned else 0), lines
     assert all("% of the differences between pixels is structure" in line for line in lines)

@@ -1,7 +1,5 @@
 """What the README says one can run, and where it leads to; the rest stands in the handbook."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 

@@ -1,7 +1,5 @@
 """``imagechain solve``: the value at which a read-out is as wanted, against closed forms."""
 
-from __future__ import annotations
-
 import math
 import re
 
@@ -41,10 +39,9 @@ def solved(text):
     return float(re.search(r" = ([0-9.e+-]+)", text)[1])
 
 
-def test_the_integration_time_at_which_netd_is_25_mk(imagechain, camera):
+def test_the_integration_time_at_which_netd_is_25_mk(works, camera):
     words = ("--for", "fpa.integration_time_s", "--until", "fpa.netd_K=0.025")
-    done = imagechain("solve", camera, *words, "--precision", "double")
-    assert (done.returncode, done.stderr) == (0, "")
+    done = works("solve", camera, *words, "--precision", "double")
     time = time_of(0.025)
     first = done.stdout.splitlines()[0]
     assert first.startswith("fpa.integration_time_s = ")
@@ -69,10 +66,9 @@ def test_no_value_does_it_and_what_the_ends_give(imagechain, camera):
     assert found == pytest.approx(ends, rel=2e-3)
 
 
-def test_a_whole_number_has_two_neighbours(imagechain, camera):
+def test_a_whole_number_has_two_neighbours(works, camera):
     words = ("--for", "fpa.frames_averaged", "--until", "fpa.netd_K=0.0105")
-    done = imagechain("solve", camera, *words, "--precision", "double")
-    assert done.returncode == 0, done.stderr
+    done = works("solve", camera, *words, "--precision", "double")
     first = done.stdout.splitlines()[0]
 
     def netd(frames):
@@ -87,13 +83,12 @@ def test_a_whole_number_has_two_neighbours(imagechain, camera):
     assert re.match(r"[\w.]+ = \d+[:; ]", first)  # as it is typed in again, without a point
 
 
-def test_of_several_solutions_the_one_nearest_to_the_present(imagechain, small, write):
+def test_of_several_solutions_the_one_nearest_to_the_present(works, small, write):
     """J0 of the vibration crosses the same value again and again as its amplitude grows."""
     small["nodes"]["shake"] = {"module": "vibration_mtf", "params": {"amplitude_x_mrad": 2.0}}
     small["links"] += [["init.context", "shake.context"], ["init.magnitude", "shake.magnitude"]]
     words = ("--for", "shake.amplitude_x_mrad=0.01:9", "--until", "shake.mtf_at_nyquist_x=0.1")
-    done = imagechain("solve", write(small), *words)
-    assert done.returncode == 0, done.stderr
+    done = works("solve", write(small), *words)
     first = done.stdout.splitlines()[0]
     assert "so does a value near" in first
     from scipy.special import j0
@@ -105,19 +100,14 @@ def test_of_several_solutions_the_one_nearest_to_the_present(imagechain, small, 
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("--for", "fpa.gain", "--until", "fpa.netd_K=1"), "Focal Plane has no parameter gain"),
         (("--for", "fpa.units", "--until", "fpa.netd_K=1"), "not a number that can be solved for"),
         (("--for", "fpa.read_noise_e", "--until", "fpa.netd=1"), "no such read-out"),
         (("--for", "fpa.read_noise_e", "--until", "fpa.netd_K=cold"), "must be a number, in K"),
-        (("--for", "fpa.read_noise_e=5:1", "--until", "fpa.netd_K=1"), "LOW below HIGH"),
         (("--for", "fpa.read_noise_e"), "--until"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_solved_is_one_line(imagechain, camera, words, line):
-    done = imagechain("solve", camera, *words)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert line in done.stderr
-    assert len(done.stderr.splitlines()) == 1
+def test_what_cannot_be_solved_is_one_line(fails, camera, words, line):
+    assert line in fails("solve", camera, *words)
 
 
 FULL_S = 7e6 / SIGNAL_E_PER_S
@@ -141,10 +131,9 @@ def test_a_full_well_ends_what_can_be_had(imagechain, camera):
     assert least == pytest.approx(netd_at(FULL_S), rel=1e-3)
 
 
-def test_a_value_between_the_last_step_and_the_full_well(imagechain, camera):
+def test_a_value_between_the_last_step_and_the_full_well(works, camera):
     """The steps of the range are factors of 2.15: the last one before is at most 0.98 of it."""
     wanted = 1.002 * netd_at(FULL_S)
     words = ("--for", "fpa.integration_time_s", "--until", f"fpa.netd_K={wanted!r}")
-    done = imagechain("solve", camera, *words, "--precision", "double")
-    assert (done.returncode, done.stderr) == (0, "")
+    done = works("solve", camera, *words, "--precision", "double")
     assert solved(done.stdout.splitlines()[0]) == pytest.approx(time_of(wanted), rel=2e-4)

@@ -1,7 +1,5 @@
 """A signal at any moment gives one line or nothing, and that line is true."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -112,11 +112,6 @@ def test_a_mark_on_a_node_is_the_answer(two):
     assert chain.cascade
 
 
-def test_a_mark_in_the_middle_of_the_chain(small):
-    small["nodes"]["back"]["final"] = True
-    assert find_output(plan_of(small)).port == "back.image"
-
-
 def test_a_marked_sink_is_the_picture_it_takes(two):
     two["nodes"]["look"] = {"module": "examine_image", "final": True}
     two["links"].append(["back.image", "look.image"])
@@ -154,21 +149,3 @@ def test_the_mark_is_no_part_of_any_key(small):
     for name, planned in before.nodes.items():
         for port, value in planned.outputs.items():
             assert after.nodes[name].outputs[port].key == value.key
-
-
-def test_a_source_is_the_output_where_there_is_no_other(small):
-    small["nodes"] = {"scene": small["nodes"]["scene"]}
-    small["links"] = []
-    assert find_output(plan_of(small)).port == "scene.image"
-    small["nodes"]["second"] = small["nodes"]["scene"]
-    assert find_output(plan_of(small)).choices == ("scene.image", "second.image")
-
-
-@pytest.mark.parametrize(
-    ("output", "told"),
-    [("scene.image", "no Back Transform comes before the output, scene.image"), (None, "")],
-)
-def test_why_there_is_no_total(small, output, told):
-    if output is not None:
-        small["final"] = output
-    assert find_chain(plan_of(small)).missing == told

@@ -51,9 +51,8 @@ def test_the_output_is_that_of_the_picture(mwir):
     assert f"  {told} DN  " in line(lines, "Output: minimum, mean, maximum")
 
 
-def test_the_report_opens_with_the_same_figures_as_a_card(imagechain, tmp_path):
-    done = imagechain("run", "mwir_camera", "--report", "r.html")
-    assert (done.returncode, done.stderr) == (0, "")
+def test_the_report_opens_with_the_same_figures_as_a_card(works, tmp_path):
+    done = works("run", "mwir_camera", "--report", "r.html")
     lines = done.stdout.splitlines()
     printed = lines[: next(n for n, line in enumerate(lines) if line.startswith("all "))]
     told = [tuple(re.split(" {2,}", row)[:2]) for row in printed]
@@ -78,10 +77,9 @@ def test_all_prints_every_read_out(imagechain, write, small, tmp_path):
             )
 
 
-def test_the_mtf_is_the_product_at_the_pixels_nyquist_frequency(imagechain, write, small, tmp_path):
+def test_the_mtf_is_the_product_at_the_pixels_nyquist_frequency(works, write, small, tmp_path):
     """Two Gaussians of 0.5 and the jitter's σ; blocks of two halve the Nyquist frequency."""
-    done = imagechain("run", write(small), "--report", "r.json", "--precision", "double")
-    assert done.returncode == 0, done.stderr
+    works("run", write(small), "--report", "r.json", "--precision", "double")
     figures = json.loads((tmp_path / "r.json").read_text())["figures"]
     (mtf,) = [figure for figure in figures if figure["caption"].startswith("MTF")]
     nodes = small["nodes"]
@@ -101,15 +99,6 @@ def test_the_mtf_is_the_product_at_the_pixels_nyquist_frequency(imagechain, writ
 def test_a_network_without_a_sensor_shows_what_it_has(imagechain):
     lines = imagechain("run", "first_steps").stdout.splitlines()
     assert [each.split()[0] for each in lines[:3]] == ["Output:", "MTF", "all"]
-
-
-def test_the_report_opens_with_them(shipped_report):
-    made = shipped_report("mwir_camera")
-    card = made.page.index('class="card"')
-    assert card < made.page.index('alt="input and output pictures"') < made.page.index("Data sheet")
-    for figure in made.facts["figures"]:
-        assert made.page.find(figure["caption"].replace("'", "&#39;"), card) > card
-    assert "378.9 ke-" in made.page[card : card + 2000]
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Networks of hundreds of modules in series: evaluated, budgeted and shown."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Each recipe is made once in an evaluation, whatever the store can hold."""
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 

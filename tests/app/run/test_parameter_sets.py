@@ -1,7 +1,5 @@
 """Named sets of parameters: kept in a file of the module, taken again in one step."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

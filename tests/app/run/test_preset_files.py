@@ -1,7 +1,5 @@
 """Presets that come with the program are sound and say what they are of; one's own are kept."""
 
-from __future__ import annotations
-
 import json
 import math
 import tomllib

@@ -6,7 +6,7 @@ import pytest
 @pytest.mark.parametrize(
     ("units", "unit"), [("dn", "DN"), ("electrons", "e-"), ("radiance", "W/m²/sr")]
 )
-def test_figures_of_a_picture_have_its_unit(imagechain, small, write, units, unit):
+def test_figures_of_a_picture_have_its_unit(works, small, write, units, unit):
     """They had none, and those of 3-D Noise were of radiance, whatever came in."""
     small["nodes"]["scene"]["params"] |= {
         "kind": "uniform", "cut_on_um": 3.7, "cut_off_um": 4.8, "width": 16, "height": 12,
@@ -26,8 +26,7 @@ def test_figures_of_a_picture_have_its_unit(imagechain, small, write, units, uni
         ["init.context", "fpa.context"], ["scene.image", "fpa.image"],
         *(["fpa.image", f"{name}.image"] for name in ("budget", "cube", "look", "nuc")),
     ]  # fmt: skip
-    done = imagechain("run", write(small), "--all")
-    assert done.returncode == 0, done.stderr
+    done = works("run", write(small), "--all")
     rows = {tuple(line.split()[:2]): line.split() for line in done.stdout.splitlines() if line}
     for row in (("budget", "sigma"), ("cube", "temporal"), ("look", "mean"),
                 ("nuc", "pattern_low")):  # fmt: skip

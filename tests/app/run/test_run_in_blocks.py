@@ -37,7 +37,7 @@ NETWORKS = {
 @pytest.mark.thorough(but=5)
 @pytest.mark.parametrize("precision", ["single", "double"])
 @pytest.mark.parametrize("name", NETWORKS)
-def test_shipped_networks_to_the_bit(imagechain, tmp_path, name, precision):
+def test_shipped_networks_to_the_bit(works, tmp_path, name, precision):
     sizes = [
         word
         for node, (width, height) in NETWORKS[name].items()
@@ -46,15 +46,14 @@ def test_shipped_networks_to_the_bit(imagechain, tmp_path, name, precision):
     edges = ["--set=init.edges=periodic"] if precision == "double" and "two_" not in name else []
     words = ["run", name, *sizes, *edges, "--precision", precision]
     for folder, memory in (("a", "8GB"), ("b", BUDGET)):
-        done = imagechain(*words, "--memory", memory, "--output-dir", folder)
-        assert done.returncode == 0, done.stderr
+        done = works(*words, "--memory", memory, "--output-dir", folder)
         assert ("in blocks: " in done.stdout) == (folder == "b")
     for file in ("readouts.json", "mtf.csv", "final.png"):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
 
 
 @pytest.mark.parametrize("binning", ["charge", "digital"])
-def test_bins_and_multiplied_charge_of_a_focal_plane_to_the_bit(imagechain, tmp_path, binning):
+def test_bins_and_multiplied_charge_of_a_focal_plane_to_the_bit(works, tmp_path, binning):
     given = {
         "scene.width": 194, "scene.height": 178, "camera.pixels_x": 97, "camera.pixels_y": 89,
         "focal_plane.charge_gain": "em_register", "focal_plane.charge_gain_factor": 100,
@@ -64,14 +63,13 @@ def test_bins_and_multiplied_charge_of_a_focal_plane_to_the_bit(imagechain, tmp_
     words = [f"--set={name}={value}" for name, value in given.items()]
     words += ["--disable", "budget", "--disable", "merit"]  # these need whole pictures
     for folder, memory in (("a", "8GB"), ("b", BUDGET)):
-        done = imagechain("run", "mwir_camera", *words, "--memory", memory, "--output-dir", folder)
-        assert done.returncode == 0, done.stderr
+        done = works("run", "mwir_camera", *words, "--memory", memory, "--output-dir", folder)
         assert ("in blocks: " in done.stdout) == (folder == "b")
     for file in ("readouts.json", "mtf.csv", "final.png"):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
 
 
-def test_geometry_convolution_and_measurements(imagechain, write, tmp_path):
+def test_geometry_convolution_and_measurements(works, write, tmp_path):
     """What takes its picture as it lies on disk: footprints, tap by tap, a region, mean rows."""
     document = json.loads(find_network("measured_mtf").path.read_text())
     nodes, links = document["nodes"], document["links"]
@@ -98,8 +96,7 @@ def test_geometry_convolution_and_measurements(imagechain, write, tmp_path):
     saves += [f"--save={name}.curve={{}}_{name}.csv" for name in ("axes", "measured")]
     for folder, memory in (("a", "8GB"), ("b", "150kB")):
         words = [word.format(folder) for word in saves]
-        done = imagechain("run", network, *words, "--memory", memory, "--output-dir", folder)
-        assert done.returncode == 0, done.stderr
+        done = works("run", network, *words, "--memory", memory, "--output-dir", folder)
         assert ("in blocks: " in done.stdout) == (folder == "b")
     names = [word.rpartition("=")[2] for word in saves]
     for name in ("{}/readouts.json", *names):
@@ -107,7 +104,7 @@ def test_geometry_convolution_and_measurements(imagechain, write, tmp_path):
         assert a.read_bytes() == b.read_bytes()
 
 
-def test_read_out_artefacts(imagechain, write, tmp_path):
+def test_read_out_artefacts(works, write, tmp_path):
     """Lines from elsewhere, sums of whole columns, spills along them, and trails both ways."""
     artefacts = {
         "rolling_shutter": {"image_velocity_x": 9000, "image_velocity_y": -4000},
@@ -121,15 +118,14 @@ def test_read_out_artefacts(imagechain, write, tmp_path):
     network = write({"format": "imagechain-network", "version": 1, "nodes": nodes, "links": chain})
     for folder, memory in (("a", "8GB"), ("b", "100kB")):
         saves = [f"--save={key}.image={folder}_{key}.npy" for key in artefacts]
-        done = imagechain("run", network, *saves, "--memory", memory, "--output-dir", folder)
-        assert done.returncode == 0, done.stderr
+        done = works("run", network, *saves, "--memory", memory, "--output-dir", folder)
         assert ("in blocks: " in done.stdout) == (folder == "b")
     for key in artefacts:
         a, b = (np.load(tmp_path / f"{folder}_{key}.npy") for folder in "ab")
         np.testing.assert_array_equal(a, b)
 
 
-def test_photons_counted_behind_the_optics(imagechain, write, tmp_path):
+def test_photons_counted_behind_the_optics(works, write, tmp_path):
     """Poisson deviates of every sample's own mean and digital numbers; figures of their noise."""
     document = json.loads(find_network("mwir_camera").path.read_text())
     nodes = document["nodes"]
@@ -139,7 +135,7 @@ def test_photons_counted_behind_the_optics(imagechain, write, tmp_path):
     chain = {key: document[key] for key in ("format", "version", "name", "seed", "nodes")}
     network = write({**chain, "links": document["links"]})
     for file, memory in (("a.npy", "8GB"), ("b.npy", "50kB")):
-        done = imagechain(
+        done = works(
             "run",
             network,
             "--memory",
@@ -149,7 +145,6 @@ def test_photons_counted_behind_the_optics(imagechain, write, tmp_path):
             "--output-dir",
             file[0],
         )
-        assert done.returncode == 0, done.stderr
         assert ("in blocks: " in done.stdout) == (file == "b.npy")
     np.testing.assert_array_equal(np.load(tmp_path / "a.npy"), np.load(tmp_path / "b.npy"))
     a, b = (tmp_path / folder / "readouts.json" for folder in "ab")
@@ -207,7 +202,7 @@ def scene(tmp_path):
 
 
 @pytest.mark.parametrize(("edges", "file"), [("reflect", "scene.npy"), ("periodic", "scene.zarr")])
-def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, edges, file):
+def test_saved_pictures_are_streamed(imagechain, works, small, write, scene, tmp_path, edges, file):
     network = write(noisy(small))
     words = ["run", network, "--set=scene.path=scene.npy", f"--set=init.edges={edges}", "--save"]
     assert imagechain(*words, "noise.image=whole.npy", "--memory", "8GB").returncode == 0
@@ -215,8 +210,7 @@ def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, 
     more = [f"--save=noise.image=in.{kind}" for kind in ("tif", "img", "zarr")]
     words[2] = f"--set=scene.path={file}"
     budget = ("--memory", "50kB", "--scratch", ".", "--report", "r.json", "--report", "r.html")
-    done = imagechain(*words, "noise.image=in.npy", *more, *budget)
-    assert done.returncode == 0, done.stderr
+    works(*words, "noise.image=in.npy", *more, *budget)
     for kind in ("npy", "tif", "img", "zarr"):
         np.testing.assert_array_equal(read_pixels(tmp_path / f"in.{kind}"), whole)
     way = json.loads((tmp_path / "r.json").read_text())["run"]["way"]
@@ -244,7 +238,6 @@ def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, 
             "--save blur.magnitude: a magnitude of 99 × 84 samples must be computed all at once, "
             "and does not fit into --memory 50 kB",
         ),
-        (["--memory", "much"], "--memory 'much': give a size such as 2GB or 500MB, 1kB or more"),
         (["--scratch", "away"], "cannot write to the scratch folder away: No such file or dir"),
     ],
 )
@@ -254,13 +247,12 @@ def test_one_line(fails, small, write, scene, words, line):
 
 
 def test_a_judge_that_needs_the_whole_keeps_no_picture_from_being_written(
-    imagechain, small, write, scene, tmp_path
+    works, small, write, scene, tmp_path
 ):
     document = noisy(small)
     document["nodes"]["measured"] = {"module": "measured_mtf"}
     document["links"] += [["back.image", "measured.image"]]
-    done = imagechain("run", write(document), "--memory", "50kB", "--output-dir", "out", "--json")
-    assert done.returncode == 0, done.stderr
+    done = works("run", write(document), "--memory", "50kB", "--output-dir", "out", "--json")
     (line,) = json.loads(done.stdout)["left_out"]
     assert line.startswith("measured is left out: ")
     assert (

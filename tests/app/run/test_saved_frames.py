@@ -1,7 +1,5 @@
 """``--frames N``: frames of a saved image, each with temporal noise of its own."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import shutil
@@ -38,9 +36,8 @@ def noisy(small, write):
     return write(small)
 
 
-def test_frames_of_a_picture(imagechain, noisy, tmp_path):
-    done = imagechain("run", noisy, "--frames", "7", "--save", "electronics.image=f.npy")
-    assert done.returncode == 0, done.stderr
+def test_frames_of_a_picture(imagechain, works, noisy, tmp_path):
+    works("run", noisy, "--frames", "7", "--save", "electronics.image=f.npy")
     assert imagechain("run", noisy, "--save", "electronics.image=one.npy").returncode == 0
     frames, one = np.load(tmp_path / "f.npy"), np.load(tmp_path / "one.npy")
     assert frames.shape == (7, 20, 24)
@@ -51,12 +48,11 @@ def test_frames_of_a_picture(imagechain, noisy, tmp_path):
     assert changes == pytest.approx(np.sqrt(2) * sigma, rel=0.15)
 
 
-def test_a_region_of_frames_is_cut_from_them(imagechain, noisy, tmp_path):
-    done = imagechain(
+def test_a_region_of_frames_is_cut_from_them(works, noisy, tmp_path):
+    works(
         "run", noisy, "--frames", "3", "--save", "electronics.image=f.npy",
         "--save", "electronics.image[2:9,5:]=part.npy", "--save", "electronics.table=t.csv",
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
     whole, part = np.load(tmp_path / "f.npy"), np.load(tmp_path / "part.npy")
     assert np.array_equal(part, whole[:, 2:9, 5:])
     assert (tmp_path / "t.csv").exists()
@@ -106,14 +102,6 @@ def test_a_disk_that_is_full(frames, noisy, tmp_path):
             ".npy .tif .tiff .bsq .img",
         ),
         (
-            ("--save", "electronics.table=f.bsq"),
-            "--save electronics.table=f.bsq: a table must be written as .csv",
-        ),
-        (
-            ("--frames", "2", "--save", "electronics.image=f.bsq", "--save", "scene.image=f.bsq"),
-            "cannot write: two outputs would be written to f.bsq",
-        ),
-        (
             (
                 "--frames",
                 "1000000",
@@ -126,9 +114,7 @@ def test_a_disk_that_is_full(frames, noisy, tmp_path):
             ),
             None,
         ),
-        (("--frames", "0"), "--frames 0: give a whole number from 1 to 1000000"),
         (("--frames", "2000000"), "--frames 2000000: give a whole number from 1 to 1000000"),
-        (("--frames", "many"), "--frames 'many': give a whole number"),
     ],
 )
 def test_what_cannot_be_is_refused_before_anything_runs(fails, noisy, tmp_path, words, line):
@@ -146,6 +132,9 @@ CAMERA = {
 }  # fmt: skip
 
 
+SAVES = [f"--save=camera.image={name}" for name in ("f.npy", "f.tif", "f.bsq")]
+
+
 @pytest.fixture
 def camera(small, write):
     small["nodes"]["init"]["params"] |= {"detector_x_um": 30.0, "detector_y_um": 30.0}
@@ -155,10 +144,8 @@ def camera(small, write):
     return write(small)
 
 
-def test_all_formats_hold_the_same_numbers(imagechain, camera, tmp_path):
-    saves = [f"--save=camera.image={name}" for name in ("f.npy", "f.tif", "f.bsq")]
-    done = imagechain("run", camera, "--frames", "4", *saves, "--save=camera.image[3:8,2:]=p.img")
-    assert (done.returncode, done.stderr) == (0, "")
+def test_all_formats_hold_the_same_numbers(works, camera, tmp_path):
+    works("run", camera, "--frames", "4", *SAVES, "--save=camera.image[3:8,2:]=p.img")
     frames = np.load(tmp_path / "f.npy")
     assert frames.dtype == np.float32
     with Pillow.open(tmp_path / "f.tif") as picture:
@@ -177,13 +164,12 @@ def test_all_formats_hold_the_same_numbers(imagechain, camera, tmp_path):
     assert (read_info(tmp_path / "f.bsq").bands, read_info(tmp_path / "f.tif").unit) == (4, "DN")
 
 
-@pytest.mark.parametrize("name", ["f.npy", "f.tif", "f.bsq"])
-def test_many_frames_take_the_memory_of_ten(camera, tmp_path, name):
+def test_many_frames_take_the_memory_of_ten(camera, tmp_path):
     """Kept, the pictures that lead to 1500 frames of 480 samples would be 15 MB and more."""
     code = f"from app.command.cli import main\ncode = main()\nprint(code, end=' ')\n{PEAK}"
     peaks = {}
     for frames in (10, 1500):
-        words = ["run", str(camera), f"--frames={frames}", f"--save=camera.image={name}"]
+        words = ["run", str(camera), f"--frames={frames}", *SAVES]
         done = finished(
             [sys.executable, "-c", code, *words],
             folder=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)},
@@ -195,11 +181,11 @@ def test_many_frames_take_the_memory_of_ten(camera, tmp_path, name):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="ends a process by a signal")
-@pytest.mark.parametrize("name", ["f.npy", "f.tif", "f.bsq"])
-def test_a_stop_leaves_nothing(camera, tmp_path, name):
+@pytest.mark.parametrize("save", SAVES)
+def test_a_stop_leaves_nothing(camera, tmp_path, save):
     command = [sys.executable, "-m", "app.command.cli", "run", str(camera), "--frames=900000"]
     child = subprocess.Popen(
-        [*command, f"--save=camera.image={name}"],
+        [*command, save],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         text=True,
@@ -209,7 +195,7 @@ def test_a_stop_leaves_nothing(camera, tmp_path, name):
     try:
 
         def begun():
-            return any(path.stat().st_size > 4096 for path in tmp_path.glob(f".*/*{name[1:]}"))
+            return any(path.stat().st_size > 4096 for path in tmp_path.glob(".*/*.*"))
 
         wait_for(begun, "frames are written", child=child)
         child.send_signal(signal.SIGTERM)

@@ -1,7 +1,5 @@
 """``--save NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE``: rows and columns of an image."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -21,23 +19,17 @@ BOUNDS = {
 }
 FORM = "write NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, each bound a whole number or left out"
 FAULTS = {
-    "beyond below": ("back.image[0:41,:]=a.npy", "the picture has 40 rows and 48 columns"),
     "beyond right": (
         "back.image[:,40:49]=a.npy",
         "--save back.image[:,40:49]=a.npy: the picture has 40 rows and 48 columns",
     ),
-    "far beyond": ("back.image[0:999999999999999999,:]=a.npy", "the picture has 40 rows"),
     "of the smaller picture": ("pixels.image[0:21,:]=a.npy", "has 20 rows and 24 columns"),
     "no rows": ("back.image[7:7,:]=a.npy", "rows 7:7, columns 0:48 are empty"),
-    "rows turned round": ("back.image[9:7,:]=a.npy", "rows 9:7, columns 0:48 are empty"),
     "no columns": ("back.image[:,48:]=a.npy", "rows 0:40, columns 48:48 are empty"),
     "negative": ("back.image[-3:,:]=a.npy", FORM),
     "no whole number": ("back.image[0.5:2,:]=a.npy", FORM),
     "a step": ("back.image[0:9:2,:]=a.npy", FORM),
-    "rows alone": ("back.image[0:9]=a.npy", FORM),
-    "one row": ("back.image[3,:]=a.npy", FORM),
     "nothing": ("back.image[]=a.npy", FORM),
-    "not closed": ("back.image[0:9,:=a.npy", FORM),
     "not opened": ("back.image0:9,:]=a.npy", FORM),
     "too late": ("back.image=a.npy[0:9,:]", "must end in"),
     "no port": ("back[0:9,:]=a.npy", FORM),
@@ -58,15 +50,13 @@ def _network(write, small):
 
 
 @pytest.mark.parametrize("port", ["back.image", "scene.image"])
-def test_is_the_crop_of_the_whole(port, imagechain, tmp_path):
+def test_is_the_crop_of_the_whole(port, works, tmp_path):
     words = ["run", "net.json", "--save", f"{port}=whole.npy"]
     for number, bounds in enumerate(BOUNDS):
         words += ["--save", f"{port}[{bounds}]={number}.npy"]
-    done = imagechain(*words)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = works(*words)
     assert "also whole.npy, 0.npy, 1.npy" in done.stdout
-    alone = imagechain("run", "net.json", "--save", f"{port}[5:21,8:19]=alone.npy")
-    assert alone.returncode == 0
+    works("run", "net.json", "--save", f"{port}[5:21,8:19]=alone.npy")
     whole = np.load(tmp_path / "whole.npy")
     assert whole.shape == (ROWS, COLUMNS)
     for number, slices in enumerate(BOUNDS.values()):
@@ -74,27 +64,14 @@ def test_is_the_crop_of_the_whole(port, imagechain, tmp_path):
     np.testing.assert_array_equal(np.load(tmp_path / "alone.npy"), whole[5:21, 8:19])
 
 
-def test_a_node_may_have_brackets_in_its_name(imagechain, write, small, tmp_path):
-    text = json.dumps(small)
-    for end in ('"', "."):
-        text = text.replace(f'"back{end}', f'"b[0:1,:]{end}')
-    write(json.loads(text))
-    ports = ["b[0:1,:].image=whole.npy", "b[0:1,:].image[3:9,:]=part.npy"]
-    done = imagechain("run", "net.json", "--save", ports[0], "--save", ports[1])
-    assert (done.returncode, done.stderr) == (0, "")
-    whole = np.load(tmp_path / "whole.npy")
-    np.testing.assert_array_equal(np.load(tmp_path / "part.npy"), whole[3:9])
-
-
 @pytest.mark.parametrize("suffix", ["tif", "exr"])
-def test_field_of_view_of_what_was_written(suffix, imagechain, small, write, tmp_path):
+def test_field_of_view_of_what_was_written(suffix, works, small, write, tmp_path):
     """So that a crop that is read again has the sampling interval that it had."""
     fov = {"fov_x_deg": 3.0, "fov_y_deg": 2.5}
     write_picture(tmp_path / "in.tif", np.ones((ROWS, COLUMNS)), dtype="float", metadata=fov)
     small["nodes"]["read"] = {"module": "read_image", "params": {"path": "in.tif"}}
     save = f"read.image[4:14,6:30]=crop.{suffix}"
-    done = imagechain("run", write(small), "--save", save)
-    assert (done.returncode, done.stderr) == (0, "")
+    works("run", write(small), "--save", save)
     info = read_info(tmp_path / f"crop.{suffix}")
     assert (info.rows, info.columns) == (10, 24)
     assert info.fov_x_deg == pytest.approx(3.0 / 2, rel=1e-6)
@@ -115,8 +92,7 @@ def test_the_report_tells_what_a_region_saved(imagechain, tmp_path):
     page = (tmp_path / "r.html").read_text()
     assert "pictures outside a region" in page
     assert "back (75 % computed)" in page
-    imagechain("run", "net.json", "--save", "pixels.image[3:8,12:24]=a.npy", *words[2:])
+    imagechain("run", "net.json", "--save", "pixels.image[3:8,12:24]=a.npy", *words[2:4])
     report = json.loads((tmp_path / "r.json").read_text())
     (fact,) = [each for each in report["skipped"]["back"] if each["kind"] == "region"]
     assert fact["share"] == 1  # the final picture is made whole in any case
-    assert "pictures outside a region" not in (tmp_path / "r.html").read_text()

@@ -1,12 +1,9 @@
 """Which picture is the final one, and which stages lead to it."""
 
-from __future__ import annotations
-
 import json
 
 import pytest
 
-from app.run.output import ending_images
 from app.run.transfer_chain import find_chain
 from core.chain.engine import Engine
 from core.errors import NetworkError
@@ -55,22 +52,6 @@ def test_a_viewer_on_the_input_is_not_the_end(small):
     assert chain_of(small).final == "pixels.image"
 
 
-def test_of_two_ends_none_is_taken_even_where_one_is_looked_at(small):
-    small["nodes"]["twice"] = {"module": "combine_pixels"}
-    small["nodes"]["look"] = {"module": "examine_image"}
-    small["links"] += [["back.image", "twice.image"], ["pixels.image", "look.image"]]
-    chain = chain_of(small)
-    assert chain.final is None
-    assert chain.choices == ("pixels.image", "twice.image")
-    assert set(ending_images(plan_of(small))) == {"pixels.image", "twice.image"}
-
-
-def test_noise_beside_a_picture_is_not_the_end(small):
-    small["nodes"]["noise"] = {"module": "poisson_noise"}
-    small["links"].append(["pixels.image", "noise.image"])
-    assert chain_of(small).final == "noise.image"
-
-
 def test_a_comparison_is_not_the_end(small):
     small["nodes"]["compare"] = {"module": "compare_images"}
     small["links"] += [["back.image", "compare.image"], ["scene.image", "compare.reference"]]
@@ -99,16 +80,6 @@ def test_without_an_inverse_transform_stages_have_no_product(small):
     assert not chain.cascade
     assert [stage.node for stage in chain.stages] == ["blur", "jitter"]
     assert chain.final == "scene.image"
-
-
-def test_a_network_without_pictures():
-    document = {
-        "format": "imagechain-network",
-        "version": 1,
-        "nodes": {"pupil": {"module": "exit_pupil"}},
-        "links": [],
-    }
-    assert chain_of(document).final is None
 
 
 def test_a_network_under_construction_has_its_chain_up_to_the_fault(small):
