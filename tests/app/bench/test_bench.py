@@ -1,23 +1,14 @@
 """The benchmark runs, says what it promises and writes what it is asked for; no timings."""
 
-from __future__ import annotations
-
 import json
 import os
-import sys
-import warnings
 
-import numpy as np
 import pytest
 
 from app.bench import PARTS, peers, precision, truth
-from app.bench.chains import FINAL, SCENE, Kodak
 from app.bench.studies import points_table, scenes_table
-from app.bench.timing import STEADY, Settings, environment
-from app.command.cli import main
+from app.bench.timing import STEADY, Settings
 from app.options.command_words import BENCH_PARTS
-from app.run.shipped import command
-from child_process import finished
 
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
 TABLES = {
@@ -112,17 +103,6 @@ def test_bad_words(words, told, fails, steady):
     assert told in fails("bench", "--quick", *words)
 
 
-def test_in_this_process(capsys, steady, monkeypatch, tmp_path):
-    """With the environment it wants it does not start itself again."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(precision, "MEASURES", ())
-    assert main(["bench", "--quick", "--only", "precision", "--size", "32"]) == 0
-    out, err = capsys.readouterr()
-    assert "T0 = " in out
-    assert not err
-    assert not list(tmp_path.iterdir())
-
-
 def test_mpmath_missing_is_said(monkeypatch):
     monkeypatch.setattr(truth, "mpmath", lambda: None)
     for measure in (precision.charge_transfer, precision.wavelengths):
@@ -143,52 +123,6 @@ def test_peers_that_are_missing_or_fail_are_rows(monkeypatch):
     assert notes["Absent"] == "not installed"
     assert notes["Broken"] == "failed: ZeroDivisionError: theirs"
     assert len(notes) == 3
-
-
-def test_a_program_that_asks_pkg_resources_is_answered(monkeypatch, tmp_path):
-    """As prysm does, where setuptools has it no more; what it warns of is not ours to say."""
-    lines = [
-        "import warnings",
-        "import pkg_resources",
-        "from pkg_resources import get_distribution",
-        "of_setuptools = hasattr(pkg_resources, '__path__')",
-        "warnings.warn('mine')",
-        "__version__ = get_distribution('numpy').version",
-    ]
-    (tmp_path / "asks_its_version.py").write_text("\n".join(lines))
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, "pkg_resources", raising=False)
-    monkeypatch.setattr(peers, "find_spec", {}.get)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        found = peers.load("asks_its_version")
-    assert found.__version__ == np.__version__
-    assert not found.of_setuptools
-    assert "pkg_resources" not in sys.modules
-
-
-def test_edits_start_from_what_was_there():
-    kodak = Kodak(32)
-    warm = kodak.left_by(FINAL)
-    kodak.edited(FINAL, warm, ("electronics", "bits", (4, 8)))
-    kodak.store.forget_all_but(warm)
-    assert kodak.store.keys() == warm
-    before = kodak.store.used_bytes
-    kodak.left_by(FINAL)
-    assert kodak.store.used_bytes == before
-    np.testing.assert_array_equal(kodak.value(kodak.network, SCENE), kodak.scene)
-    assert kodak.value(kodak.network, FINAL).shape == (round(32 * 486 / 1024), 16)
-
-
-def test_modules_of_a_child_are_ours(tmp_path):
-    """A `core` in the user's folder is not ours."""
-    (tmp_path / "core").mkdir()
-    (tmp_path / "core/__init__.py").write_text("raise SystemExit(3)")
-    words = ["bench", "--quick", "--only", "peers", "--size", 64]
-    done = finished(
-        command("app.command.cli", *map(str, words)), folder=tmp_path, env=environment()
-    )
-    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize(

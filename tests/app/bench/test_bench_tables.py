@@ -1,11 +1,7 @@
 """How the benchmark judges, tells and draws its figures."""
 
-from __future__ import annotations
-
-import numpy as np
 import pytest
 
-from app.bench import charts
 from app.bench.charts import chart_png
 from app.bench.tables import Chart, Table, figure_text, verdict
 from app.bench.timing import paired
@@ -69,31 +65,3 @@ def test_no_picture_of_nothing():
     assert chart_png(table(ROWS[2:])) is None
     assert chart_png(Table("t", "Title", HEADS, ROWS)) is None
     assert chart_png(table(where=("kind", "three"))) is None
-
-
-def test_words_hide_neither_marks_nor_each_other(monkeypatch):
-    """Points in a cluster: their words find free places inside the axes."""
-    drawn, write = [], charts._write
-
-    def written(axis, words, points, curves, notes):
-        write(axis, words, points, curves, notes)
-        boxes = [text.get_window_extent().extents for text in axis.texts if text not in notes]
-        frame = axis.get_window_extent().extents
-        drawn.append((np.array(boxes), axis.transData.transform(points), frame))
-
-    monkeypatch.setattr(charts, "_write", written)
-    random = np.random.default_rng(4)
-    rows = [
-        {"choice": f"word {number}", "t0": 10.0**x, "error": 10.0**y}
-        for number, (x, y) in enumerate(random.uniform(0.5, 1.5, (9, 2)))
-    ]
-    rows += [{"choice": f"end {x}", "t0": 10.0**x, "error": 10.0**x} for x in (-1.0, 3.0)]
-    assert chart_png(table(rows)) is not None
-    ((boxes, marks, frame),) = drawn
-    assert len(boxes) == len(marks) == len(rows)
-    for number, box in enumerate(boxes):
-        assert np.all(box[:2] >= frame[:2] - 1)
-        assert np.all(box[2:] <= frame[2:] + 1)
-        assert not np.any(np.all((marks > box[:2]) & (marks < box[2:]), axis=1))
-        for other in boxes[:number]:
-            assert np.any(np.minimum(box[2:], other[2:]) <= np.maximum(box[:2], other[:2]))

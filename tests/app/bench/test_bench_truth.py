@@ -1,7 +1,5 @@
 """The benchmark's truths are true: against other independent ways, and against the engine."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Pictures without noise, given twice, or of two levels; and ranges whose end is no value."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

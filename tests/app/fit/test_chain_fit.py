@@ -1,7 +1,5 @@
 """What a picture shows of parameters: spreads of chains whose bands differ."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Errors beside a parameter whose effect is even, where a straight line is no model of it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Noise of a network at given levels, against the sum of its sources by hand."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

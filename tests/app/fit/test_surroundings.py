@@ -1,7 +1,5 @@
 """What reaches into an edge's samples from beyond, against pictures made by oversampled sums."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

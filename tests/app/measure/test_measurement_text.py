@@ -1,7 +1,5 @@
 """A measurement in words: figures to the digits of their errors, and what is missing."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pictures that were filtered after they were taken: what is said of them."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

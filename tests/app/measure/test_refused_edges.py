@@ -1,7 +1,5 @@
 """Reasons why edges are not used: each kind in words, with what helps against it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The MTF measured in the final picture against closed forms written out here."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -232,8 +230,3 @@ def test_reasons_not_to_measure():
         blur=("gaussian_mtf", {"sigma_x_mrad": 0.5, "sigma_y_mrad": 0.5, "apply": "filter_only"})
     )
     assert why_not(evaluated(only)).startswith("the effect of back on the picture is not")
-
-
-def test_a_uniform_scene_has_an_edge_put_in_all_the_same():
-    found = attempts(evaluated(blurred(scene={**SCENE, "kind": "uniform"})))
-    assert all(each["reason"] is None for each in found.values())

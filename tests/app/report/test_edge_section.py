@@ -1,7 +1,5 @@
 """The section on the measured MTF: what its table and its picture say of each measurement."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from app.report.blocks import Grid

@@ -1,15 +1,12 @@
 """Shares of noise and blur against laws written out here, and noises silenced one by one."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from app.report.blocks import Text
-from app.report.budget import budget, budget_facts
+from app.report.budget import budget_facts
 from budget_chain import (
     BANDWIDTH,
     BLUR_PX,
@@ -237,26 +234,6 @@ def test_detector_and_gaussian():
     assert all(math.copysign(1, value) == 1 for pair in shares.values() for value in pair)
 
 
-def test_nothing_to_tell_says_why():
-    nodes = {"scene": ("test_scene", {**SCENE, "width": 64, "height": 64})}
-    facts = {"budget": budget_facts(evaluated(linked_network(nodes)))}
-    assert facts["budget"] == {
-        "noise": None,
-        "noise_reason": "no noise is added on the way to scene.image",
-        "blur": None,
-        "blur_reason": "every transfer function before scene.image is 1",
-    }
-    page = " ".join(block.text for block in budget(facts) if isinstance(block, Text))
-    assert (
-        "Noise cannot be split among its sources: no noise is added on the way to scene.image."
-        in page
-    )
-    assert (
-        "Blur cannot be split among its sources: every transfer function before scene.image is 1"
-        in page
-    )
-
-
 def test_no_final_picture_is_a_reason():
     found = evaluated(linked_network({"pupil": ("exit_pupil", {})}))
     assert told(found, "noise") == told(found, "blur") == "the network has no final picture"
@@ -270,9 +247,3 @@ def test_the_gain_as_printed_is_the_picture_and_no_noise(gain_model):
     # Without its noise there would be no picture to compare with, and the report says so.
     assert (found["together"] is None) is (gain_model == "literal")
     assert bool(found["together_reason"]) is (gain_model == "literal")
-
-
-def test_single_precision_tells_the_same(whole):
-    single = told(evaluated(network(), "single"), "noise")
-    assert sigmas(single) == pytest.approx(sigmas(whole[1]), rel=1e-3)
-    assert single["together"] == pytest.approx(whole[1]["together"], rel=0.02)

@@ -1,16 +1,11 @@
 """Names, units and descriptions from anybody in reports: drawn letter by letter, and harmless."""
 
-from __future__ import annotations
-
 import json
 
-import numpy as np
 import pytest
 
-from app.report.drawing.node_curves import curves_png
 from app.report.drawing.picture_drawing import figure
 from app.run.readout_tables import columns
-from core.chain.results import CurveData, Series
 from core.names import printable
 
 FORMULA = r"$\frac{$"  # begins a formula that never ends
@@ -31,9 +26,8 @@ def unruly(small):
     return {**small, **told, "nodes": nodes, "links": links}
 
 
-def test_a_report_of_unruly_names(imagechain, write, unruly, tmp_path):
-    done = imagechain("run", write(unruly), "--report", "r.html", "--report", "r.json")
-    assert (done.returncode, done.stderr) == (0, "")
+def test_a_report_of_unruly_names(works, write, unruly, tmp_path):
+    done = works("run", write(unruly), "--report", "r.html", "--report", "r.json")
     page, facts = (tmp_path / "r.html").read_text(), (tmp_path / "r.json").read_text()
     for text in (page, facts, done.stdout):
         assert not [letter for letter in text if letter in ORDERS and not letter.isprintable()]
@@ -52,26 +46,6 @@ def test_texts_are_drawn_as_they_are_written(text):
         return out.getvalue()
 
     assert png(formula=True) == png(formula=False)
-
-
-def test_named_ticks_and_legends_too():
-    places = np.arange(2.0)
-    bars = CurveData(
-        FORMULA, FORMULA, FORMULA,
-        (Series(FORMULA, places, places + 1.0), Series(FORMULA, places, places)),
-        (FORMULA, FORMULA),
-    )  # fmt: skip
-    assert curves_png([(FORMULA, bars)]).startswith(b"\x89PNG")
-
-
-def test_powers_of_ten_are_still_formulas():
-    with figure(3.0, 2.0) as (drawn, _):
-        axis = drawn.subplots()
-        axis.set_yscale("log")
-        axis.set_ylim(1.0, 1e6)
-    labels = [label for label in axis.get_yticklabels() if label.get_text()]
-    assert r"$\mathdefault{10^{4}}$" in [label.get_text() for label in labels]
-    assert all(label.get_parse_math() for label in labels)
 
 
 def test_what_a_terminal_would_obey_becomes_an_escape():

@@ -1,7 +1,5 @@
 """A study by real worker processes: the same rows, and what becomes of a worker that dies."""
 
-from __future__ import annotations
-
 import logging
 import threading
 import time

@@ -1,7 +1,5 @@
 """The journal: what is kept of an unfinished study, and what a torn or foreign one is worth."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """The points of a study: their values, their number, and the order that repeats least."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -89,13 +87,11 @@ def test_a_list_has_columns_by_name_in_the_parameters_units(network, tmp_path):
 
 
 LISTS = {
-    "unknown column": ("blurr.sigma_x_mrad\n1\n", "did you mean blur?"),
     "other unit": (f"{SIGMA} (µrad)\n1\n", "the unit must be the parameter's, mrad"),
     "out of range": (f"{SIGMA}\n1\n-1\n", "line 3: sigma_x_mrad = -1 mrad is not allowed"),
     "no rows": (f"{SIGMA}\n", "a first line of names"),
     "short row": (f"{SIGMA},{D_STAR}\n1,1e10\n1\n", "line 3 has 1 cells"),
     "twice": (f"{SIGMA},{SIGMA}\n1,1\n", "two columns have the same name"),
-    "no name": ("sigma\n1\n", "write NODE.PARAM"),
 }
 
 

@@ -32,13 +32,6 @@ def test_its_figures_are_what_a_trade_off_shows_by_default(camera):
     assert not any(name.startswith("beside.") for name in names)
 
 
-def test_a_bolometer_s_figures_are_shown_by_default():
-    nodes = {"scene": ("test_scene", {}), "init": ("init_trans", {}), "b": ("microbolometer", {})}
-    links = [("scene.image", "init.image"), ("init.context", "b.context")]
-    names = {figure.text for figure in default_figures(linked_network(nodes, links), LIBRARY)}
-    assert {"b.netd_K", "b.snr"} <= names
-
-
 def test_netd_and_snr_come_first(camera):
     known = in_order(figures_of(camera, LIBRARY), camera)
     assert next(iter(known)).startswith("fpa.")

@@ -116,11 +116,3 @@ def test_the_chain_at_the_nyquist_frequency_of_its_pixels(pixels, pixel_x, pixel
         # Behind the transform, what pixels are combined by is no part of the total.
         assert found[f"total.mtf_pixel_nyquist_{axis}"] == pytest.approx(whole, rel=1e-9)
         assert found[f"total.mtf_half_pixel_nyquist_{axis}"] == pytest.approx(half, rel=1e-9)
-
-
-def test_the_geometry_has_both():
-    engine, plan, work = planned()
-    found = engine.readouts(plan, "init", work)
-    assert found["pixel_nyquist_x"] == pytest.approx(0.5 / PITCH_X, rel=1e-12)
-    assert found["pixel_nyquist_y"] == pytest.approx(0.5 / PITCH_Y, rel=1e-12)
-    assert found["nyquist_x"] == pytest.approx(10.0, rel=1e-12)
