@@ -79,6 +79,7 @@ _ROWS: Mapping[str, Mapping[str, int | Factor]] = {
     "speed of the image": {"px/s": 0},
     "sample count": {"px": 0, "samples": 0, "pixels": 0},
     "digital resolution": {"bit": 0, "bits": 0},
+    "gain on a camera": {"dB": 0},
     "relative frequency": {"Nyquist": 0},
     "frequency in the frame": {"cycles per frame": 0},
     "wavefront": {"waves": 0},
