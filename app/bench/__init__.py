@@ -20,7 +20,7 @@ PARTS = {
 TITLE = "Imagechain: run time against error"
 LEAD = (
     "Times are in multiples of T0, the time of irfft2(rfft2(image)) for the same image, type "
-    "and threads, which any Fourier method needs. The two are timed in turn; the figures are "
+    "and threads. Any Fourier method needs at least T0. The two are timed in turn; the figures are "
     "medians of the ratios."
 )
 Measures = Sequence[Callable[[Settings], list[Table]]]
@@ -48,7 +48,7 @@ def measured(
     versions = ", ".join(f"{name} {release}" for name, release in machine["versions"].items())
     say(
         f"{machine['processor']}, {machine['usable_cores']} of {machine['cores']} cores, load "
-        f"{machine['load']:.1f}; {versions}; periodic frames by {machine['fft']}\nT0 = "
+        f"{machine['load']:.1f}; {versions}; transforms by {machine['fft']}\nT0 = "
         "scipy.fft.irfft2(scipy.fft.rfft2(image)), on the same image, type and threads, timed "
         "in turn with the subject"
     )

@@ -193,7 +193,7 @@ def frames(settings: Settings) -> list[Table]:
     title = f"Frames of a camera, {columns} × {lines}, single precision"
     text = (
         f"The camera above, {count} frames to a file in the temporary folder, flushed to its "
-        "disk. The picture before the noise is made once for all frames. Each frame has new "
+        "disk. The noise-free picture is computed once for all frames. Each frame has new "
         "shot and read noise, and the same fixed patterns and bad pixels. The limit is 60 "
         "frames a second, the target 120."
     )

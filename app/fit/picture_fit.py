@@ -257,7 +257,7 @@ def _noise(
             measured += seen.levels
             reason = reason or seen.sigma_reason
         if not measured:
-            return None, f"the noise of the picture is not known: {reason or 'no level is flat'}"
+            return None, f"the noise of the picture is not known: {reason or 'it has no flat area'}"
         measured = sorted(measured, key=lambda one: -one.samples)[:_MOST_LEVELS]
         noise = NoiseProblem(levels, measured)
         noise.predicted(plan)

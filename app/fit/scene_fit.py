@@ -343,7 +343,7 @@ def fine_source(
     if all(image.shape == final.shape for image in images):
         return None
     if len(images) != 1:
-        return f"the final picture comes from {len(images)} pictures"
+        return f"the network has {len(images)} source pictures"
     if images[0].bands is not None:
         return f"{sources[0]} has wavelength bands"
     rows, columns = images[0].shape

@@ -140,7 +140,7 @@ def _numerical_words(parser: Parser) -> None:
 def _edit_words(parser: Parser) -> None:
     add = partial(_add, parser)
     add("network", "NETWORK", "a network file, or the name of an example network", nargs="?")
-    add("--screenshot", "FILE", "save a picture of the window as .png, without a display, and exit",
+    add("--screenshot", "FILE", "save the window as .png and exit; needs no display",
         ending_in(PNG))  # fmt: skip
     parser.add_argument("--part", action=Word, choices=SCREENSHOT_PARTS,
         help="window (default), canvas, panel, curves, or the first viewer's picture within --size",
@@ -220,7 +220,7 @@ def _study_words(parser: Parser) -> None:
     add = partial(_add, parser)
     add("--vary", "NODE.PARAM=VALUES",
         "parameter to vary: FROM:TO:COUNT, FROM:TO:COUNT:log (equal factors), or values a,b,c; "
-        "FROM:TO or FROM:TO:log if points are drawn; may be repeated", many=True)  # fmt: skip
+        "with --sample latin, FROM:TO or FROM:TO:log; may be repeated", many=True)  # fmt: skip
     add("--over", "NODE.PARAM=PATTERN",
         "compute every point for each file that matches a pattern, such as "
         "scene.path='scenes/*.img', in numerical order; may be repeated", many=True)  # fmt: skip

@@ -98,7 +98,7 @@ def read_text(path: str | PathLike[str]) -> str:
     except ValueError:
         raise FileError(f"cannot read {fspath(path)!r}: not a valid file name") from None
     if len(content) > LARGEST:
-        raise NetworkError(f"{path}: larger than {LARGEST >> 20} MiB, the most a network may have")
+        raise NetworkError(f"{path}: larger than {LARGEST >> 20} MiB, the limit for a network file")
     try:
         return content.decode()
     except UnicodeDecodeError as error:

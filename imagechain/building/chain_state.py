@@ -136,7 +136,7 @@ class ChainState:
     def with_part(
         self, part: Part, library: Library, *, name: str | None, after: str | None, wired: bool
     ) -> tuple[str, ChainState]:
-        """With one more node, and its name; as for `Chain.add`."""
+        """The name of a new node, and the state with it; as for `Chain.add`."""
         if part.inside is None and part.module not in library:
             raise NetworkError(no_module(part.module, library))
         if after is not None:

@@ -347,7 +347,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @readout()
     def largest_change(self, outputs: MtfOutputs) -> Step | float:
-        """Largest |1 − MTF| in the image's band."""
+        """Largest |1 − MTF| up to the image's Nyquist frequencies."""
         if not outputs.mtf.factors:
             return 0.0
         return Step.of(_largest_change, transfer=outputs.mtf)

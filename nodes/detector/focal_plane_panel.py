@@ -37,7 +37,7 @@ _NEEDED_BY = {
     "detector_K": "rule_07 and dark_doubling_K need it",
     "material_cutoff_um": "rule_07 needs it",
     "dark_reference_K": "dark_doubling_K counts from this temperature",
-    "dark_doubling_K": "the dark current is known at dark_reference_K only",
+    "dark_doubling_K": "without it the dark current is known at dark_reference_K only",
     "responsivity_um": "responsivity_A_per_W refers to this wavelength",
     "responsivity_A_per_W": "responsivity_um is its wavelength",
 }

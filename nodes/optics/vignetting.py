@@ -54,8 +54,8 @@ class Vignetting(Module, key="vignetting", title="Vignetting", group="Optics"):
     formulas = (
         Formula(
             r"L'=L\,\cos^4\theta\;V(h),\quad\tan\theta=\sqrt{x^2+y^2}",
-            where="x, y: distances from the picture's middle, rad on the axis; V: the measured "
-            "curve, 1 without one; h: height in the unit of `against`",
+            where="x, y: tangents of the angles from the picture's middle; V: the measured "
+            "curve, or 1 if there is none; h: height in the unit of `against`",
         ),
     )
 

@@ -109,7 +109,7 @@ def mdtd_K(  # noqa: N802
     for name, mtf in (("mtf_x", mtf_x), ("mtf_y", mtf_y)):
         transfer = all_finite(name, mtf)
         if transfer.shape != at.shape:
-            allowed = f"the shape of frequency, {at.shape}"
+            allowed = f"an array of the same shape as frequency, {at.shape}"
             raise ParameterError(name, f"an array of shape {transfer.shape}", allowed)
         transfers.append(transfer)
     *sides, intensity = _blurred(size, at, transfers, window, limit)

@@ -259,7 +259,7 @@ def _curve(frequency: ArrayLike, mtf: ArrayLike) -> tuple[Vector, Vector]:
     positive("frequency[0]", at[0], unit="cyc/mrad")
     transfer = all_finite("mtf", mtf)
     if transfer.shape != at.shape:
-        allowed = f"the shape of frequency, {at.shape}"
+        allowed = f"an array of the same shape as frequency, {at.shape}"
         raise ParameterError("mtf", f"an array of shape {transfer.shape}", allowed)
     return at, transfer
 

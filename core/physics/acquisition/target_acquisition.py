@@ -164,7 +164,7 @@ def _resolved_part(frequency: ArrayLike, mrtd_K: ArrayLike) -> tuple[Values, Val
     places = rising("frequency", frequency, unit="cyc/mrad")
     curve = all_from_zero("mrtd_K", mrtd_K, unit="K", infinite=True)
     if curve.shape != places.shape:
-        allowed = f"the shape of frequency, {places.shape}"
+        allowed = f"an array of the same shape as frequency, {places.shape}"
         raise ParameterError("mrtd_K", f"an array of shape {curve.shape}", allowed, unit="K")
     finite = np.isfinite(curve)
     first = int(np.argmax(finite)) if finite.any() else len(curve)

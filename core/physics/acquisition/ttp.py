@@ -142,11 +142,11 @@ def _joined(places: Values, ctf: ArrayLike) -> Threshold:
     """The function through the samples of a threshold, which are checked."""
     curve = all_from_zero("ctf", ctf, infinite=True)
     if curve.shape != places.shape:
-        allowed = f"a function, or an array of the shape of frequency, {places.shape}"
+        allowed = f"a function, or an array of the same shape as frequency, {places.shape}"
         raise ParameterError("ctf", f"an array of shape {curve.shape}", allowed)
     zeros = np.flatnonzero((curve == 0.0) & (places > 0.0))
     if len(zeros):
-        raise ParameterError(f"ctf[{zeros[0]}]", 0.0, "above zero beyond frequency zero")
+        raise ParameterError(f"ctf[{zeros[0]}]", 0.0, "above 0 at every frequency above 0")
     return interpolated(frequency=places, ctf=curve)
 
 
@@ -160,7 +160,9 @@ def _panels(ctf: Threshold, low: Values, high: Values) -> Values:
     values = _values_of(ctf, points.ravel()).reshape(points.shape)
     zero = points[(values == 0.0) & (points > 0.0)]
     if len(zero):
-        raise ParameterError(f"ctf({zero[0]:g} cyc/mrad)", 0.0, "above zero beyond frequency zero")
+        raise ParameterError(
+            f"ctf({zero[0]:g} cyc/mrad)", 0.0, "above 0 at every frequency above 0"
+        )
     root = 1.0 / np.sqrt(np.where(values == 0.0, np.inf, values))
     return np.asarray(width * (root @ (weights * share)), np.float64)
 
@@ -187,7 +189,7 @@ def _values_of(ctf: Threshold, places: Values) -> Values:
     with np.errstate(divide="ignore", over="ignore", under="ignore"):
         values = np.asarray(ctf(places), np.float64)
     if values.shape != places.shape:
-        allowed = f"of the shape of the frequencies, {places.shape}"
+        allowed = f"an array of the same shape as the frequencies, {places.shape}"
         raise ParameterError("ctf", f"an array of shape {values.shape}", allowed)
     wrong = np.flatnonzero(~(values >= 0.0))
     if len(wrong):

@@ -208,7 +208,7 @@ def _in_turn(pieces: Sequence[Piece], shape: tuple[int, ...]) -> list[Piece]:
 def _enough(used: int, examined: int) -> str:
     """Why the rest of the candidates was not looked at."""
     if used >= _ENOUGH_USED:
-        return f"not examined: {used} stronger or better separated edges can be used"
+        return f"not examined: {used} stronger or better separated edges are enough"
     if used == 0:
         return f"weaker than {examined} others, none of which can be used"
     return (

@@ -150,7 +150,7 @@ GOOD = {"frequency": [0.0, 1.0, 2.0], "ctf": [0.1, 0.2, 0.4], "contrast": 1.0, *
         ({"ctf": [0.1, 0.2]}, "ctf"),
         ({"ctf": [0.1, 0.0, 0.4]}, r"ctf\[1\]"),
         ({"ctf": lambda f: f - 1.0}, r"ctf\(0 cyc/mrad\) = -1.0"),
-        ({"ctf": lambda f: 0.0 * f}, r"ctf\(.*above zero"),
+        ({"ctf": lambda f: 0.0 * f}, r"ctf\(.*above 0"),
         ({"ctf": lambda _: 1.0}, "shape"),
         ({"contrast": -1.0}, "contrast"),
         ({"target_area_m2": 0.0}, "target_area_m2"),

@@ -214,7 +214,7 @@ def test_enough_edges_of_a_chart_with_many():
     assert len(used) == 48
     assert len(looked_at) < 80  # what is not examined takes no time
     assert {edge.why_not for edge in edges[48:] if "not examined" in edge.why_not} == {
-        "not examined: 48 stronger or better separated edges can be used"
+        "not examined: 48 stronger or better separated edges are enough"
     }
     for axis in (0.0, 90.0):
         near = [e for e in used if abs((e.angle_deg - axis + 90.0) % 180.0 - 90.0) < 10.0]
