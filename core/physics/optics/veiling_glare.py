@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
 from core.physics.checks import all_from_zero, non_negative, positive, within
+from core.physics.numerics import gauss_legendre
 
 _MANY = 300.0  # 2π × cycles/rad, from which the part beyond the horizon is a short series
 _TERMS, _NODES = 4, 900
@@ -112,7 +113,7 @@ def harvey_mtf(
 
 def _by_sum(k: NDArray[np.float64], s: float, length: float) -> NDArray[np.float64]:
     """∫[1 + (β/l)²]^(s/2)·J₀(kβ)·β dβ from 0 to 1, by Gauss and Legendre in asinh(β/l)."""
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    nodes, weights = gauss_legendre(_NODES)
     end = math.asinh(1.0 / length)
     t = 0.5 * end * (nodes + 1.0)
     beta = length * np.sinh(t)
