@@ -37,11 +37,9 @@ class SceneStore(Store):
         self._held: dict[str, Any] = {}
 
     def hold(self, key: str, value: Any) -> None:
-        """Keep a value for ever."""
         self._held[key] = value
 
     def peek(self, key: str, default: Any = None) -> Any:
-        """As the store's own, with what is held."""
         held = self._held.get(key)
         return super().peek(key, default) if held is None else held
 
@@ -50,7 +48,6 @@ class SceneStore(Store):
             return set(self._values)
 
     def forget_all_but(self, keys: set[str]) -> None:
-        """Drop what has come since."""
         with self._lock:
             for key in [key for key in self._values if key not in keys]:
                 self._bytes -= self._values.pop(key)[1]
@@ -110,7 +107,6 @@ class Chain:
         return self.looked_at_again(port, self.engine.plan(self.network), network)
 
     def looked_at_again(self, port: str, before: Plan, network: Network) -> float:
-        """Seconds to plan a network from the plan before and look at a port."""
         start = time.perf_counter()
         plan = self.engine.plan(network, previous=before)
         self.engine.value(plan, port, self.work)
@@ -126,7 +122,6 @@ class Kodak(Chain):
         super().__init__(kodak_network(size), Policy(precision, threads=threads), scene)
 
     def without_photons(self) -> Network:
-        """The network without photon noise."""
         return self.network.with_parameter("photons", "percent", 0.0)
 
 

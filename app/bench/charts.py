@@ -167,7 +167,6 @@ def _overlap(one: Any, other: Any) -> float:
 
 
 def _draw_bars(axis: Any, rows: Sequence[Row]) -> None:
-    """A bar for each row, its targets as marks upon it."""
     for place, row in enumerate(rows):
         value, reach, aim = float(row["value"]), row.get("reach"), row.get("aim")
         colour = OTHER if reach is None else COLOURS[value > reach]

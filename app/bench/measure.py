@@ -36,7 +36,6 @@ FREE = (
 
 
 def measuring(settings: Settings) -> list[Table]:
-    """Edges, MTF and noise of charts with few targets and with many."""
     rows = []
     for size in (SMALL, *(() if settings.quick else (LARGE,))):
         shape = size if settings.size >= SIZE else (settings.size, settings.size)
@@ -56,7 +55,6 @@ def measuring(settings: Settings) -> list[Table]:
 
 
 def fitting(settings: Settings) -> list[Table]:
-    """Two parameters and four, of a chain of a Gaussian blur and a pixel."""
     shape, across = (SMALL, 3) if settings.size >= SIZE else (SMALLEST, 1)
     picture = chart(shape, across)
     rows = []

@@ -61,7 +61,6 @@ class Task:
 
 
 def peers(settings: Settings) -> list[Table]:
-    """Time and delivered error of each program, and what is not installed."""
     sizes = (settings.size // 2,) if settings.quick else (settings.size // 2, settings.size)
     rows: list[dict[str, Any]] = []
     for size in sizes:
@@ -190,7 +189,6 @@ def pybsm_cached(task: Task) -> Deliver:
 
 
 def galsim(interpolant: str, task: Task) -> Deliver:
-    """An interpolated image convolved with an Airy function and a pixel."""
     program: Any = load("galsim")
     airy = program.Airy(lam_over_diam=task.wavelength_um / task.aperture_mm)
     pixel = program.Pixel(task.pixel_mrad)
@@ -312,7 +310,6 @@ CAMERAS = (
 
 
 def peer_cameras(_settings: Settings) -> list[Table]:
-    """Electrons, noise and contrast SNR side by side."""
     missing = why_missing("pybsm")
     rows = []
     for camera in CAMERAS:

@@ -42,7 +42,6 @@ TOLERANCES = (0.0, None, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 
 
 def precision(settings: Settings) -> list[Table]:
-    """Single against double precision."""
     single = Kodak(settings.small)
     scene = single.scene
     expected = truth.mirrored_picture(scene, truth.Sensor(_grid(single).interval_x_mrad))
@@ -67,7 +66,6 @@ def precision(settings: Settings) -> list[Table]:
 
 
 def edges(settings: Settings) -> list[Table]:
-    """Mirrored against periodic edges, each against a direct sum of its own kind."""
     kodak = Kodak(settings.small)
     scene, sensor = kodak.scene, truth.Sensor(_grid(kodak).interval_x_mrad)
     mirrored = truth.mirrored_picture(scene, sensor)
@@ -109,14 +107,12 @@ class Otf:
 
     @cached_property
     def factor(self) -> Planar:
-        """The transfer factor; no array is in it."""
         factor = self.kodak.engine.plan(self.network).output("optics.mtf").factors[0]
         assert isinstance(factor, Planar)
         return factor
 
     @cached_property
     def grid(self) -> Grid:
-        """Sampling of the picture."""
         return _grid(self.kodak, self.network)
 
     def direct(self) -> float:
@@ -129,7 +125,6 @@ class Otf:
         return self.of_blocks(self.planes().block)
 
     def planes(self) -> Planes:
-        """The factor as a picture's filter takes it."""
         return Planes(self.kodak.work, Product([self.factor]), self.grid, "mirrored")
 
     def of_blocks(self, block: Callable[[slice], object], *, known: bool = False) -> float:
@@ -148,7 +143,6 @@ class Otf:
         return WAVELENGTH_UM * xi, WAVELENGTH_UM * eta
 
     def error(self, shape: str) -> float:
-        """Largest error at the frequencies that are checked."""
         x, y = self.lags_mm()
         found = self.factor.transfer(self.kodak.work, x / WAVELENGTH_UM, y / WAVELENGTH_UM)
         return float(np.abs(found - expected_at(shape, x, y)).max())
@@ -169,7 +163,6 @@ def places_of(size: int) -> tuple[Array, Array]:
 
 
 def expected_at(shape: str, x_mm: Array, y_mm: Array) -> Array:
-    """A pupil's OTF at lags across it."""
     of_shape = partial(truth.pupil_otf, RADIUS_MM, half_moon=shape == "half_moon")
     return np.array([of_shape(float(x), float(y)) for x, y in zip(x_mm, y_mm, strict=True)])
 
@@ -186,7 +179,6 @@ def pupil_network(network: Network, shape: str, size: int, sampled: str = "") ->
 
 
 def pupil_sampling(settings: Settings) -> list[Table]:
-    """Closed form against autocorrelations of ever finer samples."""
     kodak = Kodak(settings.small)
     t0 = round_trip(kodak.scene, kodak.policy.workers)
     rows = []
@@ -210,7 +202,6 @@ def pupil_sampling(settings: Settings) -> list[Table]:
 
 
 def interpolation(settings: Settings) -> list[Table]:
-    """What is between the lags of a sampled pupil's autocorrelation."""
     kodak = Kodak(settings.small)
     t0 = round_trip(kodak.scene, kodak.policy.workers)
     rows = []
@@ -237,7 +228,6 @@ def _sizes(settings: Settings) -> tuple[int, ...]:
 
 
 def wavelengths(settings: Settings) -> list[Table]:
-    """Number of wavelengths that stand for a band, for two apertures."""
     mp = truth.mpmath()
     title = f"Wavelengths for the band 3 to 5 µm, {settings.small}² frequencies"
     heads = {"aperture": "aperture", "choice": "wavelengths", **T0_HEADS, "error": "largest error"}
@@ -274,7 +264,6 @@ def wavelengths(settings: Settings) -> list[Table]:
 
 
 def charge_transfer(settings: Settings) -> list[Table]:
-    """Published, leading and exact transfer functions against the product of all transfers."""
     title = "Charge transfer: H = MTF·exp(i·PTF) compared with the product of all transfers"
     heads = {"choice": "model", "setting": "N(1 − ε)", "t0": "T0", "mtf": "error of MTF"}
     heads |= {"ptf": "error of PTF, rad", "error": "error of H"}
@@ -315,7 +304,6 @@ def _charge_transfer(w: Array, how: Any) -> tuple[Any, Any]:
 
 
 def poisson(settings: Settings) -> list[Table]:
-    """Time, and how far the deviates' distribution is from Poisson's."""
     kodak = Kodak(settings.size)
     shape, workers, for_each = kodak.scene.shape, kodak.policy.workers, kodak.work.for_each
     t0 = round_trip(kodak.scene, workers)
@@ -364,7 +352,6 @@ def _rounded_normal(means: Array, stream: Stream, for_each: ForEach) -> Array:
 
 
 def skipping(settings: Settings) -> list[Table]:
-    """Tolerances from nothing left out to a hundredth of the picture's range."""
     network, sensor = weak_chain(settings.small)
     first = Chain(network, Policy(tolerance=0.0))
     expected = truth.mirrored_frame(first.scene, sensor)

@@ -45,7 +45,6 @@ COLUMNS, ROWS = 640, 512  # of the usual cooled camera
 
 
 def networks(settings: Settings) -> list[Table]:
-    """Cold runs, edits, nothing changed and the plain way of 1996."""
     kodak = Kodak(settings.size)
     rows = [*_cold_and_edited(kodak, settings), _plain(kodak, settings)]
     rows += [_unchanged(kodak, settings)]
@@ -60,7 +59,6 @@ def networks(settings: Settings) -> list[Table]:
 
 
 def one_thread(settings: Settings) -> list[Table]:
-    """The same without a second thread, T0 too."""
     rows = _cold_and_edited(Kodak(settings.size, threads=1), settings)
     title = f"The same on one thread, {settings.size}² → {settings.size // 2}²"
     text = (
@@ -168,7 +166,6 @@ def _after(camera: Camera, port: str, known: set[str], edit: Any = None) -> floa
 
 
 def frames(settings: Settings) -> list[Table]:
-    """Frames of a focal plane with every noise on, its picture before the noise known."""
     columns, lines = min(COLUMNS, settings.size), min(ROWS, settings.size)
     count = 10 if settings.quick else 100
     rows = []

@@ -38,7 +38,6 @@ FIELD = {"fov_x_deg": 10.0, "fov_y_deg": 10.0}
 
 
 def studies(settings: Settings) -> list[Table]:
-    """Both tables, by one process and by all cores."""
     side, cores = min(SIDE, settings.size), Policy().workers
     # Processes take longer to start than a quick study of small pictures to compute.
     several = [cores] if cores > 1 and side >= LEAST_SIDE else []
@@ -49,7 +48,6 @@ def studies(settings: Settings) -> list[Table]:
 
 
 def points_table(side: int, across: int, jobs: Sequence[int]) -> Table:
-    """A grid of one MTF and one noise parameter."""
     scene = {"width": side, "height": side, **FIELD, "cut_on_um": 3.0, "cut_off_um": 5.0}
     network = _sensor("test_scene", scene)
     sigmas = np.linspace(0.05, 0.5, across).tolist()
@@ -74,7 +72,6 @@ def points_table(side: int, across: int, jobs: Sequence[int]) -> Table:
 
 
 def scenes_table(side: int, count: int, jobs: Sequence[int]) -> Table:
-    """Many pictures through one chain."""
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
         random = np.random.Generator(np.random.Philox(1))
         for number in range(count):
@@ -96,7 +93,6 @@ def scenes_table(side: int, count: int, jobs: Sequence[int]) -> Table:
 
 
 def _sensor(source: str, scene: dict[str, Any]) -> Network:
-    """One MTF and one noise behind a picture, whose figures are looked at."""
     init = {"focal_length_mm": 100.0, "detector_x_um": 30.0, "detector_y_um": 30.0, "f_number": 2.0}
     noise = {
         "cut_on_um": 3.0, "cut_off_um": 5.0, "d_star": 1e11, "bandwidth_Hz": 1e4,

@@ -55,7 +55,6 @@ class Table:
     chart: Chart | None = None
 
     def facts(self) -> dict[str, Any]:
-        """For the JSON file."""
         return {
             "name": self.name,
             "title": self.title,
@@ -65,11 +64,9 @@ class Table:
         }
 
     def cells(self) -> list[list[str]]:
-        """Rows as texts."""
         return [[figure_text(row.get(name)) for name in self.heads] for row in self.rows]
 
     def numeric(self) -> list[int]:
-        """Indices of the columns that hold numbers."""
         return [
             index
             for index, name in enumerate(self.heads)
@@ -107,5 +104,4 @@ def verdict(value: float, reach: float | None, aim: float | None = None) -> str:
 
 
 def judged(value: float, reach: float | None, aim: float | None = None) -> dict[str, Any]:
-    """Columns of a row that has targets."""
     return {"reach": reach, "aim": aim, "verdict": verdict(value, reach, aim)}

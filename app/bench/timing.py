@@ -43,7 +43,6 @@ class Settings:
     quick: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse a size that the networks cannot take."""
         if not 32 <= self.size <= LARGEST or self.size % 4:
             raise UsageError(f"--size {self.size}: give a multiple of 4 from 32 to {LARGEST}")
 
@@ -54,7 +53,6 @@ class Settings:
 
     @property
     def slow_pairs(self) -> int:
-        """Repetitions of what takes many T0."""
         return 2 if self.quick else 5
 
     @property
@@ -104,7 +102,6 @@ def paired(subject: Seconds, t0: Seconds, *, pairs: int, warm_up: int = 2) -> di
 
 
 def repeated(function: Callable[[], object], times: int) -> dict[str, float]:
-    """Median, least and most seconds of what takes far more than T0."""
     took = [seconds(function) for _ in range(times)]
     return {"seconds": statistics.median(took), "low": min(took), "high": max(took)}
 
@@ -125,7 +122,6 @@ def environment() -> dict[str, str]:
 
 
 def machine_facts() -> dict[str, Any]:
-    """What the figures depend on: processor, cores, memory, load, transforms and versions."""
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),
@@ -144,7 +140,6 @@ def machine_facts() -> dict[str, Any]:
 
 
 def machine_words(facts: Mapping[str, Any]) -> list[str]:
-    """The facts as people read them."""
     return [
         facts["processor"],
         f"{facts['usable_cores']} of {facts['cores']} cores",

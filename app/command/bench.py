@@ -17,7 +17,6 @@ from app.run.readout_tables import json_text
 
 
 def carry_out(options: Options, stop: threading.Event) -> None:
-    """Measure and print the parts of the options; write their files when all is done."""
     isolate()
     settings = Settings(SIZE if options.size is None else options.size, options.quick)
     files = [path for path in (options.json_file, options.html) if path is not None]
@@ -36,7 +35,6 @@ def carry_out(options: Options, stop: threading.Event) -> None:
 
 
 def _page(facts: Mapping[str, Any], parts: Measured) -> str:
-    """One HTML page that needs no other file."""
     from app.bench.charts import chart_png
     from app.report.blocks import Block, Drawn, Grid, Heading, Text
     from app.report.html_page import html_page

@@ -113,7 +113,6 @@ def _carry_out(words: list[str], stop: Stop) -> None:
 
 
 def _has_folder() -> bool:
-    """Whether the current folder is still there."""
     try:
         os.getcwd()  # noqa: PTH109
     except OSError:

@@ -17,7 +17,6 @@ _X_SOCKETS = Path("/tmp/.X11-unix")
 
 
 def carry_out(options: Options, stop: threading.Event) -> None:
-    """Open the editor and stay until its window is closed."""
     if options.screenshot is not None:
         os.environ.setdefault("QT_QPA_PLATFORM", OFFSCREEN)
     elif sys.platform.startswith("linux"):
@@ -53,7 +52,6 @@ def check_display(environment: os._Environ[str] | dict[str, str]) -> None:
 
 
 def _answers(display: str) -> bool:
-    """Whether something listens where the display should be."""
     host, _, number = display.rpartition(":")
     number = number.partition(".")[0]
     if not number.isdigit():

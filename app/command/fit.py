@@ -24,7 +24,6 @@ from nodes.library import standard_library
 
 
 def carry_out(options: Options, stop: threading.Event) -> None:
-    """Fit the network to the pictures; prints the parameters when all is written."""
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)

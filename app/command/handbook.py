@@ -9,12 +9,7 @@ from pathlib import Path
 
 from app.command.results import show
 from app.handbook.module_examples import PARTS
-from app.handbook.written_pages import (
-    cached_handbook,
-    find_page,
-    readable_handbook,
-    write_handbook,
-)
+from app.handbook.written_pages import cached_handbook, find_page, readable_handbook, write_handbook
 from app.options.command_options import Options
 from app.options.progress import Progress
 from app.options.stopping import Stop, Stopped
@@ -24,7 +19,6 @@ from nodes.library import standard_library
 
 
 def carry_out(options: Options, stop: Stop) -> None:
-    """Open the handbook at its first page, or at that of a word; or write it to a folder."""
     if options.html is not None and options.path:
         raise UsageError("--html DIR and --path cannot be used together: --html prints its path")
     library = standard_library()

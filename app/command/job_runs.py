@@ -69,7 +69,6 @@ class _Made:
         self._figures: dict[str, dict[str, float]] = {}
 
     def look(self, name: str, evaluation: Evaluation) -> None:
-        """A run's picture has been made."""
         if len(self.previews) < MOST_PREVIEWS and evaluation.chain.final is not None:
             self.previews.append(_preview(name, evaluation))
 
@@ -89,7 +88,6 @@ class _Made:
         self.failures.append((name, str(error)))
 
     def table(self) -> str:
-        """The numbers among the read-outs as CSV, a row for each run."""
         columns = dict.fromkeys(name for row in self._figures.values() for name in row)
         rows = [
             [name, *(row.get(column, "") for column in columns)]
@@ -107,7 +105,6 @@ class _Running:
     steps: Steps
 
     def report(self, network: Network) -> Result:
-        """Write the report, and nothing else."""
         start = time.perf_counter()
         file, options = self.job.output, Options(reports=(self.job.output,))
         engine = Engine(self.library)

@@ -18,7 +18,6 @@ from core.names import in_line
 
 
 def carry_out(options: Options, stop: threading.Event) -> None:
-    """Measure the pictures; prints the figures when all is written."""
     plan = MeasurePlan(
         options.pictures, options.band, options.fov_x_deg, options.flats, options.dark,
         options.offset_dn, options.pitch_um,

@@ -60,7 +60,6 @@ def carry_out(options: Options, _stop: object) -> None:
 
 
 def described_module(declared: Declaration) -> dict[str, Any]:
-    """A declaration as plain data."""
     return {
         "key": declared.key,
         "title": declared.title,

@@ -44,15 +44,12 @@ Frames = NDArray[np.floating]
 
 @dataclass(frozen=True)
 class Measured:
-    """The files with what each shows, and the response of all."""
-
     files: tuple[tuple[Path, ThermalField], ...]
     response: ThermalResponse
     unit: str
 
 
 def carry_out(options: Options, stop: threading.Event) -> None:
-    """Measure the camera; prints the figures when all is written."""
     paths, kelvins = zip(*options.fields, strict=True)
     files = [open_frames(path) for path in paths]
     check_one_camera(files, of_one="temporal noise")

@@ -11,7 +11,6 @@ from app.run.shipped import published_networks, shipped_networks
 
 
 def carry_out(options: Options, _stop: object) -> None:
-    """Print the name by which each can be run, its title and what it shows."""
     facts = [
         {"network": name, "name": document["name"], "description": document["description"]}
         for name, path in shipped_networks().items()

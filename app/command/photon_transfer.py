@@ -24,14 +24,11 @@ _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more th
 
 @dataclass(frozen=True)
 class Measured:
-    """The files with what each shows, and the curve through them."""
-
     files: tuple[tuple[Path, FlatField], ...]
     curve: PhotonTransfer
 
 
 def carry_out(options: Options, stop: threading.Event) -> None:
-    """Measure the camera; prints the figures when all is written."""
     flats = [open_frames(path) for path in options.flats]
     dark = None if options.dark is None else open_frames(options.dark)
     check_one_camera([*flats, *([dark] if dark is not None else [])], of_one="a flat field")

@@ -15,7 +15,6 @@ _SOURCE = "Source: "
 
 
 def carry_out(options: Options, _stop: object) -> None:
-    """Print every preset, or those that a word fits: name, module, text and source."""
     word = (options.word or "").casefold()
     found = [preset for preset in shipped_presets(standard_library()) if _fits(preset, word)]
     if not found:

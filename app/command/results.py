@@ -40,7 +40,6 @@ def written(
 
 
 def write_content(path: Path, content: str | bytes) -> None:
-    """Write a text or bytes."""
     if isinstance(content, bytes):
         write_bytes(path, content)
     else:
@@ -48,7 +47,6 @@ def write_content(path: Path, content: str | bytes) -> None:
 
 
 def check_stop(stop: threading.Event) -> None:
-    """End here where a stop has been requested."""
     if stop.is_set():
         raise Cancelled("stopped on request")
 

@@ -80,7 +80,6 @@ WARNINGS = "imagechain.warnings"  # in the read-outs; no node's name has a dot
 
 
 def carry_out(options: Options, stop: threading.Event) -> None:
-    """Evaluate the network and write its files; prints the figures when all is written."""
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)
@@ -163,7 +162,6 @@ def summary(
     options: Options,
     others: Sequence[str],
 ) -> list[str]:
-    """The figures, warnings, what was left out, and the files that were written."""
     shown = []
     readouts = readout_rows(evaluation)
     if figures and not options.all:
@@ -255,7 +253,6 @@ def open_network(place: Place, options: Options, library: Library) -> Network:
 
 
 def with_options(network: Network, place: Place, options: Options, library: Library) -> Network:
-    """A network that has been read, with the command line's changes, valid."""
     if not network.nodes:
         raise NetworkError(f"{shown(str(place.path))}: the network has no nodes")
     network = plain_network(network, library=library)
@@ -302,7 +299,6 @@ def _with_scene(
 
 
 def rules_of(options: Options, place: Place, folder: Path) -> WriteRules:
-    """What the network may write by the command line."""
     return write_rules(
         place,
         folder,
@@ -313,7 +309,6 @@ def rules_of(options: Options, place: Place, folder: Path) -> WriteRules:
 
 
 def policy_of(options: Options) -> Policy:
-    """Precision, tolerance and threads as the command line gives them."""
     return Policy(options.precision, options.tolerance, options.threads)
 
 
@@ -417,7 +412,6 @@ def own_files(plan: Plan, folder: Path) -> list[Path]:
 
 
 def sink_targets(plan: Plan, folder: Path) -> dict[str, Path]:
-    """Files that nodes write, by node."""
     targets = {}
     for name, node in plan.nodes.items():
         target = getattr(node.module, "target", None)

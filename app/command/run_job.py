@@ -24,7 +24,6 @@ _NICE = 5  # the window comes first
 
 
 def main() -> int:
-    """Carry out the job on standard input; gives the exit code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(50_000, 10, 10)
     with stoppable(to_the_end=True) as stop, usable_streams(), warnings.catch_warnings():

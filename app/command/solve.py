@@ -183,7 +183,6 @@ def _at(sample: Sample, unit: str, figure: Figure) -> str:
 
 
 def _lines(plan: Plan, readouts: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
-    """All read-outs of nodes."""
     for node, values in readouts.items():
         planned = plan.node(node)
         units = {r.name: planned.unit(r) for r in planned.declaration.readouts}

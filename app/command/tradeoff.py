@@ -100,7 +100,6 @@ def _variations(
 
 
 def trade_off_content(results: Results, path: Path) -> str | bytes:
-    """What a file of a trade-off holds, by its suffix."""
     if CSV.matches(path):
         return printable(csv_text(results))
     if JSON.matches(path):

@@ -158,7 +158,6 @@ class EdgeProblem:
         return noise
 
     def thinned(self) -> EdgeProblem:
-        """Fewer edges, of all directions, and samples."""
         order = np.argsort([patch.angle_deg % 180.0 for patch in self.patches], kind="stable")
         taken = np.linspace(0, len(order) - 1, min(len(order), _THIN_EDGES)).astype(np.intp)
         patches = [self.patches[order[place]].thinned(_THIN) for place in taken]
@@ -224,7 +223,6 @@ class EdgeProblem:
             return math.inf
 
     def derivative(self, values: Vector, index: int, other: float) -> Vector:
-        """Residuals' change as one parameter takes another value."""
         _, edges = self.fitted(values)
         noise = self.noise_residual(values)
         changed = values.copy()
@@ -256,7 +254,6 @@ class EdgeProblem:
 
 
 def fit_chain(problem: EdgeProblem) -> ChainFit:
-    """Find the parameters that fit best."""
     from scipy.optimize import least_squares
 
     free = problem.free

@@ -42,7 +42,6 @@ _MOST_VALUES = 400  # factors over a block of frequencies that are held
 
 
 def final_image(plan: Plan) -> Image:
-    """The network's final picture."""
     output = find_output(plan)
     if output.port is None:
         if not output.choices:
@@ -87,7 +86,6 @@ class EdgeTransfer:
         self._held: OrderedDict[tuple[Any, ...], Complex] = OrderedDict()
 
     def table(self, image: Image) -> SpreadTable:
-        """The spreads of all edges in that picture."""
         passed = transfer_known(image)
         blocks = []
         for first, end in _BLOCKS:
@@ -190,7 +188,6 @@ class ChainAt:
         self._last = plan
 
     def plan(self, values: Sequence[float]) -> Plan:
-        """The network planned with these values."""
         from app.tradeoff.tradeoff_results import with_value
 
         network = self._last.network
@@ -201,7 +198,6 @@ class ChainAt:
         return self._last
 
     def image(self, values: Sequence[float]) -> Image:
-        """The final picture with these values."""
         return final_image(self.plan(values))
 
     @property

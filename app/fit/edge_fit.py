@@ -48,12 +48,10 @@ class EdgesAt:
 
     @property
     def step(self) -> Vector:
-        """High level less low level of each edge."""
         return np.asarray(self.levels[:, 1], np.float64)
 
     @property
     def cost(self) -> float:
-        """Sum of squares."""
         return float(np.vdot(self.residual, self.residual))
 
     def without_own(self, change: Matrix) -> Matrix:
@@ -93,7 +91,6 @@ class EdgeFits:
         self._frozen: Matrix | None = None
 
     def at(self, table: SpreadTable) -> EdgesAt:
-        """The best fit with those spreads."""
         own, step = self._own, self._step
         for last in range(_PASSES, -1, -1):
             distance = self._moved(own)

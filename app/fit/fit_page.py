@@ -63,7 +63,6 @@ def _fitted(result: FitResult) -> str:
 
 
 def _pictures(result: FitResult) -> list[Block]:
-    """What of the picture was fitted, beside what the network gives."""
     if result.scene is not None:
         caption = (
             "The picture, the fitted network's picture over the same area, and the difference "
@@ -181,7 +180,6 @@ def edges_of(result: FitResult) -> EdgesAt:
 
 
 def scene_png(scene: SceneFit) -> bytes:
-    """The real picture, the simulated one, and their difference."""
     rows, columns = scene.real.shape
     with figure(10.0, min(3.6 * rows / columns, 8.0) + 0.5) as (drawn, out):
         axes = drawn.subplots(1, 3)
@@ -201,7 +199,6 @@ def scene_png(scene: SceneFit) -> bytes:
 
 
 def patches_png(result: FitResult) -> bytes:
-    """For each edge drawn: the real patch, the simulated one, and what is left."""
     edges = drawn_edges(result)
     with figure(1.7 * len(edges) + 0.8, 5.6) as (drawn, out):
         axes = drawn.subplots(3, len(edges), squeeze=False)
@@ -229,7 +226,6 @@ def patches_png(result: FitResult) -> bytes:
 
 
 def spreads_png(result: FitResult) -> bytes:
-    """Samples of the edges over their distance, with the chain's spread, and means of the rest."""
     edges = drawn_edges(result)
     with figure(10.0, 2.1 * len(edges) + 0.6) as (drawn, out):
         axes = drawn.subplots(len(edges), 2, squeeze=False, sharex=True)
@@ -254,7 +250,6 @@ def spreads_png(result: FitResult) -> bytes:
 
 
 def noise_png(noise: NoiseComparison) -> bytes:
-    """Variance of a sample over the level, measured and by the network."""
     level = np.array([one.level for one in noise.measured])
     order = np.argsort(level)
     variance = np.array([one.variance for one in noise.measured])
@@ -362,7 +357,6 @@ def parameter_rows(result: FitResult) -> list[tuple[str, str, str]]:
 
 
 def fit_text(result: FitResult) -> str:
-    """The whole fit, as `imagechain fit` prints it."""
     chi2 = result.chi2_per_degree
     lines = [
         f"chi² per degree of freedom  {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'}  (of "

@@ -40,8 +40,6 @@ class FittedParameter:
 
 @dataclass(frozen=True)
 class NoiseComparison:
-    """Noise of the pictures at their levels, and of the fitted network there."""
-
     measured: tuple[LevelVariance, ...]  # of the pictures
     predicted: tuple[float, ...]  # variance of a sample by the network
     fitted: bool  # whether free parameters have been fitted to it
@@ -57,8 +55,6 @@ class NoiseComparison:
 
 @dataclass(frozen=True)
 class FitResult:
-    """The whole outcome."""
-
     fit: ChainFit  # what was fitted to the edges
     parameters: tuple[FittedParameter, ...]  # in the order given
     correlation: Matrix  # of the parameters; NaN where there is none

@@ -71,7 +71,6 @@ def numbers_of(network: Network, library: Library) -> list[str]:
 
 
 def _such_as(names: Sequence[str]) -> str:
-    """Some of them, to end an error with."""
     if not names:
         return ""
     more = f", or {len(names) - _MOST} more" if len(names) > _MOST else ""

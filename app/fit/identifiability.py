@@ -47,8 +47,6 @@ class Combination:
 
 @dataclass(frozen=True)
 class Identified:
-    """What the data determine."""
-
     # of the parameters that are determined; NaN in rows and columns of the others
     covariance: Matrix
     # parameters at an end of their range where the edges change with their square only: the
@@ -59,7 +57,6 @@ class Identified:
 
     @property
     def undetermined(self) -> frozenset[int]:
-        """Places of all parameters without a number of their own."""
         together = {index for one in self.combinations for index in one.members}
         return frozenset(together | set(self.without_effect))
 

@@ -28,8 +28,6 @@ FEWEST = 3  # edges, of which a scatter is taken
 
 @dataclass(frozen=True)
 class Misfit:
-    """How well the chain's edges lie in the samples."""
-
     # sum of the squared residuals in units of their noise, and degrees of freedom
     chi2: float
     degrees: int

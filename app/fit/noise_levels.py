@@ -103,7 +103,6 @@ class NoiseLevels:
         )
 
     def _field(self, plan: Plan, radiance: float) -> tuple[float, float]:
-        """Mean and variance of the final picture of a field."""
         self._work.check()
         node, _, output = self._port.rpartition(".")
         recipe = Step.of(uniform_field, node=node, value=float(radiance), rows=_SIDE, columns=_SIDE)
@@ -130,7 +129,6 @@ class NoiseProblem:
         self._error = np.maximum(error / variance, 1e-3)
 
     def predicted(self, plan: Plan) -> Vector:
-        """Variances at the measured levels."""
         return self._levels.at(plan, self._places)
 
     def residual(self, plan: Plan) -> Vector:

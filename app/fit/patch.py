@@ -60,8 +60,6 @@ _FAINT = 1e-4  # of the contrast: a noise that is less is that of rounding in a 
 
 @dataclass(frozen=True)
 class Patch:
-    """Samples about an edge with what their noise is."""
-
     name: str  # for people: where the edge is
     angle_deg: float  # of the normal, from x towards +y, to the brighter side
     # of each sample: distance along the normal, place along the edge, sample
@@ -89,7 +87,6 @@ class Patch:
 
     @property
     def reach(self) -> float:
-        """Largest distance of a sample."""
         return float(np.abs(self.distance).max())
 
     @property
@@ -186,7 +183,6 @@ def _places(
 
 
 def _near(distance: Vector, value: Vector, levels: tuple[float, float]) -> NDArray[np.bool_]:
-    """Samples near the edge."""
     reach = max(_LEAST_REACH, _NARROW + _WIDTHS * _width(distance, value, levels))
     near: NDArray[np.bool_] = np.abs(distance) <= reach
     return near

@@ -44,8 +44,6 @@ _NOTHING = 1e-9  # of a variance: what rounding makes where there is none
 
 @dataclass(frozen=True)
 class TakenWith:
-    """What is known of the camera that took a picture."""
-
     name: str
     interval_x_mrad: float | None = None
     interval_y_mrad: float | None = None
@@ -89,7 +87,6 @@ class FittedPictures:
 
     @property
     def text(self) -> str:
-        """Their names, in one line."""
         return ", ".join(self.names[:3]) + (" …" if len(self.names) > 3 else "")
 
 
@@ -174,7 +171,6 @@ def fit_pictures(
 
 
 def refit_of(problem: EdgeProblem, values: NDArray[np.float64]) -> Refit:
-    """What fits the others beside a parameter that is held."""
     return refit_beside(
         residual=problem.residual,
         jacobian=lambda v: problem.jacobian(v, scales_of(problem.free, v)),
@@ -308,8 +304,6 @@ _MOST_SAMPLES = 60_000
 
 @dataclass(frozen=True)
 class EdgeChoice:
-    """The edges of pictures: those that are fitted, and why others are not."""
-
     patches: tuple[Patch, ...]  # samples of the edges, the clearest first
     refused: tuple[str, ...]  # why not, of every other candidate
 

@@ -92,7 +92,6 @@ class SceneProblem:
         return self.match.registered(self.simulated(values), how)
 
     def residual(self, values: Vector, how: Registration) -> Vector:
-        """Weighted waves of the real picture less the registered one."""
         return self.match.waves(self.match.picture - self.registered(values, how))
 
     def own_columns(self, values: Vector, how: Registration) -> list[Vector]:
@@ -122,7 +121,6 @@ class SceneProblem:
 
 
 def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
-    """Fit a picture, from rough values on."""
     how = problem.match.coarse(problem.simulated(start))
     how = _settled_registration(problem, start, how)
     values = _looked_around(problem, start, how)
@@ -285,7 +283,6 @@ _OUTSIDE = "reflect"  # as the frame goes on in the chain
 
 @ends_lineage
 def spline_factors(work: Work, scene: NDArray[np.floating]) -> Matrix:  # noqa: ARG001
-    """Factors of the splines through a scene's samples."""
     from scipy import ndimage
 
     values = np.asarray(scene, np.float64)
@@ -316,7 +313,6 @@ class FineSource:
     ratio: tuple[float, float]  # its samples for one of the final picture, across and down
 
     def moved(self, plan: Plan, how: Registration) -> Plan:
-        """The network planned with its scene where a real picture has it."""
         node, _, output = self.port.rpartition(".")
         scene: Image = plan.output(self.port)
         recipe = Step.of(

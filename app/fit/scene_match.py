@@ -34,8 +34,6 @@ _MOST_SCALE = 2.0  # a corner of a scene, magnified, is like any edge
 
 @dataclass(frozen=True)
 class Registration:
-    """How the simulated picture lies in the real one."""
-
     # samples, to the right and down
     shift_x: float = 0.0
     shift_y: float = 0.0
@@ -46,11 +44,9 @@ class Registration:
 
     @property
     def place(self) -> tuple[float, float, float]:
-        """Shifts and scale."""
         return self.shift_x, self.shift_y, self.scale
 
     def moved(self, by: Vector) -> Registration:
-        """Each changed by so much."""
         names = ("shift_x", "shift_y", "scale", "gain", "offset")
         changes = {
             name: getattr(self, name) + float(change)
@@ -61,8 +57,6 @@ class Registration:
 
 @dataclass(frozen=True)
 class SceneFit:
-    """Whole pictures side by side."""
-
     # the picture, and the fitted network's where the picture has it
     real: Matrix
     simulated: Matrix

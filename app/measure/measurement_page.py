@@ -279,7 +279,6 @@ def _legend(drawn: Any, edges: Sequence[tuple[int, MeasuredEdge]]) -> None:
 
 
 def mtf_png(measured: PictureMeasurement) -> bytes:
-    """Pooled MTF across and along, each with its error and the edges that it is made of."""
     with figure(10.0, 4.4) as (drawn, out):
         axes = drawn.subplots(1, 2, sharey=True)
         for axis, direction in zip(axes, ("x", "y"), strict=True):
@@ -302,7 +301,6 @@ def mtf_png(measured: PictureMeasurement) -> bytes:
 
 
 def levels_png(noise: NoiseFigures, unit: str) -> bytes:
-    """Variance against level, with the line that the gain and read noise stand for."""
     with figure(6.6, 3.6) as (drawn, out):
         axis = drawn.subplots()
         level = np.array([one.level for one in noise.levels])

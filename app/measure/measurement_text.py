@@ -123,7 +123,6 @@ def _noise_rows(noise: NoiseFigures, unit: str, alone: str) -> list[Row]:
 
 
 def frame_rows(measured: PictureMeasurement) -> list[Row]:
-    """The components of noise from frame to frame."""
     if measured.frames is None:
         return []
     rows = []
@@ -147,7 +146,6 @@ def flat_rows(measured: PictureMeasurement) -> list[Row]:
 
 
 def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, str]]:
-    """Every figure: name, value or None, unit, meaning."""
     emva, ratio = curve.emva, None
     if curve.full_well_e and curve.read_noise_e:
         ratio = curve.full_well_e / curve.read_noise_e
@@ -387,7 +385,6 @@ _MOST = 3
 
 
 def refusal_of(why_not: str) -> Refusal:
-    """The kind of a reason."""
     what = why_not.partition(":")[0]
     for one in REFUSALS:
         if one.part in what:

@@ -65,8 +65,6 @@ _WIDEST_UM = 10_000.0  # of a pixel
 
 @dataclass(frozen=True)
 class MeasurePlan:
-    """What is measured."""
-
     pictures: tuple[Path, ...]  # pictures, or files of frames, of one camera
     band: int | None = None  # band of files that have several
     fov_x_deg: float | None = None  # field of view across, in place of the header's
@@ -142,7 +140,6 @@ def checked_pitch(pitch_um: float | None, name: str) -> float | None:
 def measure_pictures(
     source: Source, *, check: Callable[[], None] = lambda: None, report: Report = lambda _text: None
 ) -> PictureMeasurement:
-    """Measure edges and noise of each picture in turn, and what they give together."""
     refuse_small(source.files[0].name, source.rows, source.columns)
     offset = source.offset_dn or 0.0
     count = sum(file.frames for file in source.files)
@@ -477,7 +474,6 @@ def pooled(
 
 
 def _no_edge(near: Sequence[MeasuredEdge], direction: str) -> str:
-    """Why there is no MTF in a direction."""
     words = "horizontal" if direction == "x" else "vertical"
     if not near:
         return (

@@ -145,8 +145,6 @@ class NoiseFigures:
 
 @dataclass(frozen=True)
 class FlatCurve:
-    """Flat fields of several levels, and the photon transfer curve through them."""
-
     files: tuple[tuple[Path, FlatField], ...]
     curve: PhotonTransfer
 
@@ -168,8 +166,6 @@ class MeasuredFile:
 
 @dataclass(frozen=True, eq=False)
 class PictureMeasurement:
-    """Everything that was measured in pictures of one camera."""
-
     files: tuple[MeasuredFile, ...]  # where the pictures come from, in order
     # size of each
     rows: int
@@ -200,7 +196,6 @@ class PictureMeasurement:
 
     @property
     def picture_count(self) -> int:
-        """Pictures of all files together."""
         return sum(file.frames for file in self.files)
 
     def interval_mrad(self, direction: str) -> float | None:

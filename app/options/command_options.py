@@ -111,11 +111,9 @@ class _Parser(argparse.ArgumentParser):
         raise UsageError(f"{message} ({self.prog} --help)")
 
     def option_names(self) -> list[str]:
-        """Each option, in every way it may be written."""
         return list(self._option_string_actions)
 
     def refuse(self, word: str) -> NoReturn:
-        """Refuse an unknown option, or one word too many."""
         name = word.partition("=")[0]
         if not name.startswith("-"):
             self.error(f"unexpected argument: {shown(name)}")
@@ -199,7 +197,6 @@ def _parser(used: str) -> tuple[_Parser, Mapping[str, _Parser]]:
 
 
 def version() -> str:
-    """The installed version of this program."""
     from importlib import metadata
 
     try:

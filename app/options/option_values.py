@@ -50,7 +50,6 @@ class Assignment:
 
     @property
     def port(self) -> str:
-        """``NODE.NAME``."""
         return f"{self.node}.{self.name}"
 
 
@@ -91,7 +90,6 @@ class Save(Assignment):
 
 
 def save_target(text: str) -> Save:
-    """A port, perhaps a region of it, and the file it is saved to."""
     port, _, file = text.partition("=")
     bounds = ""
     if "[" in port.rpartition(".")[2] or port.endswith("]"):
@@ -135,7 +133,6 @@ def finite_number(option: str, text: str) -> float:
 
 
 def low_high(option: str, text: str) -> tuple[float, float]:
-    """Two numbers, ``LOW:HIGH``."""
     first, colon, last = text.partition(":")
     try:
         low, high = float(first), float(last)
@@ -180,7 +177,6 @@ def whole_number(option: str, text: str, largest: int | None = None) -> int:
 
 
 def tolerance(option: str, text: str) -> float:
-    """The error budget."""
     number = float(text) if _NUMBER.fullmatch(text) else math.nan
     if not 0 <= number < 1:
         raise UsageError(f"{option} {text!r:.80}: give a number from 0 to below 1")

@@ -40,7 +40,6 @@ class Progress:
         self.reach(len(self._seen), node or "")
 
     def reach(self, done: int, text: str) -> None:
-        """Show how many are done, and what comes next."""
         if not self._wanted:
             return
         if self._bar is None:

@@ -201,7 +201,6 @@ def _legend(axis: Any) -> None:
 
 
 def _stacked(axis: Any, names: list[str], sources: list[Fact]) -> None:
-    """A horizontal bar for each source, of its temporal noise and its fixed pattern."""
     ends = [0.0] * len(sources)
     for kind, colour in _KINDS.items():
         values = [100.0 * source[f"share_{kind}"] for source in sources]

@@ -305,7 +305,6 @@ def _named(entries: Any) -> list[Any]:
 
 
 def _content(plan: Plan) -> Any:
-    """Modules with their values, and wires."""
     nodes = {
         name: (
             node.node.module,

@@ -28,12 +28,7 @@ from core.physics.numerics import sinc
 from core.physics.sampling.interpolation import folded
 from core.transfer.factors import factor_at
 from nodes.analysis.lineage import ImageTransfer, transfer_of
-from nodes.analysis.mtf_measuring import (
-    Measured,
-    Rectangle,
-    measured_rows,
-    measured_slanted,
-)
+from nodes.analysis.mtf_measuring import Measured, Rectangle, measured_rows, measured_slanted
 from nodes.scenes.scene_canvas import Canvas
 from nodes.scenes.scene_targets import draw_target
 
@@ -112,8 +107,6 @@ def _reason(evaluation: Evaluation) -> str | None:
 
 
 class _Chain:
-    """The final picture with an edge for a scene."""
-
     def __init__(self, scene: Image, image: Image, silenced: set[str]) -> None:
         self.scene = scene
         self.final = image
@@ -133,8 +126,6 @@ class _Chain:
         )
 
     def picture(self, angle_deg: float) -> Image:
-        """The final picture of that edge, without noise."""
-
         def change(recipe: Recipe) -> Recipe | None:
             if recipe.key == self.scene.recipe.key:
                 return self.edge(angle_deg)

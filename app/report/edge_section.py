@@ -113,7 +113,6 @@ def _panel(axis: Any, edges: Fact, direction: str, mirrored: bool) -> None:
 
 
 def _sides(mirrored: bool, frequency: Any, *curves: Any) -> list[Any]:
-    """Frequency and curves, with negative frequencies too if mirrored."""
     if not mirrored:
         return [frequency, *curves]
     sides = [np.concatenate([-frequency[:0:-1], frequency])]

@@ -12,7 +12,6 @@ TEMPLATES = Path(__file__).with_name("templates")
 
 
 def html_page(title: str, blocks: Iterable[Block]) -> str:
-    """The page; `title` is the window's."""
     # Imported only where a page is written: 40 ms.
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 

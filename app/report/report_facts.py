@@ -33,7 +33,6 @@ NOISE_PORTS = ("noise", "detector_noise", "quantization_error")
 
 
 def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str, Any]:
-    """The contents of a report, without its pictures."""
     network, chain = evaluation.network, evaluation.chain
     nyquist = at_nyquist(chain, evaluation.work)
     nodes = {name: _node(evaluation, name, node) for name, node in evaluation.plan.nodes.items()}
@@ -81,7 +80,6 @@ def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str,
 
 
 def noise_ports(evaluation: Evaluation) -> list[str]:
-    """Ports of noise pictures, in the network's order."""
     return [
         f"{name}.{port}"
         for name, node in evaluation.plan.nodes.items()

@@ -438,7 +438,6 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
 
 
 def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -> list[Block]:
-    """MTFs, and PTFs where there are any."""
     blocks: list[Block] = []
     captions: tuple[tuple[Part, str], ...] = (("mtf", caption), ("ptf", "Their PTFs in radians."))
     for part, text in captions:

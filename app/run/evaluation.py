@@ -65,8 +65,6 @@ class TimedWork(Work):
 
 @dataclass(frozen=True)
 class Evaluation:
-    """A network that has been evaluated."""
-
     plan: Plan
     engine: Engine
     work: TimedWork

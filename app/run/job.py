@@ -24,8 +24,6 @@ _LONGEST = 80
 
 @dataclass(frozen=True)
 class Job:
-    """What one background run does."""
-
     # ``report``: only the report of the network; ``run``: all that ``imagechain run`` writes;
     # ``frames``: that, and frames of the delivered picture; ``sweep``: figures, and perhaps
     # pictures, at each value of a parameter; ``files``: a run for each of several files
@@ -128,7 +126,6 @@ class Result:
 
 
 def message_line(message: Step | Result) -> str:
-    """The line of a step, or of the result."""
     return _MARK + base64.b64encode(pickle.dumps(message)).decode()
 
 
@@ -156,7 +153,6 @@ class Steps:
         self._last = -_INTERVAL_S
 
     def expect(self, weight: float) -> None:
-        """The weight of all parts to come."""
         self._all = max(weight, 1e-9)
 
     def part(self, name: str, *, nodes: int = 0, weight: float = 1.0) -> None:
@@ -179,7 +175,6 @@ class Steps:
             self._report(share, name or "")
 
     def piece(self, number: int, of: int) -> None:
-        """So many pieces of the part are done."""
         self._report(number / of, f"{number} of {of}")
 
     def _report(self, share: float, doing: str) -> None:

@@ -35,7 +35,6 @@ class OpenMark:
 
     @property
     def is_shared(self) -> bool:
-        """Whether another living window has the same file open."""
         shared = False
         with contextlib.suppress(OSError):
             for other in self.folder.glob(f"*{_SUFFIX}"):

@@ -20,8 +20,6 @@ _MOST_NAMED = 8
 
 @dataclass(frozen=True)
 class Output:
-    """The picture that a network delivers."""
-
     port: str | None  # ``NODE.PORT``; None where there is none, or several could be meant
     # ports of the pictures that could be meant, where none of them is marked
     choices: tuple[str, ...] = ()

@@ -64,7 +64,6 @@ class OwnScene:
     hints: bool = True
 
     def check(self) -> None:
-        """Refuse what no picture has."""
         allowed = "above 0° and below 180°"
         for value in self.fov_deg or ():
             if not 0.0 < value < 180.0:
@@ -86,8 +85,6 @@ class OwnScene:
 
 @dataclass(frozen=True)
 class SceneReplaced:
-    """The network with the picture in it."""
-
     network: Network  # the network
     node: str  # the node that reads the picture
     lines: tuple[str, ...]  # how the picture was taken: samples, field of view, band
@@ -147,8 +144,6 @@ def _chosen(network: Network, library: Library, node: str | None, option: str) -
 
 
 class _Replacing:
-    """One replacement: what was there, what comes, and what is said of it."""
-
     def __init__(
         self, network: Network, own: OwnScene, name: str, plan: Plan, engine: Engine
     ) -> None:
@@ -172,7 +167,6 @@ class _Replacing:
         self._rgb = tuple(map(names.index, "RGB")) if {"R", "G", "B"} <= set(names) else ()
 
     def done(self, stored: str | None) -> SceneReplaced:
-        """The network with the picture."""
         info = self._info
         values: dict[str, Any] = {}
         if self._held is None:

@@ -22,13 +22,7 @@ from core.errors import FileError, ImagechainError, NetworkError
 from core.modules.declaration import Declaration, Library, declaration
 from core.modules.parameters import Parameter
 from core.names import shown, thaw
-from core.network.file import (
-    format_network,
-    read_network,
-    read_text,
-    read_unchanged,
-    save_network,
-)
+from core.network.file import format_network, read_network, read_text, read_unchanged, save_network
 from core.network.linked_values import expression_text
 from core.network.macro import face_of_macro
 from core.network.network import Network, Node
@@ -70,7 +64,6 @@ class Preset:
 
 
 def shipped_presets(library: Library) -> tuple[Preset, ...]:
-    """Those that come with the program, by name."""
     folder = Path(networks.__path__[0]) / "presets"
     return tuple(_preset(path, library, own=False) for path in sorted(folder.glob("*.json")))
 
@@ -237,7 +230,6 @@ def save_set(name: str, node: Node, folder: Path) -> None:
 
 
 def remove_set(name: str, module: str, folder: Path) -> None:
-    """Forget a set; errors as `save_set`."""
     sets = sets_of(module, folder)
     sets.pop(name, None)
     _write(sets, module, folder)

@@ -44,17 +44,14 @@ class StageResponse:
 
     @property
     def has_phase(self) -> bool:
-        """Whether the PTF is other than 0 somewhere."""
         return bool(self.x.ptf.any() or self.y.ptf.any())
 
     @property
     def acts(self) -> bool:
-        """Whether the stage does anything along the axes."""
         return self.has_phase or self.has_blur
 
     @property
     def has_blur(self) -> bool:
-        """Whether the MTF is other than 1 somewhere."""
         return bool((self.x.mtf != 1).any() or (self.y.mtf != 1).any())
 
 
@@ -187,7 +184,6 @@ def responses_along(
 def response_along(
     work: Work, factors: Iterable[Factor], line: Line, frequency: Vector
 ) -> Response:
-    """Product of the MTFs and sum of the PTFs at points of a line."""
     factors = tuple(factors)
     mtfs = tuple(factor for factor in factors if factor.part == "mtf")
     ptfs = tuple(factor for factor in factors if factor.part == "ptf")

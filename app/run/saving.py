@@ -93,7 +93,6 @@ def save_value(
 
 
 def is_cube(value: Any, path: Path) -> bool:
-    """Whether a port's value is written as bands under this name."""
     return isinstance(value, Image) and value.bands is not None and ENVI_FRAMES.matches(path)
 
 

@@ -16,8 +16,6 @@ from core.transfer.factors import Factor, Grid
 
 @dataclass(frozen=True)
 class Stage:
-    """The factors that one node brings to a chain."""
-
     node: str
     title: str
     factors: tuple[Factor, ...]
@@ -25,8 +23,6 @@ class Stage:
 
 @dataclass(frozen=True)
 class Chain:
-    """What leads to the final picture."""
-
     final: str | None  # ``NODE.PORT`` of the final picture, None in a network without pictures
     sources: tuple[str, ...]  # ports of the input pictures it stems from
     grid: Grid | None  # sampling on which the spectrum is multiplied
@@ -61,7 +57,6 @@ class Chain:
 
 
 def find_chain(plan: Plan) -> Chain:
-    """The chain that ends in the network's final picture."""
     output = find_output(plan)
     final = output.port
     if final is None:

@@ -36,8 +36,6 @@ _SHARE_KEPT = 8  # of the budget, that values of a run in blocks may take
 
 @dataclass(frozen=True)
 class WayOfRunning:
-    """In memory, or in blocks."""
-
     memory_bytes: int | None  # what pictures may take; None where no limit is known
     largest: LargestPicture | None  # the largest picture of the network
     # what they may take after all where a node cannot work in blocks: all memory there is, unless
@@ -63,7 +61,6 @@ class WayOfRunning:
         return Store(self.memory_bytes // _SHARE_KEPT)
 
     def facts(self, blocks: BlockRun | None) -> dict[str, Any]:
-        """What a report says of it."""
         facts: dict[str, Any] = {
             "way": "in memory" if blocks is None else "in blocks",
             "memory_bytes": self.memory_bytes,

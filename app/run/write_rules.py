@@ -133,7 +133,6 @@ class WriteRules:
     how_to_allow: str = ""  # what lifts the rule where there is no command line
 
     def check(self, node: str, target: Path) -> None:
-        """Refuse a file that the network may not write."""
         try:
             self._check(node, target)
         except OSError as error:

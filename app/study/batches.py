@@ -23,8 +23,6 @@ class WorkerEnded(Exception):
 
 
 class Workers(Protocol):
-    """Who computes batches."""
-
     lanes: int  # how many stretches the points are parted into
     most_ends: int  # of workers within a point, before it is the point's own fault
     why: str  # the error of such a point
@@ -54,7 +52,6 @@ class Lanes:
 
     @property
     def left(self) -> int:
-        """How many points have not been handed out."""
         return sum(map(len, self._stretches))
 
     def batch(self, worker: int) -> list[Task]:

@@ -47,7 +47,6 @@ class Workers:
     memory_bytes: int | None = None  # how much computed values may take on a machine
 
     def check(self) -> None:
-        """Refuse workers that cannot be had."""
         if self.tls and not self.scheduler:
             raise UsageError(f"{', '.join(TLS)}: they need --scheduler ADDRESS")
         if not isinstance(self.scheduler, str):
@@ -78,7 +77,6 @@ class Workers:
 
 
 def has_dask() -> bool:
-    """Whether Dask and its scheduler are installed."""
     return all(importlib.util.find_spec(name) is not None for name in ("dask", "distributed"))
 
 
@@ -176,8 +174,6 @@ def run_study(
 
 
 class _Run:
-    """One go at a study: what has to be done, and who does it."""
-
     def __init__(
         self,
         study: Study,
@@ -192,7 +188,6 @@ class _Run:
         self._maker: RowMaker | None = None
 
     def rest(self, done: dict[int, Row]) -> None:
-        """Make the rows that are missing."""
         self._count = len(done)
         self._tell()
         workers = self._workers
@@ -209,7 +204,6 @@ class _Run:
             self._here(left, None)
 
     def result(self, done: dict[int, Row]) -> StudyRows:
-        """All rows, in the order of the points."""
         rows = tuple(done[place] for place in range(len(self._study.points)))
         return StudyRows(self._study, rows, self._start_s)
 

@@ -107,7 +107,6 @@ class _Cluster:
             raise WorkerEnded(blamed=False) from error
 
     def _look(self) -> None:
-        """Count the workers."""
         self._check()
         try:
             workers = self._client.scheduler_info(n_workers=-1)["workers"].values()

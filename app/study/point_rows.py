@@ -171,7 +171,6 @@ class NetworkKeys:
 
 
 def input_paths(node: Node, library: Library, folder: Path) -> list[Path]:
-    """The files that a node reads."""
     module = library.get(node.module)
     if module is None or declaration(module).sink:
         return []

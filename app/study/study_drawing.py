@@ -334,7 +334,6 @@ _MOST_FAILED = 50
 
 
 def write_summary(result: StudyRows, path: Path) -> None:
-    """Write the summary in the format of the path's suffix."""
     if PNG.matches(path):
         write_bytes(path, study_png(result))
     else:

@@ -200,7 +200,6 @@ class Column:
 
     @property
     def head(self) -> str:
-        """The name with its unit."""
         return f"{self.name} ({self.unit})" if self.unit else self.name
 
     @property

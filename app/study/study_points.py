@@ -203,8 +203,6 @@ _SPAN = "NODE.PARAM=FROM:TO, FROM:TO:log, or a list a,b,c"
 
 @dataclass(frozen=True)
 class Axis:
-    """A parameter that a study varies."""
-
     label: str  # ``NODE.PARAM`` as it was given, which may be a macro's
     node: str  # the node behind it
     parameter: Parameter  # its declaration
@@ -295,7 +293,6 @@ def values_axis(
 
 
 def target(option: str, label: str, network: Network, *, library: Library) -> tuple[str, Parameter]:
-    """The node and parameter that ``NODE.PARAM`` stands for."""
     inner = behind(assignment(option, f"{label}=", "NODE.PARAM"), network)
     return inner.node, _named(option, inner, network, library)
 
@@ -326,7 +323,6 @@ def natural(name: str) -> tuple[tuple[int, int, str], ...]:
 
 
 def allowed(parameter: Parameter, value: Any, node: str) -> None:
-    """Refuse a value that the parameter cannot take."""
     try:
         coerced = parameter.coerce(value)
     except ParameterError as error:

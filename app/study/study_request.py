@@ -50,14 +50,11 @@ POINT, SCENE = "point", "scene"
 
 @dataclass(frozen=True)
 class SavePattern:
-    """A port, and the names of the files that it is saved to."""
-
     save: Save  # as it was given; its text is the pattern
     # what stands before each field, the field, and how its value is written
     parts: tuple[tuple[str, str, str], ...]
 
     def name(self, values: dict[str, Any]) -> str:
-        """The file of a point."""
         words = []
         for text, name, form in self.parts:
             words.append(text)
@@ -190,13 +187,11 @@ class Study:
 
     @property
     def inputs(self) -> list[Path]:
-        """The files that it reads."""
         nodes = self.network.nodes.values()
         own = [file for node in nodes for file in input_paths(node, self.library, self.folder)]
         return [*own, *(Path(v) for axis in self.axes for v in axis.values if v in axis.names)]
 
     def setting(self, policy: Policy | None = None) -> Setting:
-        """What a worker needs to know of it."""
         return Setting(
             self.network,
             self.folder.absolute(),
@@ -241,8 +236,6 @@ class Study:
 
 @dataclass(frozen=True)
 class StudyRows:
-    """A study that has been carried out."""
-
     study: Study  # what was wanted
     rows: tuple[Row, ...]  # by point
     start_s: float = 0.0  # what the start of workers took, which is no row's

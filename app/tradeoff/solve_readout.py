@@ -23,8 +23,6 @@ class _Gap(Exception):
 
 @dataclass(frozen=True)
 class Sample:
-    """A value of the parameter, and the read-out there."""
-
     value: float
     figure: float
 
@@ -39,8 +37,6 @@ class Edge:
 
 @dataclass(frozen=True)
 class Solution:
-    """Where a read-out has the wanted value."""
-
     at: Sample | None  # the value, and what the read-out then is; None where no value does it
     beside: Sample | None  # of whole numbers, the neighbour on the other side of the wanted value
     others: tuple[float, ...]  # further values that do it, to the width of a step
@@ -205,7 +201,6 @@ class SearchRange:
     zero: bool = False  # whether 0 is tried beside
 
     def places(self) -> tuple[float, ...]:
-        """Numbers from one end to the other."""
         if self.log:
             decades = math.log10(self.high / self.low)
             count = min(_MOST_STEPS, max(_LINEAR_STEPS, math.ceil(decades * _STEPS_A_DECADE)))
@@ -219,11 +214,9 @@ class SearchRange:
         return (0.0, *values) if self.zero else tuple(values)
 
     def scaled(self, value: float) -> float:
-        """The number on the axis of the places."""
         return math.log(value) if self.log else value
 
     def value(self, scaled: float) -> float:
-        """The number at a place of that axis."""
         return math.exp(scaled) if self.log else scaled
 
 

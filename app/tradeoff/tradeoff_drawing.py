@@ -230,7 +230,6 @@ def csv_text(results: Results) -> str:
 
 
 def trade_off_facts(results: Results) -> dict[str, Any]:
-    """All that is known, for programs."""
     figures = [figure.text for figure in results.figures]
     return {
         "network": results.network,

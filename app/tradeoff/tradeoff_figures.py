@@ -60,12 +60,10 @@ class Figure:
 
     @property
     def text(self) -> str:
-        """``NODE.READOUT``."""
         return f"{self.node}.{self.name}"
 
     @property
     def is_total(self) -> bool:
-        """Whether it is an MTF of the chain."""
         return self.node in _TOTALS and self.name in _ALL_PLACES
 
 

@@ -37,8 +37,6 @@ class Point:
 
 @dataclass(frozen=True)
 class TradeOff:
-    """Figures of merit as a parameter moves."""
-
     # what is varied
     node: str
     parameter: str
@@ -70,8 +68,6 @@ class Curve:
 
 @dataclass(frozen=True)
 class Results:
-    """A trade-off, carried out."""
-
     network: str  # name of the network
     varied: Variation  # what moves along the axis
     second: Variation | None  # what differs from curve to curve
@@ -113,7 +109,6 @@ class Results:
         return place
 
     def rows(self) -> Iterator[tuple[Curve, Point]]:
-        """Every point with its curve."""
         return ((curve, point) for curve in self.curves for point in curve.points)
 
 
@@ -168,7 +163,6 @@ class PointEvaluator:
         self._last: tuple[Plan, tuple[Any, ...]] = (plan, (_ABSENT,) * len(self._targets))
 
     def planned(self, values: Sequence[Any]) -> Plan:
-        """The network planned with a value for each of what is varied."""
         before, known = self._last
         network = before.network
         for (node, name), value, old in zip(self._targets, values, known, strict=True):

@@ -34,7 +34,6 @@ class Variation:
 
     @property
     def text(self) -> str:
-        """``NODE.PARAM``."""
         return f"{self.node}.{self.parameter.name}"
 
     @property

@@ -10,11 +10,7 @@ from typing import Any
 from app.measure.measurement_files import measurement_json, write_measurement
 from app.measure.measurement_text import figure_rows, refused_lines, remarks
 from app.measure.measuring import without_edge
-from app.measure.picture_measurement import (
-    MeasuredEdge,
-    NoiseFigures,
-    PictureMeasurement,
-)
+from app.measure.picture_measurement import MeasuredEdge, NoiseFigures, PictureMeasurement
 from app.run.readout_tables import columns
 from core.errors import ParameterError
 from core.physics.measurement.edges.edge_mtf import MtfCurve

@@ -98,7 +98,6 @@ def panel(
     part: Part,
     along: str,
 ) -> None:
-    """Draw the MTF or PTF of the stages and products along one axis."""
     frequency = responses.xi if along == "x" else responses.eta
     styles = zip(cycle(COLOURS), cycle(_DASHES), strict=False)
     curves = []

@@ -36,7 +36,6 @@ def node_curves(evaluation: Evaluation) -> list[Named]:
 
 
 def curve_facts(evaluation: Evaluation) -> list[dict[str, Any]]:
-    """The same as plain data."""
     return [
         {
             "port": port,
@@ -53,7 +52,6 @@ def curve_facts(evaluation: Evaluation) -> list[dict[str, Any]]:
 
 
 def curves_png(curves: list[Named]) -> bytes:
-    """Curves side by side, two in a row, each with axes of its own."""
     rows = [curves[at : at + _BESIDE] for at in range(0, len(curves), _BESIDE)]
     heights = [max(_height(data) for _, data in row) for row in rows]
     with figure(10.0, sum(heights)) as (drawn, out):
@@ -84,7 +82,6 @@ def curves_png(curves: list[Named]) -> bytes:
 
 
 def draw_on(axis: Any, data: CurveData) -> None:
-    """Draw curves or bars on axes."""
     (_draw_bars if data.bars else _draw_curves)(axis, data)
 
 

@@ -105,7 +105,6 @@ def pictures_png(pictures: list[tuple[str, Image, Array]], beside: int = 2) -> b
 
 
 def panels_png(panels: Sequence[Panel]) -> bytes:
-    """Small pictures with axes, up to four in a row."""
     columns = 4
     rows = -(-len(panels) // columns)
     with figure(10.0, 2.6 * rows) as (drawn, out):
@@ -135,7 +134,6 @@ def noise_png(pictures: list[tuple[str, Image, Array]]) -> bytes:
 
 
 def _show(drawn: Any, axis: Any, image: Image, samples: Array, *, along: str, ticks: int) -> Any:
-    """Show a picture; gives its colour bar."""
     from matplotlib.ticker import MaxNLocator
 
     low, high = robust_limits(samples)
@@ -185,7 +183,6 @@ def _temperatures(bar: Any, image: Image, low: float, high: float) -> None:
 
 
 def histogram(axis: Any, image: Image, samples: Array) -> None:
-    """Draw how often values occur, under a title with their mean and standard deviation."""
     from matplotlib.ticker import MaxNLocator
 
     values = samples.ravel().astype(np.float64)
@@ -318,7 +315,6 @@ FIGURES = ("stages", "total", "judged")
 
 
 def drawn_as(network: Network) -> dict[str, str]:
-    """The publication's figure by ours."""
     given = network.extra.get("drawn_as", {})
     if not isinstance(given, Mapping):
         raise NetworkError("drawn_as must be an object of figures")
