@@ -50,17 +50,14 @@ if TYPE_CHECKING:
     from imagechain.building.chain import Chain, ChainNode, networks, open
     from imagechain.building.chain_study import study
     from imagechain.building.fitted_chain import FittedChain, fit
-    from imagechain.building.measure_pictures import measure
+    from imagechain.building.measure_pictures import MeasuredPictures, measure
     from imagechain.parts.module_functions import part
     from imagechain.parts.module_part import Expression, Part
     from imagechain.parts.presets import preset, presets
     from imagechain.parts.scene_array import scene
     from imagechain.results.chain_picture import Picture
     from imagechain.results.chain_result import Result
-    from imagechain.results.measured_pictures import MeasuredPictures
-    from imagechain.results.readout_table import ReadoutTable
-    from imagechain.results.stage_curves import StageCurves
-    from imagechain.results.study_table import StudyTable
+    from imagechain.results.tables import ReadoutTable, StageCurves, StudyTable
 
     expression = Expression
     __version__: str
@@ -122,13 +119,13 @@ _PLACES = {
     "CurveData": "core.chain.results",
     "Expression": "imagechain.parts.module_part",
     "FittedChain": "imagechain.building.fitted_chain",
-    "MeasuredPictures": "imagechain.results.measured_pictures",
+    "MeasuredPictures": "imagechain.building.measure_pictures",
     "Part": "imagechain.parts.module_part",
     "Picture": "imagechain.results.chain_picture",
-    "ReadoutTable": "imagechain.results.readout_table",
+    "ReadoutTable": "imagechain.results.tables",
     "Result": "imagechain.results.chain_result",
-    "StageCurves": "imagechain.results.stage_curves",
-    "StudyTable": "imagechain.results.study_table",
+    "StageCurves": "imagechain.results.tables",
+    "StudyTable": "imagechain.results.tables",
     "TableData": "core.chain.results",
     "fit": "imagechain.building.fitted_chain",
     "measure": "imagechain.building.measure_pictures",

@@ -36,8 +36,7 @@ def carry_out(options: Options, stop: threading.Event) -> None:
 
 def _page(facts: Mapping[str, Any], parts: Measured) -> str:
     from app.bench.charts import chart_png
-    from app.report.blocks import Block, Drawn, Grid, Heading, Text
-    from app.report.html_page import html_page
+    from app.report.html_page import Block, Drawn, Grid, Heading, Text, html_page
 
     settings = facts["settings"]
     run = [*machine_words(facts["machine"]), f"{settings['threads']} threads"]

@@ -5,13 +5,12 @@ from __future__ import annotations
 import threading
 from functools import partial
 
-from app.command.results import show
+from app.command.results import Progress, show
 from app.command.run import input_files, open_network, policy_of
 from app.fit.fit_page import fit_facts, fit_page, fit_text
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
 from app.options.command_options import Options
-from app.options.progress import Progress
 from app.run.readout_tables import json_text
 from app.run.shipped import find_network
 from app.run.staging import Staging

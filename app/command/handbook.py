@@ -7,11 +7,10 @@ import sys
 import webbrowser
 from pathlib import Path
 
-from app.command.results import show
+from app.command.results import Progress, show
 from app.handbook.module_examples import PARTS
 from app.handbook.written_pages import cached_handbook, find_page, readable_handbook, write_handbook
 from app.options.command_options import Options
-from app.options.progress import Progress
 from app.options.stopping import Stop, Stopped
 from core.errors import UsageError
 from core.names import close, shown

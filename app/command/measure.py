@@ -6,13 +6,12 @@ import json
 import threading
 from functools import partial
 
-from app.command.results import check_stop, show, written
+from app.command.results import Progress, check_stop, show, written
 from app.measure.measurement_files import measurement_json, measurement_text
 from app.measure.measurement_text import figure_rows, flat_rows, frame_rows, refused_lines, remarks
 from app.measure.measuring import MeasurePlan, measure_files
 from app.measure.picture_measurement import PictureMeasurement
 from app.options.command_options import Options
-from app.options.progress import Progress
 from app.run.readout_tables import columns
 from core.names import in_line
 

@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.command.results import check_stop, show, written
+from app.command.results import Progress, check_stop, show, written
 from app.options.command_options import Options
-from app.options.progress import Progress
 from app.run.readout_tables import columns, json_text, number_text
 from core.errors import DataError
 from core.names import in_line

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.command.results import check_stop, show, written
+from app.command.results import Progress, check_stop, show, written
 from app.measure.measurement_text import transfer_rows
 from app.options.command_options import Options
-from app.options.progress import Progress
 from app.run.readout_tables import columns, json_text, number_text
 from core.names import in_line
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames

@@ -11,11 +11,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from app.command.results import say, show
+from app.command.results import Progress, say, show
 from app.options.command_options import Options
 from app.options.option_values import Save
 from app.options.overrides import with_disabled, with_final, with_settings
-from app.options.progress import Progress
 from app.options.stopping import too_late
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
 from app.run.figures import Figure, figure_rows, main_figures

@@ -7,12 +7,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from app.command.results import show
+from app.command.results import Progress, show
 from app.command.run import open_network, policy_of
 from app.options.command_options import Options
 from app.options.option_values import Assignment, assignment
 from app.options.overrides import listed, named_parameter
-from app.options.progress import Progress
 from app.run.readout_tables import warning_lines
 from app.run.shipped import find_network
 from app.tradeoff.solve_readout import Sample, Solution, search_range, solve

@@ -8,11 +8,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from app.command.results import say, show
+from app.command.results import Progress, say, show
 from app.command.run import open_network, policy_of
 from app.options.command_options import Options
 from app.options.option_values import assignment
-from app.options.progress import Progress
 from app.run.readout_tables import warned_points
 from app.run.shipped import find_network
 from app.study.carrying_out import TLS, Workers

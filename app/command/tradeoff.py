@@ -8,10 +8,9 @@ import threading
 from collections.abc import Sequence
 from pathlib import Path
 
-from app.command.results import show, written
+from app.command.results import Progress, show, written
 from app.command.run import input_files, open_network, policy_of
 from app.options.command_options import Options
-from app.options.progress import Progress
 from app.run.readout_tables import json_text, warned_points
 from app.run.shipped import find_network
 from app.tradeoff.tradeoff_drawing import (

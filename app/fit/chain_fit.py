@@ -17,14 +17,12 @@ from numpy.typing import NDArray
 from scipy.special import ndtr, stdtrit
 
 from app.fit.chain_transfer import ChainAt, EdgeTransfer
-from app.fit.edge_fit import EdgeFits, EdgesAt
+from app.fit.edge_fit import EdgeFits, EdgesAt, SpreadTable, period_for, reaching_in
 from app.fit.free_parameter import FreeParameter
 from app.fit.misfit import FEWEST, Misfit, misfit_of
 from app.fit.noise_levels import NoiseProblem
 from app.fit.parameter_search import apart, hops, inner, middle_of, starts
 from app.fit.patch import MARGIN, Patch
-from app.fit.spread_table import SpreadTable, period_for
-from app.fit.surroundings import reaching_in
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
 

@@ -18,7 +18,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from app.fit.spread_table import HIGHEST, SpreadTable, frequencies, spread_table
+from app.fit.edge_fit import HIGHEST, SpreadTable, frequencies, spread_table
 from app.run.output import HOW_TO_MARK, HOW_TO_NAME, find_output
 from core.chain.engine import Engine, Plan
 from core.chain.linear_change import PlaceDependent

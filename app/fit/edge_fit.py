@@ -9,17 +9,24 @@ as long as the edge with the most samples needs; what is too many has no weight.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
-from app.fit.patch import Patch
-from app.fit.spread_table import SpreadTable
+from app.fit.patch import MARGIN, Patch, Window
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+LEAST_PERIOD = 128  # samples
+_REACHES = 8  # of an edge's reach in a period, at least
+HIGHEST = 16  # cycles per sample, beyond which nothing counts
+_LEAST_HIGHEST = 8  # cycles per sample: a table's steps are half of its inverse
 
 _PASSES = 12
 _SETTLED = 1e-4  # samples: what that leaves of the residuals is of second order
@@ -29,6 +36,90 @@ _OWN, _LINEAR, _SHADED = 3, 4, 2  # place, turn and bend; levels and slopes; slo
 _LEVEL = 0.005  # of the step: what is nearer to a level counts as that
 _LEAST_LEVEL = 50  # samples of a side, of which its noise is taken
 _RIDGE = 1e-12
+# After the first: at a frequency that the chain passes to a share t, (1 − t)³ is left, and of what
+# comes back into the edge at most a tenth; further ones raise noise for little.
+_PASSES_BEYOND = 2
+_IN_PERIOD = 0.45  # of a spread's period, to which its table is used
+
+
+@dataclass(frozen=True)
+class SpreadTable:
+    """The spreads of edges at equal distances, one in each row, and their slopes."""
+
+    period: int  # samples from the first distance, −period/2, to where the table begins anew
+    # ESF, from 0 to 1, and its derivative; shape (edges, distances)
+    spread: NDArray[np.float64]
+    slope: NDArray[np.float64]
+
+    def at(self, number: int, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Spread of one edge at distances in any shape, by straight lines between the table's."""
+        count = self.spread.shape[1]
+        place = distance.ravel() * (count / self.period) + 0.5 * count
+        values = np.interp(place, np.arange(count), self.spread[number])
+        return np.asarray(values.reshape(distance.shape), np.float64)
+
+    def at_all(self, distance: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Spread and slope at any distances, a row for each edge, by cubic Hermite polynomials."""
+        edges, count = self.spread.shape
+        step = self.period / count
+        place = distance * (1.0 / step) + 0.5 * count
+        below = place.astype(np.intp)
+        np.clip(below, 0, count - 2, out=below)
+        t = place - below
+        below += np.arange(edges)[:, np.newaxis] * count
+        spread, slopes = self.spread.ravel(), self.slope.ravel() * step
+        f0, f1, g0, g1 = spread[below], spread[below + 1], slopes[below], slopes[below + 1]
+        rise = f1 - f0
+        a, b = g0 + g1 - 2.0 * rise, 3.0 * rise - 2.0 * g0 - g1
+        value = f0 + t * (g0 + t * (b + t * a))
+        slope = (g0 + t * (2.0 * b + t * 3.0 * a)) / step
+        return value, slope
+
+
+def period_for(*, reach: float) -> int:
+    """Samples of a period for edges of that reach: a power of 2."""
+    return max(LEAST_PERIOD, 1 << math.ceil(math.log2(_REACHES * max(reach, 1.0))))
+
+
+def frequencies(*, period: int, first: int, end: int) -> Vector:
+    """From `first` to below `end`, cycles per sample, as a period has them."""
+    return np.asarray(np.arange(first * period, end * period) / period, np.float64)
+
+
+def spread_table(*, transfer: Complex, period: int) -> SpreadTable:
+    """Sum up the spreads of ideal straight edges, from transfer functions along their normals.
+
+    ESF(d) = 1/2 + ∫ H(f)·exp(2πifd) / (2πif) df (Goodman 2005, Fourier Optics, section 2): the
+    integral becomes a sum over a period much longer than the edge's reach, so that what
+    neighbouring steps of the period leave is next to nothing, and the sum one transform.
+
+    Parameters
+    ----------
+    transfer : ndarray
+        H at `frequencies` from 0 on, 1 at zero frequency; shape (edges, frequencies).
+    period : int
+        Samples of a period.
+
+    Returns
+    -------
+    SpreadTable
+        With steps of 1/16 of a sample or finer.
+    """
+    edges, given = transfer.shape
+    highest = max(_LEAST_HIGHEST, -(-given // period))
+    count = 2 * highest * period
+    frequency = np.arange(1, given) / period
+    distance = (np.arange(count) - count // 2) * (period / count)
+    # From −period/2 on: each wave has turned by half a turn a cycle more.
+    turned = np.where(np.arange(given) % 2 == 0, 1.0, -1.0)
+    lines = np.zeros((edges, count // 2 + 1), np.complex128)
+    lines[:, :given] = transfer * turned
+    slope = scipy.fft.irfft(lines, count, axis=1) * (count / period)
+    lines[:, 0] = 0.0
+    lines[:, 1:given] /= 2j * math.pi * frequency
+    waves = scipy.fft.irfft(lines, count, axis=1) * (count / period)
+    spread = 0.5 + distance / period * transfer[:, :1].real + waves
+    return SpreadTable(period, spread, slope)
 
 
 @dataclass(frozen=True)
@@ -193,3 +284,58 @@ def _least_squares(
     products = np.matmul(scaled, value[..., np.newaxis])
     solution = np.linalg.solve(gram, products)[..., 0] / length
     return solution, gram, length
+
+
+def reaching_in(
+    *, patch: Patch, edges: EdgesAt, number: int, table: SpreadTable, spread: Matrix
+) -> Vector:
+    """What lies beyond an edge and reaches into its samples, in their order, through the spread.
+
+    An ideal edge is alone and endless. A real one has corners, and neighbours whose faint tails
+    reach far: behind optics the line spread falls as the square of the distance only. What the
+    picture shows beyond an edge's samples tells of the scene there; nothing but the ideal edge is
+    where its samples are. So the scene's difference from the ideal edge is sought, by the method of
+    Landweber (1951) with that constraint, and what of it the chain spreads into the edge's samples
+    is no part of the edge. `spread` is what a point leaves in the samples about it, as far as the
+    margin is wide.
+    """
+    window = patch.window
+    inside = patch.row - window.top, patch.column - window.left
+    beside = window.samples - _alone(patch, window, edges, number, table)
+
+    about = np.zeros(beside.shape)
+    about[: spread.shape[0], : spread.shape[1]] = spread
+    transfer = scipy.fft.rfft2(np.roll(about, (-MARGIN, -MARGIN), (0, 1)))
+
+    def seen(scene: Matrix) -> Matrix:
+        lines = scipy.fft.rfft2(scene) * transfer
+        return np.asarray(scipy.fft.irfft2(lines, scene.shape), np.float64)
+
+    scene = beside.copy()
+    scene[inside] = 0.0
+    for _ in range(_PASSES_BEYOND):
+        more = beside - seen(scene)
+        more[inside] = 0.0
+        scene += more
+    return seen(scene)[inside]
+
+
+def _alone(patch: Patch, window: Window, edges: EdgesAt, number: int, table: SpreadTable) -> Matrix:
+    """The edge as fitted, alone and endless, over the window."""
+    rows, columns = window.samples.shape
+    x = np.arange(window.left, window.left + columns) - patch.x
+    y = (np.arange(window.top, window.top + rows) - patch.y)[:, np.newaxis]
+    across, down = patch.normal
+    half = float(np.abs(patch.along).max()) or 1.0
+    along = np.clip((across * y - down * x) / half, -1.0, 1.0)
+    distance = across * x + down * y - patch.curvature * (along * half) ** 2
+    incline = np.clip(distance / patch.reach, -1.0, 1.0)
+    place, turn, bend = edges.own[number]
+    distance = distance - place - turn * along - bend * (along**2 - 1.0 / 3.0)
+    limit = _IN_PERIOD * table.period
+    spread = table.at(number, np.clip(distance, -limit, limit))
+    low, step, slope, tilt, *shaded = edges.levels[number]
+    model = low + step * spread + slope * incline + tilt * along
+    if patch.shaded:
+        model += spread * (shaded[0] * incline + shaded[1] * along)
+    return np.asarray(model, np.float64)

@@ -13,10 +13,8 @@ from app.fit.edge_fit import EdgesAt
 from app.fit.fit_result import FitResult, NoiseComparison
 from app.fit.scene_match import SceneFit
 from app.measure.measurement_text import with_error
-from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
-from app.report.drawing.picture_drawing import COLOURS, figure
-from app.report.drawing.printed_numbers import number, short
-from app.report.html_page import html_page
+from app.report.drawing.picture_drawing import COLOURS, figure, number, short
+from app.report.html_page import Block, Drawn, Grid, Heading, Items, Text, html_page
 from app.run.readout_tables import columns, number_text
 from core.names import in_line
 

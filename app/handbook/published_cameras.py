@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from app.report.drawing.printed_numbers import number, short
+from app.report.drawing.picture_drawing import number, short
 from app.run.shipped import published_networks
 from core.chain.engine import Engine, Plan
 from core.evaluation.policy import Policy

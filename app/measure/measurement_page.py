@@ -20,10 +20,8 @@ from app.measure.measurement_text import (
     with_error,
 )
 from app.measure.picture_measurement import MeasuredEdge, NoiseFigures, PictureMeasurement, Preview
-from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
-from app.report.drawing.picture_drawing import COLOURS, figure
-from app.report.drawing.printed_numbers import number
-from app.report.html_page import html_page
+from app.report.drawing.picture_drawing import COLOURS, figure, number
+from app.report.html_page import Block, Drawn, Grid, Heading, Items, Text, html_page
 from app.run.saving import robust_limits
 from core.physics.measurement.edges.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 

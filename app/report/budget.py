@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from app.report.blocks import Block, Drawn, Grid, Heading, Text, of_many
-from app.report.drawing.picture_drawing import COLOURS, figure, strongest
-from app.report.drawing.printed_numbers import number
+from app.report.drawing.picture_drawing import COLOURS, figure, number, strongest
+from app.report.html_page import Block, Drawn, Grid, Heading, Text, of_many
 from app.run.evaluation import Evaluation
 from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError

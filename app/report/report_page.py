@@ -6,7 +6,21 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from app.report.blocks import (
+from app.report.budget import budget
+from app.report.data_sheet_facts import DIFFERENT, REPRODUCED, TIMES
+from app.report.drawing.curves import Part, product_png, stages_png
+from app.report.drawing.node_curves import MOST, curves_png, node_curves
+from app.report.drawing.picture_drawing import (
+    named,
+    noise_png,
+    number,
+    panels_png,
+    pictures_png,
+    pupil_panels,
+    short,
+)
+from app.report.edge_measurement import judged
+from app.report.html_page import (
     IN_FILES,
     MOST_ROWS,
     Beside,
@@ -17,17 +31,9 @@ from app.report.blocks import (
     Items,
     Text,
     Warnings,
+    html_page,
     of_many,
 )
-from app.report.budget import budget
-from app.report.data_sheet_facts import DIFFERENT, REPRODUCED, TIMES
-from app.report.drawing.curves import Part, product_png, stages_png
-from app.report.drawing.node_curves import MOST, curves_png, node_curves
-from app.report.drawing.picture_drawing import named, noise_png, panels_png, pictures_png
-from app.report.drawing.printed_numbers import number, short
-from app.report.drawing.pupils import pupil_panels
-from app.report.edge_section import judged
-from app.report.html_page import html_page
 from app.report.spectra import spectrum
 from app.run.evaluation import Evaluation
 from app.run.figures import Figure, figure_rows

@@ -5,9 +5,8 @@ from __future__ import annotations
 from itertools import cycle
 from typing import Any
 
-from app.report.blocks import Block, Drawn, Grid, Heading, Text, of_many
-from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure
-from app.report.drawing.printed_numbers import number, short
+from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, number, short
+from app.report.html_page import Block, Drawn, Grid, Heading, Text, of_many
 from app.run.evaluation import Evaluation
 from core.chain.back_transformed import Delivered
 from core.chain.band_stack import BandStack

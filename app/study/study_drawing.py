@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from app.report.blocks import Block, Drawn, Grid, Heading
 from app.report.drawing.picture_drawing import (
     COLOURS,
     by_rows,
@@ -18,9 +17,9 @@ from app.report.drawing.picture_drawing import (
     figure,
     legend_columns,
     legend_height_in,
+    number,
 )
-from app.report.drawing.printed_numbers import number
-from app.report.html_page import html_page
+from app.report.html_page import Block, Drawn, Grid, Heading, html_page
 from app.run.readout_tables import number_text, warned_points
 from app.study.study_points import Axis
 from app.study.study_request import StudyRows

@@ -6,16 +6,15 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from app.report.blocks import Block, Drawn, Grid, Heading
 from app.report.drawing.picture_drawing import (
     by_rows,
     family_colours,
     figure,
     legend_columns,
     legend_height_in,
+    number,
 )
-from app.report.drawing.printed_numbers import number
-from app.report.html_page import html_page
+from app.report.html_page import Block, Drawn, Grid, Heading, html_page
 from app.run.readout_tables import columns, exact, number_text, without_rounding
 from app.tradeoff.tradeoff_figures import Figure
 from app.tradeoff.tradeoff_results import Results, shown_value

@@ -16,7 +16,7 @@ from core.errors import UsageError
 from core.evaluation.policy import Policy, Precision
 from imagechain.building.chain import Chain
 from imagechain.parts.plain_errors import plain_errors
-from imagechain.results.study_table import StudyTable
+from imagechain.results.tables import StudyTable
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
+from dataclasses import replace
+from functools import cached_property, partial
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -11,10 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.command.run import input_files, sink_files, sink_targets
 from app.run.evaluation import Evaluation, TimedWork, evaluate
 from app.run.output import find_output
 from app.run.saving import check_suffix, cube_of, is_cube, real_array, save_value
+from app.run.staging import Staging
 from app.run.way_of_running import blocks_of, way_of_running
+from app.run.write_rules import WriteRules, read_record
 from core.chain.engine import Engine, Plan
 from core.chain.frame_sequence import at_frame
 from core.chain.realize import asked_for
@@ -28,9 +34,14 @@ from core.modules.panel_sections import Caution
 from core.names import close, shown
 from imagechain.parts.plain_errors import block, plain_errors, stays_here, table, users_matplotlib
 from imagechain.results.chain_picture import Picture, PictureValues
-from imagechain.results.readout_table import ReadoutTable, readout_table
 from imagechain.results.run_options import Origin, RunOptions
-from imagechain.results.stage_curves import StageCurves, curves_along, curves_of
+from imagechain.results.tables import (
+    ReadoutTable,
+    StageCurves,
+    curves_along,
+    curves_of,
+    readout_table,
+)
 from nodes.files.frame_writing import header_beside_frames
 from nodes.files.read import check_finite
 
@@ -194,7 +205,7 @@ class Result:
             write only in its own folder, and overwrite only files that it has written itself. Files
             that were named in Python are always written.
         """
-        from imagechain.results.file_writing import write_files
+        from imagechain.results.chain_result import write_files
 
         return write_files(self._evaluation, self._origin, allow)
 
@@ -359,3 +370,39 @@ def _read_only(samples: NDArray[Any]) -> NDArray[Any]:
         owner.flags.writeable = False
         owner = owner.base
     return samples.view()
+
+
+def write_files(
+    evaluation: Evaluation, origin: Origin, allowed: Iterable[str | PathLike[str]]
+) -> list[Path]:
+    """Write the files of write nodes; returns their paths.
+
+    Raises
+    ------
+    FileError
+        If a file cannot be written, or a network from a file names one outside its own folder or
+        one that it has not written itself.
+    """
+    plan = evaluation.plan
+    folder = plan.folder
+    targets = sink_targets(plan, folder)
+    file = origin.file if origin.file is not None else folder / "chain without a file.json"
+    rules = WriteRules(
+        folders=(Path(os.path.realpath(folder)),),
+        allowed=tuple(Path(os.path.realpath(fspath(one))) for one in allowed),
+        given=origin.given,
+        record=read_record(file),
+    )
+    inputs = [file, *input_files(plan, folder)]
+    with Staging(None, inputs) as staging:
+        for node, path in targets.items():
+            where = shlex.quote(os.path.dirname(os.path.realpath(path)))  # noqa: PTH120
+            told = replace(rules, how_to_allow=f"write_files(allow=[{where}]) allows it")
+            staging.claim(path, partial(told.check, node))
+        for _, path, writer in sink_files(evaluation):
+            staging.write(path, writer)
+        if origin.file is None:
+            staging.commit()
+        else:
+            rules.commit(staging)
+    return list(targets.values())

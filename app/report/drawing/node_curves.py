@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, strongest
-from app.report.drawing.printed_numbers import number
+from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, number, strongest
 from app.run.evaluation import Evaluation
 from core.chain.realize import realize
 from core.chain.results import CurveData, Series

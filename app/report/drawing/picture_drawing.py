@@ -1,4 +1,4 @@
-"""Pictures with colour bars in radiance and temperature, for reports."""
+"""Pictures with colour bars in radiance and temperature, and printed numbers, for reports."""
 
 from __future__ import annotations
 
@@ -9,17 +9,21 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy.fft
 from numpy.typing import NDArray
 
-from app.report.drawing.printed_numbers import number
-from app.report.drawing.pupils import Panel
+from app.run.evaluation import Evaluation
+from app.run.readout_tables import number_text, without_rounding
 from app.run.saving import robust_limits
-from core.chain.wires import Image
+from core.chain.realize import realize
+from core.chain.results import SampledTransfer
+from core.chain.wires import Image, Pupil, Transfer
 from core.errors import ImagechainError, NetworkError
 from core.names import close, printable
 from core.network.network import Network
@@ -28,9 +32,11 @@ from core.physics.radiometry.planck import band_radiance, brightness_temperature
 
 Array = NDArray[Any]
 DPI = 144
+MOST_PANELS = 8
 MOST_DRAWN = 24
 """Curves or bars of one figure; more could not be distinguished."""
 RADIANCE = "W/m²/sr"
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 COLOURS = (
     "#1f77b4",
     "#d95f02",
@@ -359,3 +365,85 @@ def legend_height_in(names: Sequence[str], width_in: float) -> float:
 def by_rows(items: Sequence[Any], columns: int) -> list[Any]:
     """In the order in which a legend, which goes down its columns, shows them row by row."""
     return [item for first in range(columns) for item in items[first::columns]]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A small picture with axes; `extent` is left, right, bottom, top."""
+
+    title: str
+    values: NDArray[Any]
+    extent: tuple[float, float, float, float]
+    unit: str
+
+
+def pupil_panels(evaluation: Evaluation) -> tuple[list[Panel], list[str]]:
+    """Pupils, then MTFs at frequencies of their own; and the ports there was no place for.
+
+    A phase that is 0 everywhere is no picture.
+    """
+    ports = [
+        (f"{name}.{port}", value)
+        for name, node in evaluation.plan.nodes.items()
+        if not node.node.disabled
+        for port, value in node.outputs.items()
+    ]
+    wanted = [entry for entry in ports if isinstance(entry[1], Pupil)]
+    raw = [entry for entry in ports if isinstance(entry[1], Transfer) and entry[1].own is not None]
+    wanted += [entry for entry in raw if entry[1].part == "mtf"]
+    panels = [_panel(evaluation, port, value) for port, value in wanted[:MOST_PANELS]]
+    for port, value in raw:
+        if value.part == "ptf" and len(panels) < MOST_PANELS:
+            panel = _panel(evaluation, port, value)
+            panels += [panel] if np.any(panel.values) else []
+    return panels, [port for port, _ in wanted[MOST_PANELS:]]
+
+
+def _panel(evaluation: Evaluation, port: str, value: Pupil | Transfer) -> Panel:
+    if isinstance(value, Pupil):
+        samples = _real(realize(value, evaluation.work))
+        rows, columns = samples.shape
+        return Panel(port, samples, (-0.5, columns - 0.5, rows - 0.5, -0.5), "samples")
+    assert value.own is not None
+    sampled: SampledTransfer = evaluation.work.value(value.own)
+    centred = scipy.fft.fftshift(_real(sampled.values))
+    left, right = ends(centred.shape[1], sampled.interval_x)
+    top, bottom = ends(centred.shape[0], sampled.interval_y)
+    return Panel(port, centred, (left, right, bottom, top), "cyc/mrad")
+
+
+def _real(values: NDArray[Any]) -> NDArray[Any]:
+    return np.abs(values) if np.iscomplexobj(values) else values
+
+
+def ends(count: int, interval: float) -> tuple[float, float]:
+    """Outer edges of the first and last sample, frequency 0 being sample count // 2."""
+    first = -(count // 2)
+    return (first - 0.5) * interval, (first + count - 0.5) * interval
+
+
+def number(value: Any, unit: str | None = None) -> str:
+    """As `number_text`, with a true minus sign and powers of ten in print.
+
+    With its unit given, what rounding leaves of 0 is shown as 0.
+    """
+    if value is None:
+        return "–"
+    if unit is not None:
+        value = without_rounding(value, unit)
+    text = number_text(value)
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        return text
+    mantissa, exponent, power = text.replace("-", "−").partition("e")
+    if not exponent:
+        return mantissa
+    raised = str(int(power.replace("−", "-"))).translate(_RAISED)
+    return (
+        f"{mantissa.removesuffix('1')}10{raised}"
+        if mantissa in ("1", "−1")
+        else (f"{mantissa}·10{raised}")
+    )
+
+
+def short(value: float | None, digits: int = 4) -> str:
+    return number(None if value is None else float(f"{value:.{digits}g}"))

@@ -185,9 +185,9 @@ def test_reader_that_has_seen_enough():
 
 PATIENT = """
 import sys
-import app.options.progress
+import app.command.results
 from app.command.cli import main
-app.options.progress.PATIENCE_S = float(sys.argv[1])
+app.command.results.PATIENCE_S = float(sys.argv[1])
 sys.exit(main(["run", "net.json"]))
 """
 

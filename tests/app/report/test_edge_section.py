@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from app.report.blocks import Grid
-from app.report.edge_section import judged
+from app.report.edge_measurement import judged
+from app.report.html_page import Grid
 
 
 def measurement(direction, method, *, count=129, nyquist=2.0, mtf50=1.25):

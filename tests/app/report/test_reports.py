@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from app.report import report_page
-from app.report.drawing.printed_numbers import number
-from app.report.drawing.pupils import ends
+from app.report.drawing.picture_drawing import ends, number
 
 
 @pytest.fixture

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from app.report.blocks import of_many
 from app.report.drawing.curves import drawn_stages
 from app.report.drawing.picture_drawing import MOST_DRAWN
+from app.report.html_page import of_many
 from app.run.evaluation import TimedWork, evaluate, needed_later, planned
 from app.run.responses import Response, Responses, StageResponse
 from core.chain.engine import Engine

@@ -1,0 +1,362 @@
+"""Read-outs, transfer functions and rows of a study, by name and as tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.run.evaluation import Evaluation
+from app.run.readout_tables import (
+    columns,
+    jsonable,
+    number_text,
+    warned_points,
+    without_rounding,
+)
+from app.run.responses import Response, responses_along
+from core.errors import ParameterError
+from core.names import close, shown
+from imagechain.parts.plain_errors import (
+    block,
+    needed,
+    plain_errors,
+    png,
+    stays_here,
+    table,
+    text,
+    users_matplotlib,
+)
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from app.study.study_request import StudyRows
+
+Vector = NDArray[np.float64]
+_SHOWN = 20  # rows of a notebook's table
+
+
+@dataclass(frozen=True)
+class ReadoutRow:
+    """One read-out; `value` is None if it has none."""
+
+    node: str
+    name: str
+    value: Any
+    unit: str
+    meaning: str
+
+
+class ReadoutTable(Mapping[str, Mapping[str, Any]]):
+    """Read-outs as ``readouts[NODE][NAME]``; `rows` also has their units and meanings."""
+
+    def __init__(self, rows: tuple[ReadoutRow, ...], nodes: tuple[str, ...]) -> None:
+        self.rows = rows
+        self._nodes: dict[str, dict[str, Any]] = {node: {} for node in nodes}
+        for row in rows:
+            self._nodes[row.node][row.name] = row.value
+
+    @plain_errors
+    def __getitem__(self, node: str) -> Mapping[str, Any]:
+        if node not in self._nodes:
+            raise KeyError(
+                f"there is no node {shown(node)} with read-outs{close(node, self._nodes)}"
+            )
+        return dict(self._nodes[node])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._nodes)
+
+    def __len__(self) -> int:
+        return len(self._nodes)
+
+    @plain_errors
+    def row(self, name: str) -> ReadoutRow:
+        """The read-out ``NODE.NAME`` with its unit and meaning.
+
+        Raises
+        ------
+        ParameterError
+            If there is no such read-out.
+        """
+        names = [f"{row.node}.{row.name}" for row in self.rows]
+        if name not in names:
+            raise ParameterError(
+                "read-out", name, f"the chain has no such read-out{close(name, names)}"
+            )
+        return self.rows[names.index(name)]
+
+    def to_dict(self) -> dict[str, dict[str, Any]]:
+        """Read-outs by node and name, as plain values; infinite values are strings."""
+        plain: dict[str, dict[str, Any]] = jsonable(self._nodes)
+        return plain
+
+    @plain_errors
+    def to_frame(self) -> DataFrame:
+        """Return a pandas `DataFrame`: value, unit and meaning by node and read-out.
+
+        Raises
+        ------
+        UsageError
+            If pandas is not installed.
+        """
+        pandas = needed("pandas", "tables as DataFrames")
+        index = pandas.MultiIndex.from_tuples(
+            [(row.node, row.name) for row in self.rows], names=["node", "readout"]
+        )
+        cells = {
+            name: pandas.Series(
+                [getattr(row, name) for row in self.rows], index=index, dtype=object
+            )
+            for name in ("value", "unit", "meaning")
+        }
+        frame: DataFrame = pandas.DataFrame(cells, index=index)
+        return frame
+
+    def _texts(self) -> list[tuple[str, str, str, str]]:
+        return [
+            (row.node, row.name, number_text(without_rounding(row.value, row.unit)), row.unit)
+            for row in self.rows
+        ]
+
+    def __repr__(self) -> str:
+        rows = [row for row in self._texts() if row[2] != "-"]
+        return columns(rows, right=(2,)) or "no read-outs"
+
+    def _repr_html_(self) -> str:
+        return table(("node", "read-out", "value", "unit"), self._texts(), right=2)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+
+def readout_table(evaluation: Evaluation) -> ReadoutTable:
+    """The read-outs of an evaluation."""
+    rows = []
+    for node, values in evaluation.readouts.items():
+        planned = evaluation.plan.nodes[node]
+        for readout in planned.declaration.readouts:
+            if readout.name in values:
+                value, unit = values[readout.name], planned.unit(readout)
+                rows.append(ReadoutRow(node, readout.name, value, unit, readout.meaning))
+    return ReadoutTable(tuple(rows), tuple(evaluation.readouts))
+
+
+@dataclass(frozen=True)
+class StageCurve:
+    """MTF (signed) and PTF (rad) of a stage along one axis; `frequency` in cycles/mrad."""
+
+    frequency: Vector = field(repr=False)
+    mtf: Vector = field(repr=False)
+    ptf_rad: Vector = field(repr=False)
+
+    @property
+    def otf(self) -> NDArray[np.complex128]:
+        """MTF and PTF as one complex function."""
+        return np.asarray(self.mtf * np.exp(1j * self.ptf_rad), np.complex128)
+
+
+class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
+    """Curves as ``curves[STAGE][AXIS]``.
+
+    Stages are nodes; ``"total"`` is their product before pixels are combined, and
+    ``"total_with_electronics"`` also includes what follows. Axes are ``"x"`` and ``"y"``, or
+    ``"line"``.
+    """
+
+    def __init__(
+        self, curves: Mapping[str, Mapping[str, StageCurve]], titles: Mapping[str, str], drawn: Any
+    ) -> None:
+        self._curves = {name: dict(axes) for name, axes in curves.items()}
+        self.titles = dict(titles)
+        self._drawn = drawn
+
+    __reduce__ = stays_here
+
+    @plain_errors
+    def __getitem__(self, stage: str) -> Mapping[str, StageCurve]:
+        if stage not in self._curves:
+            known = close(stage, self._curves) or f"; it has {', '.join(self._curves) or 'none'}"
+            raise KeyError(f"the chain has no stage {shown(stage)}{known}")
+        return dict(self._curves[stage])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._curves)
+
+    def __len__(self) -> int:
+        return len(self._curves)
+
+    @property
+    def total(self) -> Mapping[str, StageCurve]:
+        """The product of all stages, electronics included where there are any."""
+        name = "total_with_electronics" if "total_with_electronics" in self._curves else "total"
+        return self[name]
+
+    @plain_errors
+    def to_frame(self) -> DataFrame:
+        """Return a pandas `DataFrame`, with a row for each stage, axis and frequency.
+
+        Raises
+        ------
+        UsageError
+            If pandas is not installed.
+        """
+        every = [
+            (stage, axis, curve)
+            for stage, axes in self._curves.items()
+            for axis, curve in axes.items()
+        ]
+        lengths = [len(curve.frequency) for _, _, curve in every]
+        return _frame(
+            {
+                "stage": np.repeat([stage for stage, _, _ in every], lengths),
+                "axis": np.repeat([axis for _, axis, _ in every], lengths),
+                "frequency_cyc_per_mrad": _joined([curve.frequency for _, _, curve in every]),
+                "mtf": _joined([curve.mtf for _, _, curve in every]),
+                "ptf_rad": _joined([curve.ptf_rad for _, _, curve in every]),
+            }
+        )
+
+    def to_png(self) -> bytes:
+        """Plot the MTFs, as in a report."""
+        users_matplotlib()
+        drawing: bytes = self._drawn()
+        return drawing
+
+    def __repr__(self) -> str:
+        return f"<curves of {', '.join(self) or 'no stage'}>"
+
+    def _repr_html_(self) -> str:
+        return png(self.to_png(), alt="MTF of every stage") if self._curves else text(repr(self))
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+
+def curves_of(evaluation: Evaluation) -> StageCurves:
+    """Curves along both axes."""
+    known = evaluation.responses
+    stages = (*known.stages, *known.beside, *known.products)
+    curves = {
+        stage.name: {"x": _curve(known.xi, stage.x), "y": _curve(known.eta, stage.y)}
+        for stage in stages
+    }
+
+    def drawn() -> bytes:
+        from app.report.drawing.curves import stages_png
+
+        return stages_png(known, evaluation.chain, "mtf")
+
+    return StageCurves(curves, {stage.name: stage.title for stage in stages}, drawn)
+
+
+def curves_along(evaluation: Evaluation, angle_deg: float) -> StageCurves:
+    """Curves along a line; raises the error of a stage that cannot be evaluated."""
+    known = responses_along(evaluation.chain, evaluation.work, angle_deg)
+    if known.failed:
+        raise known.failed[0]
+    stages = (*known.stages, *known.beside, *known.products)
+    curves = {stage.name: {"line": _curve(known.frequency, stage.response)} for stage in stages}
+
+    def drawn() -> bytes:
+        from app.report.drawing.curves import line_png
+
+        return line_png(known, angle_deg)
+
+    return StageCurves(curves, {stage.name: stage.title for stage in stages}, drawn)
+
+
+def _curve(frequency: Vector, response: Response) -> StageCurve:
+    values = (frequency, response.mtf, response.ptf)
+    for array in values:
+        array.flags.writeable = False
+    return StageCurve(*values)
+
+
+def _joined(arrays: list[Vector]) -> Vector:
+    return np.concatenate(arrays) if arrays else np.zeros(0)
+
+
+class StudyTable(Mapping[str, list[Any]]):
+    """Columns by name, as ``rows["electronics.snr"]``: a value for each point, in order.
+
+    The columns are the varied parameters, the figures, ``point``, ``key`` (of what was computed),
+    ``seconds``, ``error`` (empty if nothing is missing) and ``warnings``. `units` has each column's
+    unit.
+    """
+
+    def __init__(self, rows: StudyRows) -> None:
+        self._rows = rows
+        self._columns = {column.name: list(column.values) for column in rows.columns()}
+        self.units: dict[str, str] = {column.name: column.unit for column in rows.columns()}
+
+    @plain_errors
+    def __getitem__(self, name: str) -> list[Any]:
+        if name not in self._columns:
+            known = close(name, self._columns) or f"; it has {', '.join(self._columns)}"
+            raise ParameterError("column", name, f"the study has no such column{known}")
+        return list(self._columns[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    @property
+    def failed(self) -> dict[int, str]:
+        """Errors of the failed points, by number of the point."""
+        return {row.place + 1: row.error for row in self._rows.failed}
+
+    @property
+    def warnings(self) -> dict[int, tuple[str, ...]]:
+        """Warnings of the nodes, by number of the point; only points with warnings."""
+        return {row.place + 1: row.warnings for row in self._rows.rows if row.warnings}
+
+    @plain_errors
+    def to_frame(self) -> DataFrame:
+        """Return a pandas `DataFrame`, with units in the column names.
+
+        Raises
+        ------
+        UsageError
+            If pandas is not installed.
+        """
+        return _frame({column.head: column.typed for column in self._rows.columns()})
+
+    def _texts(self, most: int) -> list[list[str]]:
+        rows = zip(*self._columns.values(), strict=True)
+        return [[_word(cell) for cell in row] for row, _ in zip(rows, range(most), strict=False)]
+
+    def __repr__(self) -> str:
+        heads = [column.head for column in self._rows.columns()]
+        count = len(self._rows.rows)
+        more = f"\nand {count - _SHOWN} more" if count > _SHOWN else ""
+        ends = [f"{shown(str(count))} points", *self._warned()]
+        return columns([heads, *self._texts(_SHOWN)]) + more + "\n" + "\n".join(ends)
+
+    def _warned(self) -> list[str]:
+        return warned_points([row.warnings for row in self._rows.rows])
+
+    def _repr_html_(self) -> str:
+        from app.study.study_drawing import study_png
+
+        heads = [column.head for column in self._rows.columns()]
+        count = "\n".join([f"{len(self._rows.rows)} points", *self._warned()])
+        picture = png(study_png(self._rows), alt="figures of the study")
+        return block(picture, table(heads, self._texts(_SHOWN), caption=count))
+
+
+def _word(value: Any) -> str:
+    if isinstance(value, float):
+        return number_text(value)
+    return "" if value is None else str(value)
+
+
+def _frame(columns: Mapping[str, Any]) -> DataFrame:
+    frame: DataFrame = needed("pandas", "tables as DataFrames").DataFrame(columns)
+    return frame
