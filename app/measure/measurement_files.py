@@ -68,13 +68,7 @@ def measurement_json(measured: PictureMeasurement) -> str:
 
 
 def measurement_csv(measured: PictureMeasurement) -> str:
-    """The pooled MTF as a table that the module MTF File reads: frequency, horizontal, vertical.
-
-    Raises
-    ------
-    DataError
-        There is no MTF in either direction.
-    """
+    """The pooled MTF as a table that the module MTF File reads: frequency, horizontal, vertical."""
     curves = {"mtf_x": measured.x, "mtf_y": measured.y}
     known = {name: curve for name, curve in curves.items() if curve is not None}
     if not known:
@@ -214,15 +208,7 @@ def _flats(flats: FlatCurve | None, reason: str) -> Json:
 
 
 def measurement_text(measured: PictureMeasurement, path: Path) -> str:
-    """What a file of that suffix holds: .json everything, .csv the pooled MTF, .html a page.
-
-    Raises
-    ------
-    UsageError
-        Another suffix.
-    DataError
-        There is no MTF for a .csv.
-    """
+    """What a file of that suffix holds: .json everything, .csv the pooled MTF, .html a page."""
     if JSON.matches(path):
         text = measurement_json(measured)
     elif CSV.matches(path):

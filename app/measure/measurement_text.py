@@ -317,21 +317,9 @@ which all kinds of sight tell apart, on grey too. The lines differ as well: full
 
 
 class Refusal(NamedTuple):
-    """A kind of reason.
-
-    Parameters
-    ----------
-    part : str
-        Of the reasons' texts, which have an edge's figures beside.
-    words : str
-        The reason without figures.
-    helps : str
-        What to photograph, or store, in its place; empty where nothing is wrong.
-    """
-
-    part: str
-    words: str
-    helps: str
+    part: str  # of the reasons' texts, which have an edge's figures beside
+    words: str  # the reason without figures
+    helps: str  # what to photograph, or store, instead; empty where nothing is wrong
 
 
 _ROOM = "larger areas: about 20 clear samples on both sides of the edge"

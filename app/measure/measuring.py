@@ -95,13 +95,6 @@ def measure_files(
     check: Callable[[], None] = lambda: None,
     report: Report = lambda _text: None,
 ) -> PictureMeasurement:
-    """Carry out a plan.
-
-    Raises
-    ------
-    ImagechainError
-        A file cannot be read, or they do not go together.
-    """
     files = [open_picture(path, band=plan.band) for path in plan.pictures]
     same_size(files)
     first = files[0]
@@ -125,13 +118,6 @@ def measure_files(
 
 
 def checked_pitch(pitch_um: float | None, name: str) -> float | None:
-    """A pitch that pixels can have.
-
-    Raises
-    ------
-    ParameterError
-        It is not above 0, or above 10 mm.
-    """
     if pitch_um is not None and not 0.0 < pitch_um <= _WIDEST_UM:
         raise ParameterError(name, pitch_um, f"above 0 to {_WIDEST_UM:g}", unit="µm")
     return pitch_um
@@ -338,8 +324,6 @@ def pooled_noise(
 ) -> tuple[NoiseFigures | None, str]:
     """The noise of the pictures that show it, or the reason why none does.
 
-    Notes
-    -----
     Variances are averaged; gain and read noise are means weighted by their errors.
     """
     known = [(one, one.sigma, one.sigma_error) for one in measured]

@@ -34,24 +34,10 @@ WITH_LOSS = "compressed with loss, which changed its fine detail and noise"
 
 @dataclass(frozen=True, eq=False)
 class MeasuredEdge:
-    """An edge of a picture, used or not.
-
-    Parameters
-    ----------
-    picture : int
-        Number of the picture among those measured, from 0.
-    found : FoundEdge
-        Where it is, and what of the picture belongs to it.
-    curve : EdgeMtf or None
-        MTF along the normal; None where it was not measured.
-    why_not : str
-        Why it is not used; empty where it is.
-    """
-
-    picture: int
-    found: FoundEdge
-    curve: EdgeMtf | None
-    why_not: str
+    picture: int  # its number among those measured, from 0
+    found: FoundEdge  # where it is, and what of the picture belongs to it
+    curve: EdgeMtf | None  # MTF along the normal; None where it was not measured
+    why_not: str  # why it is not used; empty where it is
 
     @property
     def used(self) -> bool:
@@ -99,47 +85,24 @@ class Preview:
 
 @dataclass(frozen=True)
 class NoiseFigures:
-    """Noise of a sample in the flat areas of all pictures.
+    """Noise of a sample in the flat areas of all pictures."""
 
-    Parameters
-    ----------
-    sigma, sigma_error : float
-        Standard deviation in the picture's unit, and the standard error of it.
-    mean_level : float
-        Mean level of the pictures, which `sigma` is for.
-    gain_e_per_dn, gain_error, read_noise_dn, read_noise_error : float or None
-        By how the variance rises with the level, where levels differ enough.
-    offset_dn : float
-        The level without light, which the read noise is for.
-    row_sigma, column_sigma : float or None
-        What whole rows, and columns, have of their own; 0 where none stands out, None where it
-        could not be measured.
-    step : float or None
-        Of the converter; None where the samples show none.
-    lines : tuple of PeriodicLine
-        Sine waves all over the picture, of the first picture that has any.
-    levels : tuple of LevelVariance
-        Variance over the level.
-    reason : str
-        Why what is missing could not be measured.
-    remarks : tuple of str
-        What to know of the figures.
-    """
-
-    sigma: float
-    sigma_error: float
-    mean_level: float
+    sigma: float  # standard deviation in the picture's unit
+    sigma_error: float  # its standard error
+    mean_level: float  # of the pictures, which `sigma` is for
+    # by how the variance rises with the level, where levels differ enough
     gain_e_per_dn: float | None
     gain_error: float | None
     read_noise_dn: float | None
     read_noise_error: float | None
-    offset_dn: float
+    offset_dn: float  # the level without light, which the read noise is for
+    # of whole rows and columns; 0 where none stands out, None where it could not be measured
     row_sigma: float | None
     column_sigma: float | None
-    step: float | None
-    lines: tuple[PeriodicLine, ...]
+    step: float | None  # of the converter; None where the samples show none
+    lines: tuple[PeriodicLine, ...]  # sine waves of the first picture that has any
     levels: tuple[LevelVariance, ...]
-    reason: str
+    reason: str  # why what is missing could not be measured
     remarks: tuple[str, ...]
 
 

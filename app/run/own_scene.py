@@ -89,9 +89,8 @@ class SceneReplaced:
     node: str  # the node that reads the picture
     lines: tuple[str, ...]  # how the picture was taken: samples, field of view, band
     samples: HeldSamples | None = None  # those of an array
-    ends: Pair | None = (
-        None  # what the lowest and highest sample became, where `fitted` scaled them
-    )
+    # what the lowest and highest sample became, where `fitted` scaled them
+    ends: Pair | None = None
 
 
 def scene_nodes(network: Network, library: Library) -> list[str]:
