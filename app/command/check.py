@@ -6,7 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from app.command.results import show
-from app.command.run import FINAL, input_files, open_network, own_files, rules_of, sink_targets
+from app.command.run import FINAL, input_files, opened, own_files, rules_of, sink_targets
 from app.options.command_options import Options
 from app.run.evaluation import planned
 from app.run.output import find_output, how_to_choose
@@ -17,7 +17,6 @@ from core.chain.engine import Engine, Plan
 from core.errors import ImagechainError, InputError
 from core.names import in_line
 from core.network.validation import NetworkProblems
-from nodes.library import standard_library
 
 
 def carry_out(options: Options, _stop: object) -> None:
@@ -25,11 +24,10 @@ def carry_out(options: Options, _stop: object) -> None:
 
     Where there are errors, how many are raised once all are printed.
     """
-    library = standard_library()
     place = find_network(options.network)
     written: list[str] = []
     try:
-        network = open_network(place, options, library)
+        library, place, network = opened(options)
         plan = planned(Engine(library), network, place.folder)
         written, refused = planned_writes(options, place, plan)
         if refused:

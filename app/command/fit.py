@@ -6,26 +6,22 @@ import threading
 from functools import partial
 
 from app.command.results import Progress, show
-from app.command.run import input_files, open_network, policy_of
+from app.command.run import input_files, opened, policy_of
 from app.fit.fit_page import fit_facts, fit_page, fit_text
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
 from app.options.command_options import Options
 from app.run.readout_tables import json_text
-from app.run.shipped import find_network
 from app.run.staging import Staging
 from app.tradeoff.tradeoff_results import with_value
 from core.atomic import write_text
 from core.chain.engine import Engine
 from core.editing.document import rebased
 from core.network.file import format_network
-from nodes.library import standard_library
 
 
 def carry_out(options: Options, stop: threading.Event) -> None:
-    library = standard_library()
-    place = find_network(options.network)
-    network = open_network(place, options, library)
+    library, place, network = opened(options)
     free = free_parameters(options.free, network, library)
     engine = Engine(library)
     plan = engine.plan(network, folder=place.folder)

@@ -79,30 +79,21 @@ WARNINGS = "imagechain.warnings"  # in the read-outs; no node's name has a dot
 
 
 def carry_out(options: Options, stop: threading.Event) -> None:
-    library = standard_library()
-    place = find_network(options.network)
-    network = open_network(place, options, library)
+    library, place, network = opened(options)
     left_out: tuple[str, ...] = ()
     while True:
         try:
             return _run(network, place, options, stop, left_out)
         except ImagechainError as error:
-            smaller = _without_judges(network, error, options, library)
+            from app.run.own_scene import without_judges
+
+            spare, only = [save.node for save in options.saves], not options.scenes
+            smaller = without_judges(network, error, library, spare, figures_only=only)
             if smaller is None:
                 raise
             network, more = smaller
             say(options, *map(in_line, more))
             left_out += more
-
-
-def _without_judges(
-    network: Network, error: ImagechainError, options: Options, library: Library
-) -> tuple[Network, tuple[str, ...]] | None:
-    """The network without the judges that cannot judge its picture; None for any other error."""
-    from app.run.own_scene import without_judges
-
-    spare = [save.node for save in options.saves]
-    return without_judges(network, error, library, spare, figures_only=not options.scenes)
 
 
 def _run(
@@ -245,10 +236,11 @@ class Stage:
         return evaluation, skipped
 
 
-def open_network(place: Place, options: Options, library: Library) -> Network:
+def opened(options: Options) -> tuple[Library, Place, Network]:
     """The network with its macros written out and the command line's changes, valid."""
+    library, place = standard_library(), find_network(options.network)
     network = read_network(place.path, library=library)
-    return with_options(network, place, options, library)
+    return library, place, with_options(network, place, options, library)
 
 
 def with_options(network: Network, place: Place, options: Options, library: Library) -> Network:

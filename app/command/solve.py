@@ -8,12 +8,11 @@ from dataclasses import asdict
 from typing import Any
 
 from app.command.results import Progress, show
-from app.command.run import open_network, policy_of
+from app.command.run import opened, policy_of
 from app.options.command_options import Options
 from app.options.option_values import Assignment, assignment
 from app.options.overrides import listed, named_parameter
 from app.run.readout_tables import warning_lines
-from app.run.shipped import find_network
 from app.tradeoff.solve_readout import Sample, Solution, search_range, solve
 from app.tradeoff.tradeoff_figures import Figure, computed, figures_of
 from app.tradeoff.tradeoff_results import shown_value, with_value
@@ -23,7 +22,6 @@ from core.modules.declaration import Library
 from core.modules.parameters import Parameter
 from core.names import close, in_line, shown
 from core.network.network import Network
-from nodes.library import standard_library
 
 FOR, UNTIL = "--for", "--until"
 _FOR_FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"
@@ -32,9 +30,7 @@ _UNTIL_FORM = "NODE.READOUT=VALUE"
 
 def carry_out(options: Options, stop: threading.Event) -> None:
     """Print the value that does it; a `DataError` where none does, with what the ends give."""
-    library = standard_library()
-    place = find_network(options.network)
-    network = open_network(place, options, library)
+    library, place, network = opened(options)
     sought, parameter = _sought(options.solve_for, network, library)
     figure, wanted = _wanted(options.until, network, library)
     engine = Engine(library)

@@ -9,18 +9,16 @@ from pathlib import Path
 from typing import Any
 
 from app.command.results import Progress, say, show
-from app.command.run import open_network, policy_of
+from app.command.run import opened, policy_of
 from app.options.command_options import Options
 from app.options.option_values import assignment
 from app.run.readout_tables import warned_points
-from app.run.shipped import find_network
 from app.study.carrying_out import TLS, Workers
 from app.study.carrying_out import carry_out as carry_out_study
 from app.study.study_request import Study, StudyRows, make_study
 from app.tradeoff.values import FORM, OPTION
 from core.errors import DataError, UsageError
 from core.names import in_line, shown
-from nodes.library import standard_library
 
 _MOST_JOBS = 1024
 _OF_PLUG_IN = re.compile(r"\ba fault of the (module \S+ in the )?plug-in ")
@@ -29,9 +27,7 @@ _OF_PLUG_IN = re.compile(r"\ba fault of the (module \S+ in the )?plug-in ")
 def carry_out(options: Options, stop: threading.Event) -> None:
     """Make the rows and write them; a `DataError` when all is done, but points have failed."""
     begun = time.perf_counter()
-    library = standard_library()
-    place = find_network(options.network)
-    network = open_network(place, options, library)
+    library, place, network = opened(options)
     workers = Workers(_jobs(options), options.scheduler, _tls(options), options.memory_bytes)
     workers.check()
     settings = [assignment(OPTION, text, FORM) for text in options.vary]

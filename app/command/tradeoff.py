@@ -9,10 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from app.command.results import Progress, show, written
-from app.command.run import input_files, open_network, policy_of
+from app.command.run import input_files, opened, policy_of
 from app.options.command_options import Options
 from app.run.readout_tables import json_text, warned_points
-from app.run.shipped import find_network
 from app.tradeoff.tradeoff_drawing import (
     csv_text,
     failures,
@@ -31,7 +30,6 @@ from core.names import in_line, printable
 from core.network.network import Network
 from nodes.files.common.file_format import CSV, JSON
 from nodes.files.formats import PNG
-from nodes.library import standard_library
 
 _MOST_VARIED = 2
 
@@ -41,9 +39,7 @@ def carry_out(options: Options, stop: threading.Event) -> None:
 
     A value at which the network fails is no fault, unless all do.
     """
-    library = standard_library()
-    place = find_network(options.network)
-    network = open_network(place, options, library)
+    library, place, network = opened(options)
     varied, second = _variations(options.vary, network, library)
     figures = chosen_figures(options.figures, network, library)
     engine = Engine(library)

@@ -451,10 +451,6 @@ def _json(parser: Parser, about: str, read: Read | None = None) -> None:
          read or ending_in(JSON), nargs="?")  # fmt: skip
 
 
-def _no_words(_parser: Parser) -> None:
-    pass
-
-
 COMMANDS: dict[str, tuple[str, Callable[[Parser], None]]] = {
     "edit": ("open the editor", _edit_words),
     "run": ("compute a network's picture and figures", _run_words),
@@ -467,7 +463,7 @@ COMMANDS: dict[str, tuple[str, Callable[[Parser], None]]] = {
     "photon-transfer": ("measure gain, read noise and full well from frames of flat fields",
                         _photon_transfer_words),
     "netd": ("measure SiTF, NETD and 3-D noise from frames of black bodies", _netd_words),
-    "networks": ("list the example networks", _no_words),
+    "networks": ("list the example networks", lambda _parser: None),
     "modules": ("list the modules", _modules_words),
     "presets": ("list the built-in cameras, lenses, detectors and light", _presets_words),
     "bench": ("measure run time against error", _bench_words),

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from app.report.report_facts import report_facts
 from app.run.evaluation import Evaluation
-from app.run.readout_tables import jsonable
+from app.run.readout_tables import json_text
 from core.atomic import write_text
 from core.chain.skipped import Skip
 from core.names import printable
@@ -21,9 +20,9 @@ def write_report(evaluation: Evaluation, skipped: tuple[Skip, ...], path: Path) 
     """
     facts = report_facts(evaluation, skipped)
     if JSON.matches(path):
-        text = json.dumps(jsonable(facts), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        text = json_text(facts, indent=1)
     else:
         from app.report.report_page import page
 
-        text = page(evaluation, facts)
-    write_text(path, printable(text))
+        text = printable(page(evaluation, facts))
+    write_text(path, text)

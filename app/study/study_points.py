@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from app.options.option_values import Assignment, assignment
+from app.options.option_values import assignment
 from app.options.overrides import behind, from_here, named_parameter, readings
 from app.tradeoff.tradeoff_figures import nodes_after
-from app.tradeoff.values import FORM, OPTION, Variation, is_number, variation
+from app.tradeoff.values import FORM, OPTION, Variation, is_number, one_value, variation
 from core.errors import FileError, ParameterError, UsageError
 from core.modules.declaration import Library
 from core.modules.parameters import Parameter, plain
@@ -84,12 +84,8 @@ def latin_points(
 ) -> tuple[tuple[Axis, ...], list[Point]]:
     """A Latin hypercube: of `count` equal parts of each range, every part is taken once.
 
-    Within its part a value is drawn uniformly (McKay, Beckman and Conover 1979).
-
-    Returns
-    -------
-    axes, points
-        The axes with the values that have been drawn, and the points.
+    Within its part a value is drawn uniformly (McKay, Beckman and Conover 1979). The axes come back
+    with the values that have been drawn.
     """
     _check_number(count)
     random = np.random.Generator(np.random.Philox(seed))
@@ -294,7 +290,7 @@ def values_axis(
 
 def target(option: str, label: str, network: Network, *, library: Library) -> tuple[str, Parameter]:
     inner = behind(assignment(option, f"{label}=", "NODE.PARAM"), network)
-    return inner.node, _named(option, inner, network, library)
+    return inner.node, one_value(option, inner, network, library)
 
 
 def files_axis(text: str, network: Network, *, library: Library) -> Axis:
@@ -304,7 +300,7 @@ def files_axis(text: str, network: Network, *, library: Library) -> Axis:
     """
     setting = assignment(OVER, text, _OVER_FORM)
     inner = behind(setting, network)
-    parameter = _named(OVER, inner, network, library)
+    parameter = one_value(OVER, inner, network, library)
     if parameter.kind != "path":
         raise UsageError(f"{OVER} {setting.port}: it takes {parameter.allowed()}, not a file name")
     matching = glob.glob(setting.text, recursive=True)  # noqa: PTH207, as Path's needs a folder
@@ -349,13 +345,6 @@ def of_files(axis: Axis) -> Axis:
         for file in files
     }
     return replace(axis, names=names)
-
-
-def _named(option: str, setting: Assignment, network: Network, library: Library) -> Parameter:
-    parameter = named_parameter(option, setting, network, library=library)
-    if parameter is None or parameter.kind == "numbers":
-        raise UsageError(f"{option} {setting.port}: a list of numbers cannot be varied")
-    return parameter
 
 
 def _plain_value(parameter: Parameter, value: Any, node: str) -> Any:

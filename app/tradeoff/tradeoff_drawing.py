@@ -152,17 +152,16 @@ def page(results: Results) -> str:
 
 
 def _values(results: Results) -> Block:
-    axes = [results.varied, *([results.second] if results.second else [])]
-    heads = [f"{axis.text} ({axis.unit})" if axis.unit else axis.text for axis in axes]
-    heads += [
-        f"{figure.text} ({figure.unit})" if figure.unit else figure.text
-        for figure in results.figures
-    ]
+    heads = [_with_unit(shown.text, shown.unit) for shown in _shown(results)]
     rows = []
     for curve, point in results.rows():
         cells = [shown_value(point.value), *([shown_value(curve.second)] if results.second else [])]
         rows.append([*cells, *(number(point.figures.get(f.text), f.unit) for f in results.figures)])
     return Grid(heads, rows, numbers=range(len(heads)))
+
+
+def _shown(results: Results) -> list[Variation | Figure]:
+    return [*results.axes, *results.figures]
 
 
 def _listed(title: str, lines: list[tuple[str, str]]) -> list[Block]:
@@ -177,8 +176,7 @@ _MOST_REASONS = 12
 
 def table(results: Results, width: int | None = None) -> str:
     """Heads of node, name and unit above the values; broken into blocks no wider than `width`."""
-    axes = [results.varied, *([results.second] if results.second else [])]
-    axis_columns = [_axis_column(axis, results, number) for number, axis in enumerate(axes)]
+    axis_columns = [_axis_column(axis, results, place) for place, axis in enumerate(results.axes)]
     others = [
         [
             *(figure.node, figure.name, figure.unit),
@@ -209,14 +207,8 @@ def csv_text(results: Results) -> str:
 
     Behind it the warnings.
     """
-    heads = [
-        results.varied.text,
-        *([results.second.text] if results.second else []),
-        *(figure.text for figure in results.figures),
-        "failed",
-        "warnings",
-    ]
-    lines: list[list[Any]] = [heads]
+    names = [shown.text for shown in _shown(results)]
+    lines: list[list[Any]] = [[*names, "failed", "warnings"]]
     for curve, point in results.rows():
         values = [point.value, *([curve.second] if results.second else [])]
         values += [point.figures.get(figure.text) for figure in results.figures]
@@ -232,7 +224,10 @@ def trade_off_facts(results: Results) -> dict[str, Any]:
     figures = [figure.text for figure in results.figures]
     return {
         "network": results.network,
-        "vary": [_variation(axis) for axis in (results.varied, results.second) if axis is not None],
+        "vary": [
+            {"parameter": axis.text, "unit": axis.unit, "values": axis.values}
+            for axis in results.axes
+        ],
         "present": results.present,
         "figures": [
             {"name": figure.text, "unit": figure.unit, "meaning": figure.meaning}
@@ -254,10 +249,6 @@ def trade_off_facts(results: Results) -> dict[str, Any]:
             for curve in results.curves
         ],
     }
-
-
-def _variation(varied: Variation) -> dict[str, Any]:
-    return {"parameter": varied.text, "unit": varied.unit, "values": varied.values}
 
 
 def _axis_column(axis: Variation, results: Results, number: int) -> list[str]:

@@ -75,6 +75,10 @@ class Results:
     curves: tuple[Curve, ...]  # one, or one for each value of the second parameter
     present: Any = None  # the value in the network as it stands
 
+    @property
+    def axes(self) -> tuple[Variation, ...]:
+        return (self.varied,) if self.second is None else (self.varied, self.second)
+
     def why_nothing(self) -> str | None:
         """Why no point has a figure that is shown, as far as known; None where one has."""
         if any(f.text in point.figures for f in self.figures for _, point in self.rows()):

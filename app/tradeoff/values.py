@@ -70,9 +70,7 @@ def variation(text: str, network: Network, *, library: Library, most: int = MOST
     Numbers out of the parameter's range are left for the evaluation to refuse, one by one.
     """
     setting = behind(assignment(OPTION, text, FORM), network)
-    parameter = named_parameter(OPTION, setting, network, library=library)
-    if parameter is None or parameter.kind == "numbers":
-        raise UsageError(f"{OPTION} {setting.port}: a list of numbers cannot be varied")
+    parameter = one_value(OPTION, setting, network, library)
     numeric = parameter.kind in ("number", "integer")
     if numeric and ":" in setting.text:
         return _range(setting, parameter, most)
@@ -83,6 +81,14 @@ def variation(text: str, network: Network, *, library: Library, most: int = MOST
         )
     values = tuple(dict.fromkeys(_value(part.strip(), parameter, setting) for part in parts))
     return Variation(setting.node, parameter, values)
+
+
+def one_value(option: str, setting: Assignment, network: Network, library: Library) -> Parameter:
+    """The parameter that is named, which takes one value and no list of numbers."""
+    parameter = named_parameter(option, setting, network, library=library)
+    if parameter is None or parameter.kind == "numbers":
+        raise UsageError(f"{option} {setting.port}: a list of numbers cannot be varied")
+    return parameter
 
 
 def _range(setting: Assignment, parameter: Parameter, most: int) -> Variation:
