@@ -63,7 +63,6 @@ class _Unpickler(pickle.Unpickler):
 
 
 def _stamp() -> tuple[Any, ...]:
-    """Changes with every file that declarations are derived from, and with Python."""
     files = [entry for room in (core, nodes) for entry in _python_files(room.__path__[0])]
     return (sys.version, sorted(files))
 

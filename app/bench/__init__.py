@@ -34,7 +34,6 @@ def measured(
     *,
     say: Callable[[str], object] = print,
 ) -> tuple[dict[str, Any], Measured]:
-    """Facts of the JSON file, and the tables of each part; said as soon as they are there."""
     start = time.perf_counter()
     machine = machine_facts()
     facts: dict[str, Any] = {

@@ -81,7 +81,6 @@ class Chain:
         return self.store.keys()
 
     def cold(self, network: Network, port: str, readouts: tuple[str, ...] = ()) -> float:
-        """Seconds from an empty store to the value of a port, and the read-outs of nodes."""
         self.store.clear()
         start = time.perf_counter()
         plan = self.engine.plan(network)

@@ -336,7 +336,6 @@ def peer_cameras(_settings: Settings) -> list[Table]:
 
 
 def of_ours(camera: Camera) -> dict[str, float]:
-    """Electrons of the brighter scene, their noise, and the contrast SNR."""
     low, high = camera.band_um
     band = {"cut_on_um": low, "cut_off_um": high, "fov_x_deg": 1.0, "fov_y_deg": 1.0}
     sensor = {

@@ -100,8 +100,6 @@ def _of_picture(
 
 @dataclass(frozen=True)
 class Otf:
-    """The OTF that a network's pupil has, on the frequencies its picture needs."""
-
     kodak: Kodak
     network: Network
 

@@ -236,7 +236,6 @@ def whole_chain(scene: Array, lines: int, samples: int, seed: int) -> Array:
 
 
 def plain_optics(scene: Array) -> Array:
-    """Optics, detector and charge transfer, and 2 × 2 pixels combined."""
     rows, columns = scene.shape
     interval_x, interval_y = (np.radians(25.0) * 1000.0 / count for count in (columns, rows))
     xi, eta = np.meshgrid(np.fft.fftfreq(columns, interval_x), np.fft.fftfreq(rows, interval_y))

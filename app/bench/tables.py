@@ -92,7 +92,6 @@ def figure_text(value: Any) -> str:
 
 
 def verdict(value: float, reach: float | None, aim: float | None = None) -> str:
-    """Whether a figure meets its targets, and by what factor it misses them."""
     if reach is None:
         return ""
     if value > reach:

@@ -197,7 +197,6 @@ class _Running:
     def _trade_off(
         self, network: Network, engine: Engine, staging: Staging, weight: float
     ) -> Path | None:
-        """Write the figures of a sweep as page and table; gives the page."""
         job = self.job
         if job.kind != "sweep":
             return None
@@ -269,7 +268,6 @@ class _Running:
 
 
 def _writing_to(network: Network, library: Library, folder: Path) -> Network:
-    """The network with its nodes' files in a folder, under their own names."""
     for node in network.nodes.values():
         path = node.params.get("path")
         sink = node.module in library and declaration(library[node.module]).sink

@@ -487,7 +487,6 @@ def _is_on_disk(value: Any, work: TimedWork) -> bool:
 
 
 def sink_files(evaluation: Evaluation) -> list[tuple[str, Path, Callable[[Path], None]]]:
-    """Files that nodes write, their pictures computed: node, file, and what writes it."""
     files: list[tuple[str, Path, Callable[[Path], None]]] = []
     for name, node in evaluation.plan.nodes.items():
         if not node.declaration.sink or node.node.disabled:

@@ -69,8 +69,6 @@ class ChainFit:
 
 
 class EdgeProblem:
-    """The residuals of a network's edges as functions of its free parameters."""
-
     def __init__(
         self,
         chain: ChainAt,
@@ -462,7 +460,6 @@ def student_factor(edges: float) -> float:
 
 
 def _count(shares: Matrix, axis: Vector) -> float:
-    """Of how many edges a direction is known."""
     taken = np.einsum("i,eij,j->e", axis, shares, axis)
     total = float(taken.sum())
     return total**2 / float(taken @ taken) if total > 0.0 and math.isfinite(total) else 0.0

@@ -44,8 +44,6 @@ _IN_PERIOD = 0.45  # of a spread's period, to which its table is used
 
 @dataclass(frozen=True)
 class SpreadTable:
-    """The spreads of edges at equal distances, one in each row, and their slopes."""
-
     period: int  # samples from the first distance, −period/2, to where the table begins anew
     # ESF, from 0 to 1, and its derivative; shape (edges, distances)
     spread: NDArray[np.float64]
@@ -242,7 +240,6 @@ class EdgeFits:
 
     @property
     def degrees(self) -> int:
-        """Samples less what is fitted to each edge."""
         return sum(
             len(patch.value) - _OWN - _LINEAR - (_SHADED if patch.shaded else 0)
             for patch in self.patches

@@ -40,8 +40,6 @@ def uniform_field(work: Work, *, value: float, rows: int, columns: int) -> NDArr
 
 
 class NoiseLevels:
-    """The noise that a network predicts for pictures of given levels."""
-
     def __init__(self, engine: Engine, plan: Plan, work: Work) -> None:
         self._engine, self._work = engine, work
         sources = find_chain(plan).sources

@@ -157,7 +157,6 @@ def apart(solutions: Sequence[Vector]) -> list[Vector]:
 
 
 def middle_of(parameter: FreeParameter) -> float:
-    """A value well inside the range."""
     now = parameter.present
     if now is not None and now != 0.0 and parameter.low < now < parameter.high:
         return now

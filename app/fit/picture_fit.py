@@ -212,7 +212,6 @@ def fit_known_scene(
 def _of_chain(
     engine: Engine, plan: Plan, free: Sequence[FreeParameter], result: FitResult
 ) -> list[str]:
-    """What the nodes of the fitted network warn of."""
     network = plan.network
     for parameter, one in zip(free, result.parameters, strict=True):
         if one.used is not None:
@@ -242,7 +241,6 @@ def _why_clipped(pictures: FittedPictures) -> str:
 def _noise(
     engine: Engine, plan: Plan, work: Work, pictures: FittedPictures
 ) -> tuple[NoiseProblem | None, str]:
-    """What the pictures show of noise, or why it does not count."""
     try:
         levels = NoiseLevels(engine, plan, work)
         measured: list[LevelVariance] = []

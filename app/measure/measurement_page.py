@@ -354,7 +354,6 @@ def _mtf_panel(
 
 
 def _second_scale(axis: Any, interval_mrad: float | None) -> None:
-    """Cycles/mrad above the panel, where the field of view is known."""
     if interval_mrad is None:
         return
     scale = axis.secondary_xaxis(

@@ -267,7 +267,6 @@ def remarks(measured: PictureMeasurement) -> list[str]:
 
 
 def _tail_lines(measured: PictureMeasurement) -> list[str]:
-    """What the edges' sides show of light far from where it belongs, picture by picture."""
     tails = {
         edge.picture: edge.curve.tail
         for edge in measured.edges
@@ -294,7 +293,6 @@ def _tail_lines(measured: PictureMeasurement) -> list[str]:
 
 
 def refused_lines(measured: PictureMeasurement) -> list[str]:
-    """How many edges are not used, by reason, the most frequent first; what helps if none is."""
     kinds = counted(edge.why_not for edge in measured.edges if not edge.used)
     most = sorted(kinds.items(), key=lambda item: -item[1])[:_MOST_REASONS]
     lines = [f"{count} not used: {kind.words}" for kind, count in most]

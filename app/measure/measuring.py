@@ -201,7 +201,6 @@ def refuse_small(name: str, rows: int, columns: int) -> None:
 
 
 def _refuse_dark(picture: Matrix, name: str, offset: float) -> None:
-    """Refuse a level without light that a picture is not above."""
     mean = float(picture.mean())
     if not offset < mean:
         raise DataError(

@@ -37,8 +37,6 @@ _PERHAPS_ENCODED = ("tiff",)
 
 @dataclass(frozen=True)
 class PictureFile:
-    """A file of one picture or several frames, and what of it is measured."""
-
     path: Path  # as it was given
     # size of a frame, and how many there are
     rows: int

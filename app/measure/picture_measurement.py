@@ -41,7 +41,6 @@ class MeasuredEdge:
 
     @property
     def used(self) -> bool:
-        """Whether it counts in the pooled MTF."""
         return not self.why_not
 
     @property
@@ -162,7 +161,6 @@ class PictureMeasurement:
         return sum(file.frames for file in self.files)
 
     def interval_mrad(self, direction: str) -> float | None:
-        """Angle between samples in that direction, ``x`` or ``y``."""
         return self.interval_x_mrad if direction == "x" else self.interval_y_mrad
 
     def picture_name(self, number: int) -> str:

@@ -52,7 +52,6 @@ class Word(argparse.Action):
         values: str | Sequence[Any] | None,
         option_string: str | None = None,
     ) -> None:
-        """Note the text, or refuse a second one."""
         given: dict[Word, Any] = vars(namespace).setdefault("given", {})
         if self.many:
             given.setdefault(self, []).extend(values if isinstance(values, list) else [values])

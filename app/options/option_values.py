@@ -54,7 +54,6 @@ class Assignment:
 
 
 def assignment(option: str, text: str, form: str) -> Assignment:
-    """The parts of ``NODE.NAME=TEXT``."""
     left, equals, right = text.partition("=")
     node, dot, name = left.rpartition(".")
     if not (equals and dot and node and name):

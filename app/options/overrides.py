@@ -159,5 +159,4 @@ def _read(text: str) -> Any:
 
 
 def listed(names: Iterable[str]) -> str:
-    """All there are, to end an error with."""
     return f"; it has {', '.join(names) or 'none'}"

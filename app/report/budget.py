@@ -164,7 +164,6 @@ def budget(facts: Fact) -> list[Block]:
 
 
 def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
-    """A bar for each noise, and two for each stage's blur: across and along."""
     sources, stages = noise["sources"] if noise else [], blur["stages"] if blur else []
     sources = [sources[at] for at in strongest([source["share"] for source in sources])]
     sizes = [max(abs(stage["share_x"]), abs(stage["share_y"])) for stage in stages]
@@ -272,7 +271,6 @@ def _noise(noise: Fact) -> list[Block]:
 
 
 def _beside(noise: Fact) -> str:
-    """The prediction of all noise, and what this picture has of it."""
     all_noise = f"All noise: σ = {number(noise['summed'])} predicted"
     if noise["together"] is None:
         reason = noise["together_reason"]

@@ -317,7 +317,6 @@ def _content(plan: Plan) -> Any:
 
 
 def conflicts(network: Network) -> list[str]:
-    """Where the source contradicts itself."""
     texts = network.extra.get("conflicts", ())
     if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
         raise NetworkError("conflicts must be a list of strings")

@@ -151,7 +151,6 @@ class _Chain:
 
 @source_step(area_means=True)
 def edge_drawn(work: Work, scene: Array, *, width: int, height: int, angle_deg: float) -> Array:
-    """An edge through the middle, from the scene's lowest to its highest value."""
     low, high = float(scene.min()), float(scene.max())
     if low == high:
         high = low + (0.1 * abs(low) or 1.0)

@@ -24,8 +24,6 @@ class Heading:
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph; `kind` is a class of the style sheet."""
-
     text: str
     kind: str = ""
 

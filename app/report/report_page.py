@@ -114,7 +114,6 @@ def _warnings(facts: dict[str, Any]) -> list[Block]:
 
 
 def _first_look(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
-    """The main figures as a card, with the chain's pictures beside it."""
     figures = [Figure(**figure) for figure in facts["figures"]]
     rows = [(name, f"{value} {unit}") for name, value, unit, _ in figure_rows(figures, number)]
     card = [Grid(("figure", "value"), rows, numbers=(1,), kind="card")] if rows else []
@@ -193,7 +192,6 @@ def _not_shown(ports: Sequence[str]) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
-    """Names in a row; of very many how many more there are."""
     more = len(names) - _MOST_NAMES
     return ", ".join(names[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 

@@ -109,7 +109,6 @@ def spectrum(facts: Fact) -> list[Block]:
 
 
 def spectra_png(spectra: list[Fact], responses: list[Fact]) -> bytes:
-    """Mean spectra against the left axis, responses against the right one."""
     with figure(9.0, 3.9) as (drawn, out):
         axis = drawn.subplots()
         colours = cycle(COLOURS)

@@ -146,7 +146,6 @@ def sensor_node(plan: Plan, preferred: str | None = None) -> str | None:
 def _of_node(
     evaluation: Evaluation, name: str, wanted: Iterable[tuple[tuple[str, ...], str]]
 ) -> list[Figure]:
-    """Read-outs of a node that have a value."""
     planned, found = evaluation.plan.nodes[name], evaluation.readouts.get(name, {})
     units = {readout.name: planned.unit(readout) for readout in planned.declaration.readouts}
     return [

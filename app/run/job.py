@@ -110,8 +110,6 @@ class Step:
 
 @dataclass(frozen=True)
 class Preview:
-    """A small picture of what a run has made, as PNG; `name` is that of its folder."""
-
     name: str
     png: bytes
 

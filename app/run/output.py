@@ -106,7 +106,6 @@ def ancestors(network: Network, *nodes: str) -> set[str]:
 
 
 def source_images(plan: Plan) -> list[str]:
-    """Ports of pictures that hang on nothing: files and test scenes."""
     return [port for port in _image_ports(plan) if not plan.nodes[_node(port)].inputs]
 
 

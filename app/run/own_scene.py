@@ -293,7 +293,6 @@ class _Replacing:
         return {**scaled, "unit": before.unit}
 
     def _levels(self) -> tuple[float, float, str]:
-        """The samples that become the ends of the range, and what they are called."""
         info = self._info
         array = self._own.picture
         dtype = array.dtype if isinstance(array, np.ndarray) else np.dtype(info.dtype)

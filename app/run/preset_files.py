@@ -53,7 +53,6 @@ class Preset:
 
     @property
     def modules(self) -> tuple[str, ...]:
-        """Keys of its module, or of those in the macro."""
         nodes = () if self.body is None else self.body.nodes.values()
         return tuple(dict.fromkeys(node.module for node in nodes))
 
@@ -102,7 +101,6 @@ def placed(
 
 
 def save_preset(network: Network, name: str, folder: Path, library: Library) -> Path:
-    """Write a macro of a network to a file of a folder; it has the macro's name."""
     node = network.node(name)
     if node.macro is None:
         raise NetworkError(f"{shown(name)} is not a macro: group nodes to make one (Ctrl+G)")

@@ -100,7 +100,6 @@ def json_text(value: Any, indent: int = 2) -> str:
 
 
 def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:
-    """Node, read-out, value and unit of all that have a value."""
     rows = []
     for node, values in evaluation.readouts.items():
         planned = evaluation.plan.nodes[node]

@@ -34,8 +34,6 @@ class Response:
 
 @dataclass(frozen=True)
 class StageResponse:
-    """One stage, or a product of stages, along both axes."""
-
     name: str
     title: str
     x: Response
@@ -116,8 +114,6 @@ def response(work: Work, factors: Iterable[Factor], frequency: Vector, axis: Axi
 
 @dataclass(frozen=True)
 class LineStageResponse:
-    """One stage, or a product of stages, along a line through zero frequency."""
-
     name: str
     title: str
     response: Response
@@ -203,7 +199,6 @@ def _product(
 
 
 def at_nyquist(chain: Chain, work: Work) -> dict[str, float]:
-    """MTF and PTF of every stage and of their product at the Nyquist frequencies, by name."""
     grid = chain.grid
     if grid is None:
         return {}

@@ -97,7 +97,6 @@ def is_cube(value: Any, path: Path) -> bool:
 
 
 def cube_of(image: Image, policy: Policy, region: Region | None = None) -> Cube:
-    """The bands of an image as they are written."""
     shape = region.shape if region else image.shape
     return Cube(image, policy.dtype, metadata_of(image, shape), region)
 

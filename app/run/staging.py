@@ -119,7 +119,6 @@ class Staging:
         self._staged.append(_Staged(file, real, target))
 
     def protect(self, path: Path) -> None:
-        """No output may replace this file either."""
         self._inputs.add(real_target(path))
 
     def drop(self, folder: Path) -> None:
@@ -224,7 +223,6 @@ def check_folder(folder: Path) -> None:
 
 
 def real_target(target: Path) -> Path:
-    """Where a file or folder really is, links followed."""
     try:
         return Path(os.path.realpath(target))
     except OSError as error:

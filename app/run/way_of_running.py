@@ -89,7 +89,6 @@ def way_of_running(plan: Plan, policy: Policy, memory_bytes: int | None) -> WayO
 
 
 def way_in_words(facts: dict[str, Any]) -> str:
-    """Which way was taken and why, in a line."""
     largest = f"{facts['largest_rows']} × {facts['largest_columns']} samples"
     needed, allowed = amount_text(facts["in_memory_bytes"]), amount_text(facts["memory_bytes"])
     if facts["way"] == "in memory":
@@ -169,7 +168,6 @@ def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> N
 
 
 def _read(engine: Engine, plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recipe]:
-    """All that the run is going to read."""
     return [
         *read_by_evaluation(engine, plan),
         *needed_later(plan, ports, report=report, in_blocks=True),

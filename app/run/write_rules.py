@@ -85,7 +85,6 @@ def write_record(record: WriteRecord) -> None:
 
 
 def remember_chosen(network: Path, files: Iterable[Path]) -> None:
-    """Add files that the user has chosen to a network's record."""
     with changing(network):
         known = read_record(network)
         chosen = known.chosen | frozenset(Path(os.path.realpath(file)) for file in files)
@@ -248,7 +247,6 @@ def write_rules(
 
 
 def _twice(sinks: Mapping[str, Path], own: Iterable[Path]) -> Iterator[FileError]:
-    """Files of nodes that are to go where another one goes."""
     taken = {os.path.realpath(target) for target in own}
     for node, target in sinks.items():
         real = os.path.realpath(target)

@@ -268,7 +268,6 @@ class _Run:
 
 
 def _lost(study: Study, row: Row) -> bool:
-    """Whether a file that the point has saved is there no more."""
     files = study.files[row.place] if study.files and not row.error else ()
     return not all(Path(file).exists() for file in files)
 

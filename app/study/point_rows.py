@@ -45,8 +45,6 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True)
 class Setting:
-    """All that a worker needs to know of a study, but for the points."""
-
     network: Network  # macros written out
     folder: Path  # what file names in it are relative to
     targets: tuple[tuple[str, str], ...]  # what is varied

@@ -340,7 +340,6 @@ def write_summary(result: StudyRows, path: Path) -> None:
 
 
 def summary_page(result: StudyRows) -> str:
-    """The picture, what varied, each figure's spread with its ends' points, and what failed."""
     study = result.study
     caption = (
         f"Figures of {len(result.rows)} points; a cross, or white on a map, marks a point "

@@ -85,7 +85,6 @@ class Journal:
             self.rows.pop(place, None)
 
     def remove(self) -> None:
-        """The output is written: the journal is of no more use."""
         with contextlib.suppress(OSError):
             self.path.unlink(missing_ok=True)
 

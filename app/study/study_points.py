@@ -211,7 +211,6 @@ class Axis:
 
     @property
     def unit(self) -> str:
-        """Unit of the values, empty for a pure number or a name."""
         return self.parameter.param.unit
 
     @property
@@ -220,7 +219,6 @@ class Axis:
 
     @property
     def is_numeric(self) -> bool:
-        """Whether all values lie on one line."""
         return not self.is_files and all(is_number(value) for value in self.values)
 
     def shown(self, value: Any) -> Any:
@@ -240,7 +238,6 @@ class Axis:
 
 
 def grid_axis(text: str, network: Network, *, library: Library) -> Axis:
-    """The axis of ``--vary NODE.PARAM=FROM:TO:COUNT`` or of a list; every value is allowed."""
     varied = variation(text, network, library=library, most=MOST_VALUES)
     return _axis(assignment(OPTION, text, FORM).port, varied)
 
@@ -335,7 +332,6 @@ def _axis(label: str, varied: Variation) -> Axis:
 
 
 def of_files(axis: Axis) -> Axis:
-    """The axis with its values' names as they were typed, where they are files."""
     if axis.parameter.kind != "path":
         return axis
     here = Path().absolute()

@@ -75,7 +75,6 @@ class SavePattern:
 
 
 def save_pattern(save: Save, axes: Sequence[Axis]) -> SavePattern:
-    """Read the fields of a pattern."""
     known = field_names(axes)
     parts = []
     try:
@@ -94,7 +93,6 @@ def save_pattern(save: Save, axes: Sequence[Axis]) -> SavePattern:
 
 
 def field_names(axes: Sequence[Axis]) -> list[str]:
-    """What a pattern may name: the point's number, what is varied, and the picture."""
     files = [axis for axis in axes if axis.is_files]
     names = [
         POINT,
@@ -128,7 +126,6 @@ def file_names(
 
 
 def folders(names: Iterable[tuple[str, ...]]) -> list[Path]:
-    """The folders that the files are in, each once."""
     return list(dict.fromkeys(Path(name).parent for row in names for name in row))
 
 
@@ -217,7 +214,6 @@ class Study:
         )
 
     def check_places(self, outputs: Sequence[Path], read: Sequence[Path] = ()) -> None:
-        """Refuse files that cannot be written, or would take the place of another."""
         inputs = [*read, *self.inputs]
         with Staging(None, inputs) as staging:
             for path in outputs:

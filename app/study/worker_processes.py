@@ -120,7 +120,6 @@ class _Process:
             self._hang_up()
 
     def end(self) -> int | None:
-        """See to it that it has ended; gives its exit code."""
         process = self._process
         if process is None:
             return None

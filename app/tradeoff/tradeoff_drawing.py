@@ -123,7 +123,6 @@ def _with_unit(name: str, unit: str) -> str:
 
 
 def page(results: Results) -> str:
-    """The picture, the figures with their meaning, every value, and what failed."""
     title = f"{results.network or 'Image chain'}: trade-off"
     caption = f"Figures of merit against {results.varied.text}"
     caption += f", a curve for each {results.second.text}." if results.second else "."
@@ -195,7 +194,6 @@ def table(results: Results, width: int | None = None) -> str:
 
 
 def failures(results: Results) -> list[str]:
-    """One line for each place that has no figure, and why; of many, the first."""
     lines = [f"{place}: {reason}" for place, reason in results.failures()]
     if len(lines) > _MOST_REASONS:
         lines[_MOST_REASONS - 1 :] = [f"and {len(lines) - _MOST_REASONS + 1} more gaps"]

@@ -126,7 +126,6 @@ def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
 
 
 def chosen_figures(texts: Sequence[str], network: Network, library: Library) -> tuple[Figure, ...]:
-    """The figures of ``--figure NODE.READOUT``, each once; the default ones where there is none."""
     if not texts:
         return default_figures(network, library)
     known = figures_of(network, library)

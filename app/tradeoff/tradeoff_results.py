@@ -137,7 +137,6 @@ def _changes(values: Sequence[float]) -> bool:
 
 
 def shown_value(value: Any, unit: str = "") -> str:
-    """A parameter's value in words."""
     if value is None:
         return "empty"
     text = ("true" if value else "false") if isinstance(value, bool) else number_text(value)
@@ -177,7 +176,6 @@ class PointEvaluator:
         return plan
 
     def figures_of(self, plan: Plan, work: Work) -> FigureValues:
-        """The figures of a planned point, and for those that have no value, why."""
         return computed(self.figures, self.engine, plan, work, self._nodes)
 
     def at(self, values: Sequence[Any], work: Work) -> FigureValues:

@@ -38,12 +38,10 @@ class Variation:
 
     @property
     def unit(self) -> str:
-        """Unit of the values, empty for a pure number."""
         return self.parameter.param.unit
 
     @property
     def is_numeric(self) -> bool:
-        """Whether all values lie on one axis."""
         return all(is_number(value) for value in self.values)
 
 

@@ -36,7 +36,6 @@ def stages_png(responses: Responses, chain: Chain, part: Part) -> bytes:
 
 
 def line_png(responses: LineResponses, angle_deg: float) -> bytes:
-    """MTF of the stages that blur along a line through zero frequency, and of the products."""
     stages = [stage for stage in responses.stages if (stage.response.mtf != 1).any()]
     stages = [stages[n] for n in strongest([float(np.ptp(s.response.mtf)) for s in stages])]
     with figure(6.6, 4.7) as (drawn, out):
@@ -68,7 +67,6 @@ def drawn_stages(responses: Responses, part: Part) -> list[StageResponse]:
 
 
 def product_png(responses: Responses, chain: Chain) -> bytes:
-    """All the stages together, across and along, in one figure."""
     whole = responses.products[-1]
     with figure(6.6, 4.3) as (drawn, out):
         axis = drawn.subplots()

@@ -128,7 +128,6 @@ def panels_png(panels: Sequence[Panel]) -> bytes:
 
 
 def noise_png(pictures: list[tuple[str, Image, Array]]) -> bytes:
-    """Each noise picture with its histogram to the right of it."""
     with figure(10.0, 3.5 * len(pictures)) as (drawn, out):
         axes = drawn.subplots(len(pictures), 2, squeeze=False, width_ratios=(1, 1.15))
         for (left, right), (title, image, samples) in zip(axes, pictures, strict=True):
@@ -352,7 +351,6 @@ def family_colours(count: int) -> list[Any]:
 
 
 def legend_columns(names: Sequence[str], width_in: float) -> int:
-    """How many columns of names lie side by side in a picture of that width."""
     widest = _LEGEND_LINE + LEGEND_LETTERS * max(map(len, names))
     return max(1, min(len(names), int(width_in / widest)))
 
