@@ -51,9 +51,8 @@ if TYPE_CHECKING:
     from imagechain.building.chain_study import study
     from imagechain.building.fitted_chain import FittedChain, fit
     from imagechain.building.measure_pictures import MeasuredPictures, measure
-    from imagechain.parts.module_functions import part
+    from imagechain.parts.module_functions import part, preset, presets
     from imagechain.parts.module_part import Expression, Part
-    from imagechain.parts.presets import preset, presets
     from imagechain.parts.scene_array import scene
     from imagechain.results.chain_picture import Picture
     from imagechain.results.chain_result import Result
@@ -132,8 +131,8 @@ _PLACES = {
     "networks": "imagechain.building.chain",
     "open": "imagechain.building.chain",
     "part": "imagechain.parts.module_functions",
-    "preset": "imagechain.parts.presets",
-    "presets": "imagechain.parts.presets",
+    "preset": "imagechain.parts.module_functions",
+    "presets": "imagechain.parts.module_functions",
     "scene": "imagechain.parts.scene_array",
     "study": "imagechain.building.chain_study",
 }

@@ -165,16 +165,9 @@ def sensor_network(
 ) -> Network:
     """Scene, MTFs in turn, picture, and what makes pictures of it.
 
-    Parameters
-    ----------
-    scene : (module, parameters)
-        The node `scene`.
-    init : mapping
-        Parameters of the sensor.
-    stages, behind : mapping of name to (module, parameters)
-        MTFs between `init` and `back`, and what takes the image behind that.
-    disc : (diameter, wavelength), optional
-        A clear aperture before all stages: of a pupil `pupil` the MTF `optics`; mm, µm.
+    `init` has the parameters of the sensor; `stages` are the MTFs between `init` and `back`,
+    `behind` what takes the image from there; `disc` is the diameter (mm) and the wavelength (µm) of
+    a clear aperture before all stages: of a pupil `pupil` the MTF `optics`.
     """
     nodes: dict[str, tuple[str, Mapping[str, Any]]] = {"scene": scene, "init": ("init_trans", init)}
     links = [(SCENE, "init.image"), ("init.phase", "back.phase")]

@@ -29,8 +29,7 @@ from core.network.macro import declared_node
 from core.network.network import Link, Network, Node
 from core.network.validation import NetworkProblems
 from imagechain.building.camera import Camera
-from imagechain.building.chain_saving import saved
-from imagechain.building.chain_state import ChainState, Check, checked
+from imagechain.building.chain_state import ChainState, Check, checked, saved
 from imagechain.parts.module_part import Part, known_parameter, shown_value
 from imagechain.parts.plain_errors import block, plain_errors, table
 from imagechain.results.chain_result import Result, run_plan

@@ -19,18 +19,10 @@ _REGION = "two slices for rows and columns, such as numpy.s_[100:164, :64]"
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a chain comes from, which decides what it may write.
+    """Where a chain comes from, which decides what it may write."""
 
-    Parameters
-    ----------
-    file : Path or None
-        The network file; None if the chain is not in a file.
-    given : frozenset of str
-        Nodes whose files were named in Python.
-    """
-
-    file: Path | None
-    given: frozenset[str]
+    file: Path | None  # the network file, where the chain is in one
+    given: frozenset[str]  # nodes whose files were named in Python
 
 
 @dataclass(frozen=True)
