@@ -35,7 +35,8 @@ def carry_out(options: Options, _stop: object) -> None:
     except InputError as error:
         problems = error.problems if isinstance(error, NetworkProblems) else (error,)
         lines = [*map(in_line, written), *(in_line(str(problem)) for problem in problems)]
-        show(options, lambda: {"errors": [_fact(problem) for problem in problems]}, *lines)
+        facts = [{"node": problem.node, "message": problem.message} for problem in problems]
+        show(options, lambda: {"errors": facts}, *lines)
         first = f"{place.name}: {_count(len(problems), 'error')}, the first: {problems[0]}"
         raised = InputError(first)
         raised.exit_code = error.exit_code  # 1 for the fault of a plug-in
@@ -52,10 +53,6 @@ def carry_out(options: Options, _stop: object) -> None:
         lambda: {"errors": [], "warnings": [asdict(caution) for caution in cautions]},
         *map(in_line, [*warnings, summary, *written]),
     )
-
-
-def _fact(problem: ImagechainError) -> dict[str, str | None]:
-    return {"node": problem.node, "message": problem.message}
 
 
 def planned_writes(

@@ -137,7 +137,8 @@ class _Running:
         engine = Engine(self.library, None if job.report else Store(KEPT_BYTES))
         figures = 0.0 if job.kind != "sweep" else _FIGURES if variants else 1.0
         self.steps.expect(len(variants) + job.frames + figures * len(job.values))
-        with Staging(job.output, [self.place.path, *self._chosen_inputs()]) as staging:
+        chosen = [self.place.folder / file for file in job.values if job.kind == "files"]
+        with Staging(job.output, [self.place.path, *chosen]) as staging:
             for variant in variants:
                 folder, look = job.output / variant.name, partial(made.look, variant.name)
                 stage = Stage(folder, staging, rules, self._frame_done, look)
@@ -256,10 +257,6 @@ class _Running:
             staging.commit()
             return ""
         return rules.commit(staging)
-
-    def _chosen_inputs(self) -> list[Path]:
-        values = self.job.values if self.job.kind == "files" else ()
-        return [self.place.folder / value for value in values]
 
     def _frame_done(self, number: int) -> None:
         if number == 1:

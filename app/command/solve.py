@@ -127,7 +127,8 @@ def _found(
     assert at is not None
     # What is found is typed in again: with the six digits of figures it would be off by 1e-6.
     found = int(at.value) if whole else float(f"{at.value:.10g}")
-    text = f"{port} = {found!r} {unit}".rstrip() + f": {_is(figure, at.figure)}"
+    text = f"{port} = {found!r} {unit}".rstrip()
+    text += f": {figure.text} = {shown_value(at.figure, figure.unit)}"
     if solution.beside is not None:
         other = solution.beside
         text += (
@@ -167,10 +168,6 @@ def _none(
         text += f"; {side} {shown_value(edge.sample.value, unit)} {figure.text} has no value"
         text += f": {reasons[edge.without]}" if edge.without in reasons else ""
     return text
-
-
-def _is(figure: Figure, value: float) -> str:
-    return f"{figure.text} = {shown_value(value, figure.unit)}"
 
 
 def _at(sample: Sample, unit: str, figure: Figure) -> str:

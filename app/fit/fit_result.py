@@ -95,7 +95,13 @@ def result_of(
         if index not in undetermined:
             correlation[index, index] = 1.0
     parameters = tuple(
-        FittedParameter(p.port, p.unit, None, None, _used(fit, known, i))
+        FittedParameter(
+            p.port,
+            p.unit,
+            None,
+            None,
+            p.present if i in known.without_effect else float(fit.values[i]),
+        )
         if i in undetermined
         else FittedParameter(
             p.port, p.unit, float(fit.values[i]), float(sigma[i]), float(fit.values[i])
@@ -191,12 +197,6 @@ def _other_solutions(fit: ChainFit, rivals: tuple[int, ...]) -> list[str]:
         f"{' and '.join(sets)} fit the edges nearly equally well: none of these is "
         "determined; give narrower ranges, or fix one of them"
     ]
-
-
-def _used(fit: ChainFit, known: Identified, index: int) -> float | None:
-    if index in known.without_effect:
-        return fit.free[index].present
-    return float(fit.values[index])
 
 
 def _unknown(fit: ChainFit, known: Identified) -> list[str]:

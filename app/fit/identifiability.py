@@ -148,7 +148,8 @@ def _combinations(
     for power in (2, 1, 0):
         if power != 1 and not np.all(values > 0.0):
             continue
-        steps = _powered(values, blind, power)
+        # of the values' squares, of themselves, or of their logarithms
+        steps = blind / values if power == 0 else blind * values ** (power - 1)
         # Factors of the first ones that undo what a blind direction does to another one.
         solved, *_ = np.linalg.lstsq(steps[:, order[:count]], steps[:, order[count:]], rcond=None)
         factors = np.asarray(-solved, np.float64)
@@ -183,11 +184,6 @@ def _order(blind: Matrix) -> list[int]:
         axis = left[:, chosen[-1]] / max(float(np.linalg.norm(left[:, chosen[-1]])), 1e-300)
         left = left - np.outer(axis, axis @ left)
     return [*chosen, *(i for i in range(blind.shape[1]) if i not in chosen)]
-
-
-def _powered(values: Vector, blind: Matrix, power: int) -> Matrix:
-    """The directions, of the values' squares, of themselves, or of their logarithms."""
-    return np.asarray(blind / values if power == 0 else blind * values ** (power - 1), np.float64)
 
 
 @dataclass(frozen=True)

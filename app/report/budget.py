@@ -37,12 +37,7 @@ def budget_facts(evaluation: Evaluation) -> Fact:
     """Noise and blur by stage; of what there is none, the reason."""
     noise, noise_reason = _tried(lambda: _noise_facts(evaluation))
     blur, blur_reason = _tried(lambda: _blur_facts(evaluation))
-    return {
-        "noise_reason": noise_reason,
-        "noise": noise,
-        "blur_reason": blur_reason,
-        "blur": blur,
-    }
+    return {"noise_reason": noise_reason, "noise": noise, "blur_reason": blur_reason, "blur": blur}
 
 
 def _tried(make: Callable[[], Fact]) -> tuple[Fact | None, str | None]:

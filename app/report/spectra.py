@@ -173,11 +173,7 @@ def _table(spectra: list[Fact]) -> Block:
 
 def _transformed_table(facts: Fact) -> list[Block]:
     rows = [
-        (
-            ", ".join(one["ports"]),
-            f"{one['wavelengths']} of {one['bands']}",
-            short(one["bound"]),
-        )
+        (", ".join(one["ports"]), f"{one['wavelengths']} of {one['bands']}", short(one["bound"]))
         for one in facts["spectra"]["transformed"]
     ]
     if not rows:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from app.run.output import find_output, source_images
-from app.run.responses import Responses, responses
+from app.run.responses import Responses, response, responses
 from app.run.transfer_chain import Chain, find_chain
 from core.chain.engine import Engine, Plan
 from core.chain.realize import asked_for, realize
@@ -202,15 +202,9 @@ def _evaluate_output(plan: Plan, name: str, output: str, work: Work) -> None:
     try:
         if isinstance(value, Transfer | Magnitude | Phase) and not sampled:
             # The plane is not used: its factors on two lines show whether it can be made.
-            _along_axes(value, work)
+            response(work, value.factors, value.grid.xi_half(), "x")
+            response(work, value.factors, value.grid.eta(), "y")
         elif value is not None:
             realize(value, work)
     except ImagechainError as error:
         raise error.at(name) from error
-
-
-def _along_axes(value: Transfer | Magnitude | Phase, work: Work) -> None:
-    from app.run.responses import response
-
-    response(work, value.factors, value.grid.xi_half(), "x")
-    response(work, value.factors, value.grid.eta(), "y")

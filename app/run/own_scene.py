@@ -22,7 +22,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Library, declaration
 from core.names import close, shown
 from core.network.linked_values import naming
-from core.network.network import Link, Network, Node
+from core.network.network import Link, Network, Node, reached
 from core.network.validation import NetworkProblems
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from nodes.files.common.picture_info import PictureInfo
@@ -160,7 +160,7 @@ class _Replacing:
             self._info = _info(own.picture)
         outputs = plan.nodes[name].outputs.values()
         self._before: Image | None = next((o for o in outputs if isinstance(o, Image)), None)
-        self._after = _downstream(plan.network, name)
+        self._after = reached(plan.network.followers, plan.network.followers.get(name, ()))
         self._converter = ""
         names = [name.upper() for name in self._info.channels]
         self._rgb = tuple(map(names.index, "RGB")) if {"R", "G", "B"} <= set(names) else ()
@@ -525,7 +525,7 @@ def without_judges(
             return None
         if figures_only and not _gives_figures(network.nodes[problem.node], library):
             return None
-        gone |= {problem.node, *_downstream(network, problem.node)}
+        gone |= reached(network.followers, [problem.node])
         lines.append(f"{problem.node} is left out: {problem.message}")
     if not gone <= judges or gone & set(spare):
         return None
@@ -537,16 +537,6 @@ def without_judges(
 def _gives_figures(node: Node, library: Library) -> bool:
     module = library.get(node.module)
     return module is not None and declaration(module).group == ANALYSIS
-
-
-def _downstream(network: Network, name: str) -> set[str]:
-    reached: set[str] = set()
-    waiting = [name]
-    while waiting:
-        new = set(network.followers.get(waiting.pop(), ())) - reached
-        reached |= new
-        waiting += new
-    return reached
 
 
 def _with(network: Network, name: str, **values: Any) -> Network:

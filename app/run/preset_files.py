@@ -80,11 +80,7 @@ def own_presets(folder: Path, library: Library) -> tuple[Preset, ...]:
 
 
 def placed(
-    preset: Preset,
-    network: Network,
-    library: Library,
-    at: Point | None,
-    folder: Path | None = None,
+    preset: Preset, network: Network, library: Library, at: Point | None, folder: Path | None = None
 ) -> tuple[str, Operation]:
     """What puts a preset into a network, under a name that is free; and that name.
 
@@ -207,7 +203,9 @@ def sets_of(module: str, folder: Path) -> Sets:
         document = {}
     sets = document.get("sets")
     of_kind = (document.get("format"), document.get("module")) == (FORMAT, module)
-    if not of_kind or not isinstance(sets, dict) or not all(map(_is_set, sets.values())):
+    if not (
+        of_kind and isinstance(sets, dict) and all(isinstance(one, dict) for one in sets.values())
+    ):
         raise NetworkError(f"{path}: contains no parameter sets of the module {shown(module)}")
     return dict(sets)
 
@@ -255,10 +253,6 @@ def given(
         if value is not ABSENT or key in node.params:
             steps.append(set_parameter(where, key, value))
     return Together(steps, f"Set {where} to {name}")
-
-
-def _is_set(value: Any) -> bool:
-    return isinstance(value, dict)
 
 
 def _file(module: str, folder: Path) -> Path:

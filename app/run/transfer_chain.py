@@ -63,7 +63,7 @@ def find_chain(plan: Plan) -> Chain:
         return _unconnected(plan, output, ())
     node = final.rpartition(".")[0]
     upstream = ancestors(plan.network, node) | {node}
-    sources = tuple(_sources(plan, upstream))
+    sources = tuple(p for p in source_images(plan) if p.rpartition(".")[0] in upstream)
     delivered = _delivered(plan, upstream)
     if delivered is None:
         return _unconnected(plan, output, sources)
@@ -85,10 +85,6 @@ def find_chain(plan: Plan) -> Chain:
         tuple(stage for stage in beside if stage.factors),
         pitch_mrad=recipe.magnitude.pixel_mrad,
     )
-
-
-def _sources(plan: Plan, upstream: set[str]) -> list[str]:
-    return [port for port in source_images(plan) if port.rpartition(".")[0] in upstream]
 
 
 def _delivered(plan: Plan, upstream: set[str]) -> tuple[str, Delivered] | None:

@@ -18,7 +18,6 @@ from core.chain.engine import Engine, Plan
 from core.chain.wires import Image, SpectrumWire, Transfer
 from core.errors import DataError, FileError, UsageError
 from core.evaluation.policy import Policy
-from core.evaluation.recipes import Recipe
 from core.evaluation.store import Store
 from core.evaluation.work import Work
 from core.machine import amount_text, usable_bytes
@@ -117,7 +116,8 @@ def blocks_of(
         return
     with ScratchDisk(scratch, way.memory_bytes) as disk:
         _refuse_planes(plan, ports, disk, policy)
-        recipes = _read(engine, plan, ports, report=report)
+        later = needed_later(plan, ports, report=report, in_blocks=True)
+        recipes = [*read_by_evaluation(engine, plan), *later]
         try:
             blocks = planned_blocks(plan, recipes, disk, policy)
         except DataError:
@@ -165,13 +165,6 @@ def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> N
             f"--save {port}={path}: a picture of {image.rows} × {image.columns} samples that is "
             f"computed in blocks must be written as {words}"
         )
-
-
-def _read(engine: Engine, plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recipe]:
-    return [
-        *read_by_evaluation(engine, plan),
-        *needed_later(plan, ports, report=report, in_blocks=True),
-    ]
 
 
 def _refuse_planes(plan: Plan, ports: Iterable[str], disk: ScratchDisk, policy: Policy) -> None:

@@ -150,7 +150,9 @@ class WriteRules:
         leads = f" (a link to {real})" if target.is_symlink() else ""
         if not any(_within(real, folder) for folder in self.folders):
             why = "it lies outside the network's folder and the output folder"
-        elif (real.is_file() or is_store(real)) and not self._has_written(real):
+        elif (real.is_file() or is_store(real)) and not (
+            self.record.holds(real) or self._known().holds(real)
+        ):
             why = "the existing file was not written by this network, or has changed since"
         else:
             return
@@ -203,9 +205,6 @@ class WriteRules:
     def _known(self) -> WriteRecord:
         """The record as it is now: another run, or the editor, may have added to it."""
         return read_record(self.record.network)
-
-    def _has_written(self, real: Path) -> bool:
-        return self.record.holds(real) or self._known().holds(real)
 
     def _remember(self, new: Mapping[Path, tuple[Print, ...]]) -> str:
         if not new:

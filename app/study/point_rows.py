@@ -122,7 +122,7 @@ class RowMaker:
             file.parent.mkdir(parents=True, exist_ok=True)
             save_value(value, file, work, port=save.port, region=region)
         except OSError as error:
-            raise _unwritable(file, error) from error
+            raise FileError(f"cannot write {file}: {error.strerror or error}") from error
         except ImagechainError as error:
             raise error.at(save.node) from error
 
@@ -201,7 +201,3 @@ def _fault(samples: Any, port: str) -> ImagechainError | None:
     except ImagechainError as error:
         return error.at(port.rpartition(".")[0])
     return None
-
-
-def _unwritable(file: Path, error: OSError) -> FileError:
-    return FileError(f"cannot write {file}: {error.strerror or error}")

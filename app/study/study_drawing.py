@@ -109,7 +109,8 @@ def _maps(result: StudyRows, axes: Sequence[Axis], shown: Sequence[int]) -> byte
                 value = row.figures[number]
                 if value is not None and math.isfinite(value):
                     heights[ranks[1][point[numbers[1]]], ranks[0][point[numbers[0]]]] = value
-            mesh = panel.pcolormesh(*_edges(x, y), heights, cmap="viridis", norm=_norm(heights))
+            cells = _cells(x), _cells(y)
+            mesh = panel.pcolormesh(*cells, heights, cmap="viridis", norm=_norm(heights))
             panel.grid(visible=False)
             bar = drawn.colorbar(mesh, ax=panel)
             bar.set_label(result.study.figures[number].unit, fontsize=8.5)
@@ -142,7 +143,8 @@ def _scatter(result: StudyRows, axes: Sequence[Axis], shown: Sequence[int]) -> b
                     at = result.study.points[row.place][place]
                     xs.append(at if axis.is_numeric else ranks[at])
                     ys.append(value)
-                panel.plot(xs, ys, ".", markersize=3, color=COLOURS[0], alpha=_alpha(len(xs)))
+                alpha = max(0.08, min(0.9, 300.0 / max(1, len(xs))))
+                panel.plot(xs, ys, ".", markersize=3, color=COLOURS[0], alpha=alpha)
             words = (_short(figures[number].node), figures[number].name, figures[number].unit)
             line[0].set_ylabel("\n".join(filter(None, words)), fontsize=8.0)
             _ordinate(line[0])
@@ -255,10 +257,6 @@ def _norm(heights: Any) -> Any:
     return Normalize(low, high)
 
 
-def _edges(x: Axis, y: Axis) -> tuple[Any, Any]:
-    return _cells(x), _cells(y)
-
-
 def _cells(axis: Axis) -> Any:
     """Where a map's cells end: half-way between the values."""
     if not axis.is_numeric:
@@ -317,10 +315,6 @@ def _word(axis: Axis, value: Any) -> str:
 
 def _short(text: str, longest: int = _LONGEST) -> str:
     return text if len(text) <= longest else f"{text[: longest - 1]}…"
-
-
-def _alpha(count: int) -> float:
-    return max(0.08, min(0.9, 300.0 / max(1, count)))
 
 
 def _finite(value: float | None) -> bool:

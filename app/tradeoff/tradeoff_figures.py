@@ -19,7 +19,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Library, declaration
 from core.names import close, shown
 from core.network.linked_values import following
-from core.network.network import Network
+from core.network.network import Network, reached
 
 ELECTRONICS = "electronics_noise"
 SENSORS = (ELECTRONICS, "focal_plane", "microbolometer")
@@ -197,7 +197,8 @@ def _total(
     figures: Iterable[Figure], plan: Plan, work: Work, varied: Collection[str]
 ) -> dict[str, Any]:
     """MTFs of the chain; what the varied nodes do not feed may be broken."""
-    for name in _touched(plan.network, varied):
+    touched = {*varied}.union(*(nodes_after(plan.network, name) for name in varied))
+    for name in [name for name in plan.network.nodes if name in touched]:
         error = plan.nodes[name].error
         if error is not None:
             raise error
@@ -225,22 +226,10 @@ def _nyquist(chain: Chain, axis: Axis, *, of_pixels: bool) -> float | None:
     return chain.pixel_nyquist[place] if of_pixels else (grid.nyquist_x, grid.nyquist_y)[place]
 
 
-def _touched(network: Network, varied: Collection[str]) -> list[str]:
-    """The varied nodes and all that hangs on them, in the network's order."""
-    touched = {*varied}.union(*(nodes_after(network, name) for name in varied))
-    return [name for name in network.nodes if name in touched]
-
-
 def nodes_after(network: Network, node: str) -> set[str]:
     """The nodes that hang on that one: by wires, or by parameters that follow its own."""
-    dependents = following(network, node)
-    waiting = [node, *dependents]
-    while waiting:
-        for name in network.followers.get(waiting.pop(), ()):
-            if name not in dependents:
-                dependents.add(name)
-                waiting.append(name)
-    return dependents
+    next_ones = {*following(network, node), *network.followers.get(node, ())}
+    return reached(network.followers, next_ones)
 
 
 def _number(value: Any) -> float | None:

@@ -10,13 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.run.evaluation import Evaluation
-from app.run.readout_tables import (
-    columns,
-    jsonable,
-    number_text,
-    warned_points,
-    without_rounding,
-)
+from app.run.readout_tables import columns, jsonable, number_text, warned_points, without_rounding
 from app.run.responses import Response, responses_along
 from core.errors import ParameterError
 from core.names import close, shown

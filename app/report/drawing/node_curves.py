@@ -95,11 +95,6 @@ def _ends(series: Series) -> tuple[float, float]:
     return float(series.x[0]), float(series.x[-1])
 
 
-def _gapped(below: int) -> tuple[int, tuple[int, int]]:
-    """Dashes with gaps in which every one of so many curves below is seen."""
-    return (0, (_DASH, _DASH * (2**below - 1)))
-
-
 def _height(data: CurveData) -> float:
     """Inches: of bars as many as there are, and of a legend its rows."""
     series = min(len(data.series), MOST_DRAWN + 1)
@@ -119,7 +114,8 @@ def _draw_curves(axis: Any, data: CurveData) -> None:
             series.x,
             y,
             color="black" if total else colour,
-            ls=_gapped(below) if below else "-" if total else dash,
+            # in its gaps every one of the curves below is seen
+            ls=(0, (_DASH, _DASH * (2**below - 1))) if below else "-" if total else dash,
             lw=1.8 if total else 1.2,
             marker="o" if len(y) == 1 else None,
             label=series.label or data.y_label,
