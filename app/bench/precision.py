@@ -135,7 +135,6 @@ class Otf:
         return time.perf_counter() - start
 
     def lags_mm(self) -> tuple[Array, Array]:
-        """Lags across the pupil of the frequencies that are checked."""
         rows, columns = places_of(self.grid.rows)
         xi, eta = self.grid.xi_mirrored()[columns], self.grid.eta_mirrored()[rows]
         return WAVELENGTH_UM * xi, WAVELENGTH_UM * eta

@@ -198,7 +198,6 @@ def frames(settings: Settings) -> list[Table]:
 
 
 def fresh_process(settings: Settings) -> list[Table]:
-    """``imagechain run`` from the start of its process to the end."""
     with tempfile.TemporaryDirectory() as folder:
         words = command("app.command.cli", "run", KODAK, "--output-dir", f"{folder}/out")
         if settings.size != SHIPPED_SIZE:
@@ -259,7 +258,6 @@ def plain_optics(scene: Array) -> Array:
 
 
 def _grabbed(picture: Array, lines: int, samples: int) -> Array:
-    """Bilinear samples of another size over the same field."""
     rows, columns = picture.shape
     y = np.clip((np.arange(lines) + 0.5) * rows / lines - 0.5, 0, rows - 1)
     x = np.clip((np.arange(samples) + 0.5) * columns / samples - 0.5, 0, columns - 1)

@@ -115,7 +115,6 @@ def isolate() -> None:
 
 
 def environment() -> dict[str, str]:
-    """Environment of a child as a user would have it, but able to find our packages."""
     return own_process.environment(
         {name: value for name, value in os.environ.items() if name not in STEADY}
     )

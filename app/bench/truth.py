@@ -70,7 +70,6 @@ def mirrored_frame(scene: Array, sensor: Sensor) -> Array:
 
 
 def mirrored_picture(scene: Array, sensor: Sensor) -> Array:
-    """The mirrored frame with 2 × 2 samples combined."""
     return _combined(mirrored_frame(scene, sensor))
 
 

@@ -130,7 +130,6 @@ class _Running:
         return Result(1, (), tuple(made.warnings), file, tuple(made.previews))
 
     def runs(self, network: Network) -> Result:
-        """Write what each run makes, in one folder or one for each of several."""
         job, made, variants = self.job, _Made(), self.job.variants
         check_folder(job.output)
         rules = self._rules()

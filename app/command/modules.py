@@ -107,7 +107,6 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
 
 
 def module_text(declared: Declaration, *, whole: bool = False) -> str:
-    """A declaration as a few lines; `whole` with all of its text, the formulas' sources in it."""
     about = declared.text if whole else declared.summary
     lines = [f"{declared.key} · {declared.listed}", indent(about, "  ")]
     ways = [_ports(declared.inputs), _ports(declared.outputs)]

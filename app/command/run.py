@@ -207,7 +207,6 @@ class Stage:
     def prepare(
         self, engine: Engine, plan: Plan, work: TimedWork, options: Options, *, start: float
     ) -> tuple[Evaluation, tuple[Skip, ...]]:
-        """Evaluate a network and write its files on the stage; `start` is when all began."""
         staging, place = self.staging, plan.folder
         way = self.way
         writers = _claim(plan, options, staging, way)
@@ -318,8 +317,6 @@ def input_files(plan: Plan, folder: Path) -> list[Path]:
 
 @dataclass(frozen=True)
 class _Saved:
-    """A port that is written: as frames, bands, a picture, a curve or a table."""
-
     path: Path
     port: str
     value: Any
@@ -383,7 +380,6 @@ def _claim(plan: Plan, options: Options, staging: Staging, way: WayOfRunning) ->
 def _claim_guarded(
     own: list[Path], sinks: dict[str, Path], rules: WriteRules, staging: Staging
 ) -> None:
-    """Reserve early what the network writes, and refuse what it may not."""
     refused = rules.refused(sinks, own, staging)
     if refused:
         raise NetworkProblems(refused) from refused[0]
@@ -397,7 +393,6 @@ def _claim_guarded(
 
 
 def own_files(plan: Plan, folder: Path) -> list[Path]:
-    """Files that a run writes of its own, whatever the nodes are."""
     names = (FINAL, MTF, READOUTS) if find_output(plan).port is not None else (MTF, READOUTS)
     return [folder / name for name in names]
 

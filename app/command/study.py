@@ -66,7 +66,6 @@ def _jobs(options: Options) -> int:
 
 
 def _tls(options: Options) -> tuple[str, ...]:
-    """The three files of a connection by TLS, or none."""
     texts = dict(zip(TLS, (options.tls_ca_file, options.tls_cert, options.tls_key), strict=True))
     files = {option: text for option, text in texts.items() if text is not None}
     missing = [option for option in TLS if option not in files]

@@ -179,7 +179,6 @@ class EdgeProblem:
         self._last = None
 
     def beyond(self, values: Vector) -> list[Vector]:
-        """What reaches into each edge's samples from beyond them, with these values."""
         table, edges = self.fitted(values)
         image = self._chain.image([float(v) for v in values])
         beyond = []
@@ -233,7 +232,6 @@ class EdgeProblem:
         return np.concatenate([samples, np.zeros(len(noise))])
 
     def jacobian(self, values: Vector, scales: Vector, *, fine: bool = False) -> Matrix:
-        """Derivatives of the residuals by differences within the ranges."""
         columns = []
         for index, parameter in enumerate(self.free):
             step = (_FINE_STEP if fine else _STEP) * scales[index]

@@ -53,7 +53,6 @@ def final_image(plan: Plan) -> Image:
 
 
 def transfer_known(image: Image) -> ImageTransfer:
-    """Every transfer function from the source to the picture."""
     passed = transfer_of(image)
     source = passed.source
     if lineage_of(source) is None:
@@ -144,7 +143,6 @@ class EdgeTransfer:
 
 
 def _complex_at(work: Work, factor: Factor, xi: Vector, eta: Vector) -> Complex:
-    """What a factor multiplies a wave by, at pairs of frequencies."""
     if isinstance(factor, Planar):
         if factor.radial and _is_alike(xi, eta, factor.ratios):
             # One row stands for all: some laws take long.

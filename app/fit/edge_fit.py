@@ -203,7 +203,6 @@ class EdgeFits:
         return EdgesAt(value - fitted, model, weight, distance, spread, levels, own, columns, gram)
 
     def derivative(self, fitted: EdgesAt, other: SpreadTable) -> Vector:
-        """Residuals' change to other spreads, all of the edges' own fitted anew."""
         after, _ = other.at_all(fitted.distance)
         change = (fitted.spread - after) * fitted.weight * fitted.step[:, np.newaxis]
         return fitted.without_own(change).ravel()

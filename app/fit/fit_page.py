@@ -22,7 +22,6 @@ _CHI2 = "χ² per degree".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> str:
-    """The page as HTML; `network` and `pictures` are names for its title."""
     first = Path(pictures[0]).name
     more = f" and {len(pictures) - 1} more" if len(pictures) > 1 else ""
     title = f"{network} fitted to {first}{more}"
@@ -165,7 +164,6 @@ _WIDE = 4.0  # deviations of a residual's grey levels
 
 
 def drawn_edges(result: FitResult) -> list[int]:
-    """Edges of all directions, no more than are drawn."""
     patches = result.fit.patches
     order = np.argsort([patch.angle_deg % 180.0 for patch in patches], kind="stable")
     places = np.linspace(0, len(order) - 1, min(MOST, len(order))).astype(np.intp)

@@ -62,7 +62,6 @@ class Identified:
 
 
 def identified(fit: ChainFit, cost: Cost) -> Identified:
-    """Part the parameters into those that are determined and those that are not."""
     count = len(fit.free)
     scales = scales_of(fit.free, fit.values)
     lengths = np.linalg.norm(fit.jacobian, axis=0)
@@ -231,7 +230,6 @@ def _whole(factor: float) -> float:
 def _written(
     power: int, weights: Vector, names: Sequence[str], values: Vector
 ) -> tuple[str, float, Vector]:
-    """A combination's text, value and derivatives."""
     taken = [(n, float(w)) for n, w in zip(names, weights, strict=True) if w != 0.0]
     if power == 0:
         value = float(np.prod(np.abs(values) ** weights))

@@ -115,8 +115,6 @@ class NoiseLevels:
 
 
 class NoiseProblem:
-    """What a network's noise at the levels of a picture is less what was measured there."""
-
     def __init__(self, levels: NoiseLevels, measured: Sequence[LevelVariance]) -> None:
         self._levels = levels
         self.measured = tuple(one for one in measured if one.variance > 0.0)

@@ -82,7 +82,6 @@ class FittedPictures:
     taken: tuple[TakenWith, ...] = ()  # what is known of their cameras
 
     def warnings_beside(self, final: Image) -> list[str]:
-        """What to know of them where they are fitted to a chain."""
         return [*self.warnings, *(line for one in self.taken for line in one.unlike(final))]
 
     @property

@@ -40,8 +40,6 @@ _IN_PLACE = Registration()
 
 
 class SceneProblem:
-    """The weighted waves of a picture less those of the network's, and their derivatives."""
-
     def __init__(
         self, chain: ChainAt, work: Work, free: Sequence[FreeParameter], picture: Matrix
     ) -> None:
@@ -95,7 +93,6 @@ class SceneProblem:
         return self.match.waves(self.match.picture - self.registered(values, how))
 
     def own_columns(self, values: Vector, how: Registration) -> list[Vector]:
-        """Derivatives of the registered waves by shift, scale, gain and offset."""
         if not isinstance(self._source, FineSource):
             return self.match.columns(self.simulated(values), how)
         here = self.simulated(values, how)
@@ -181,7 +178,6 @@ def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
 
 
 def _settled_registration(problem: SceneProblem, values: Vector, how: Registration) -> Registration:
-    """Shift, scale, gain and offset that fit best with these values."""
     for _ in range(_STEPS):
         residual = problem.residual(values, how)
         columns = np.column_stack(problem.own_columns(values, how))

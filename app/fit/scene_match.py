@@ -164,7 +164,6 @@ class SceneMatch:
         return Registration(shift_x, shift_y, 1.0, gain, offset)
 
     def registered(self, simulated: Matrix, how: Registration) -> Matrix:
-        """The simulated picture where the real one has it, gain and offset included."""
         return how.gain * resampled(simulated, how) + how.offset
 
     def columns(self, simulated: Matrix, how: Registration) -> list[Vector]:

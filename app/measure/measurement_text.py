@@ -54,7 +54,6 @@ def with_error(value: float | None, error: float | None) -> str:
 
 
 def figure_rows(measured: PictureMeasurement) -> list[Row]:
-    """The figures of most use: name, value with its error, unit, meaning."""
     used = sum(edge.used for edge in measured.edges)
     rows: list[Row] = [
         ("edges", str(used), "", f"edges used, of {len(measured.edges)} found"),
@@ -199,7 +198,6 @@ def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
 
 
 def repeated_words(count: int) -> str:
-    """That pictures are copies of others, which say nothing that those do not."""
     many = "one picture is" if count == 1 else f"{count} pictures are"
     return f"{many} the same as another one, sample by sample, and not counted again"
 

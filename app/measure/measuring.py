@@ -76,8 +76,6 @@ class MeasurePlan:
 
 @dataclass(frozen=True)
 class Source:
-    """Pictures of one size, and where they come from."""
-
     files: tuple[MeasuredFile, ...]
     pictures: Iterable[Matrix]
     rows: int
@@ -186,7 +184,6 @@ def measure_pictures(
 
 
 def refuse_small(name: str, rows: int, columns: int) -> None:
-    """Refuse a picture in which nothing can be measured."""
     if min(rows, columns) >= _LEAST:
         return
     colours = (
@@ -234,7 +231,6 @@ def without_edge(measured: PictureMeasurement, place: int) -> PictureMeasurement
 
 
 def with_edge(measured: PictureMeasurement, place: int) -> PictureMeasurement:
-    """The same with an edge that was removed by hand."""
     if measured.edges[place].why_not != BY_HAND:
         return measured
     return _with_reason(measured, place, "")

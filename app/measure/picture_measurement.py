@@ -75,8 +75,6 @@ class MeasuredEdge:
 
 @dataclass(frozen=True, eq=False)
 class Preview:
-    """A picture that was measured, small enough to be drawn."""
-
     picture: int  # its number among those measured
     samples: NDArray[np.float32]  # means of squares of `factor` samples, single precision
     factor: int  # samples along a side of such a square

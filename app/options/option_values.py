@@ -192,7 +192,6 @@ def size_in_bytes(option: str, text: str) -> int:
 
 
 def window_size(option: str, text: str) -> tuple[int, int]:
-    """Width and height of a window from ``WxH``."""
     size = re.fullmatch("([0-9]{1,5})x([0-9]{1,5})", text.lower(), re.ASCII)
     if size is None or not all(320 <= int(side) <= 16384 for side in size.groups()):
         raise UsageError(

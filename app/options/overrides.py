@@ -60,7 +60,6 @@ def with_disabled(network: Network, names: Iterable[str], *, library: Library) -
 
 
 def with_final(network: Network, port: str, *, library: Library) -> Network:
-    """The network with a picture marked as its output, and no other."""
     port = network.port_names.get(port, port)
     name, dot, output = port.rpartition(".")
     if not dot:

@@ -200,7 +200,6 @@ def _band(evaluation: Evaluation, name: str, node: Fact) -> tuple[float, float] 
 
 
 def _has_own_air(evaluation: Evaluation, name: str) -> bool:
-    """Whether a picture that comes in has come through Atmospheric Path."""
     inputs = evaluation.plan.nodes[name].inputs.values()
     return any(value.air for value in inputs if isinstance(value, Image))
 
@@ -299,7 +298,6 @@ def is_changed(evaluation: Evaluation) -> bool:
 
 
 def _named(entries: Any) -> list[Any]:
-    """What is published, whatever the nodes are called."""
     rows = [entry for entry in entries if isinstance(entry, Mapping)]
     return [[entry.get(name) for name in ("figure", "where", "value")] for entry in rows]
 

@@ -305,7 +305,6 @@ def edge_row(work: Work, recipe: Recipe, source: Recipe, axis: Axis, samples: in
 
 
 def judged(facts: Fact) -> list[Block]:
-    """The section, with the reason where nothing could be measured."""
     edges, drawn_as = facts["judged"], facts["drawn_as"]
     blocks: list[Block] = [Heading(2, "Checked by measurement")]
     if edges["reason"]:

@@ -35,8 +35,6 @@ class Items:
 
 @dataclass(frozen=True)
 class Warnings:
-    """Warnings at the top of the page: for each node a message and its remedy."""
-
     rows: tuple[tuple[str, str, str], ...]
 
 

@@ -132,7 +132,6 @@ class _Read:
 
     @classmethod
     def of(cls, engine: Engine, plan: Plan, final: str | None) -> _Read:
-        """Of a network that delivers the picture of a port, if any."""
         return cls(
             {port: asked_for(plan.output(port)) for port in source_images(plan)},
             {

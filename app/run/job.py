@@ -102,8 +102,6 @@ _INTERVAL_S = 0.1
 
 @dataclass(frozen=True)
 class Step:
-    """How far it is: a share of the whole, and what is being made."""
-
     share: float
     doing: str
 

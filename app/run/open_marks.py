@@ -47,7 +47,6 @@ class OpenMark:
         return shared
 
     def let_go(self) -> None:
-        """The window shows another network, or is closed."""
         if self._lock is not None:
             self._lock.let_go()
         self._lock = None

@@ -70,7 +70,6 @@ def how_to_choose(output: Output) -> str:
 
 
 def ending_images(plan: Plan) -> list[str]:
-    """Pictures looked at or left open, less those that another one of them stems from."""
     return _leaves(plan, _seen_or_open(plan) or list(_image_ports(plan)))
 
 

@@ -211,7 +211,6 @@ def sets_of(module: str, folder: Path) -> Sets:
 
 
 def save_set(name: str, node: Node, folder: Path) -> None:
-    """Keep a node's parameters under a name, in place of those that had it."""
     for parameter in node.linked:
         text = expression_text(node.params[parameter])
         raise NetworkError(

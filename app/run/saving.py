@@ -50,7 +50,6 @@ _CURVES = (CSV, *(file_format for file_format in WRITTEN if file_format.stores_f
 
 
 def check_suffix(port: str, value: Any, path: Path) -> None:
-    """Refuse a file format that cannot hold what the port carries."""
     allowed: tuple[Format, ...] = (*SAVED, ENVI_FRAMES, ZARR) if isinstance(value, Image) else SAVED
     if isinstance(value, Table | Context):
         allowed = _TABLES
@@ -300,7 +299,6 @@ def format_for_frames(port: str, path: Path) -> FrameFormat:
 def series_of(
     image: Image, kind: FrameFormat, policy: Policy, *, frames: int, region: Region | None
 ) -> FrameSeries:
-    """The frames of a picture, or of a region of it, as that format stores them."""
     shape = region.shape if region else image.shape
     stored = kind.stored_type(policy.dtype, number_bits(image.recipe))
     return FrameSeries(frames, *shape, stored, metadata_of(image, shape))

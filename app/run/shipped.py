@@ -17,8 +17,6 @@ from nodes.files.common.file_format import JSON
 
 @dataclass(frozen=True)
 class Place:
-    """Where a network lies, and what its outputs are named after."""
-
     path: Path
     name: str
 
@@ -81,7 +79,6 @@ def _is_picture(path: Path) -> bool:
 
 
 def _holds_json(path: Path) -> bool:
-    """Whether a file begins as a network does."""
     try:
         with path.open("rb") as file:
             return file.read(64).lstrip().startswith(b"{")

@@ -202,7 +202,6 @@ def existing_folder(folder: Path) -> Path:
 
 
 def check_folder(folder: Path) -> None:
-    """Refuse an output folder that is none, or that cannot be made or written to."""
     try:
         status = folder.stat()
     except FileNotFoundError:  # it will be made
@@ -261,7 +260,6 @@ def _overlap(real: Path, path: Path) -> bool:
 
 
 def _existing(folder: Path) -> Path:
-    """The folder, or the nearest one above it that exists."""
     return next(above for above in (folder, *folder.parents) if above.exists())
 
 

@@ -49,7 +49,6 @@ class WayOfRunning:
         return self.largest.memory_bytes > self.memory_bytes
 
     def on_disk(self, value: Any, policy: Policy) -> bool:
-        """Whether a port's value is a picture that will lie on disk."""
         if not self.in_blocks or self.memory_bytes is None or not isinstance(value, Image):
             return False
         return is_for_disk(value.shape, policy.dtype, self.memory_bytes)

@@ -152,7 +152,6 @@ class NetworkKeys:
         self._known: dict[str, tuple[Node, str]] = {}
 
     def of(self, network: Network) -> str:
-        """The key of a network with the same nodes and links as the first."""
         keys = []
         for name, node in network.nodes.items():
             known = self._known.get(name)

@@ -125,7 +125,6 @@ def _maps(result: StudyRows, axes: Sequence[Axis], shown: Sequence[int]) -> byte
 
 
 def _scatter(result: StudyRows, axes: Sequence[Axis], shown: Sequence[int]) -> bytes:
-    """Each figure (down) over each parameter (across), a dot for each point."""
     figures = result.study.figures
     wide, high = len(axes), len(shown)
     with figure(max(4.6, 2.4 * wide + 0.6), 1.9 * high + 0.6) as (drawn, out):

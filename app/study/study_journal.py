@@ -211,7 +211,6 @@ class Column:
 
 
 def check_installed(path: Path) -> None:
-    """Refuse a format whose packages are not there."""
     for file_format, packages in _NEEDED.items():
         missing = [name for name in packages if importlib.util.find_spec(name) is None]
         if file_format.matches(path) and missing:

@@ -276,7 +276,6 @@ def span_axis(text: str, network: Network, *, library: Library) -> Axis:
 def values_axis(
     label: str, values: Sequence[Any], network: Network, *, library: Library, option: str = OPTION
 ) -> Axis:
-    """The axis of a parameter over values that are known one by one."""
     node, parameter = target(option, label, network, library=library)
     items = (value.item() if isinstance(value, np.generic) else value for value in values)
     taken = tuple(dict.fromkeys(_plain_value(parameter, item, node) for item in items))

@@ -164,8 +164,6 @@ def _plain_word(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Study:
-    """A network, the points it is evaluated at, and what is wanted there."""
-
     name: str  # of the network
     network: Network  # macros written out, changes made
     folder: Path  # what file names in it are relative to
@@ -179,7 +177,6 @@ class Study:
 
     @cached_property
     def order(self) -> list[int]:
-        """The points' places in the order in which they are computed."""
         return order_of(self.axes, self.points, self.network)
 
     @property

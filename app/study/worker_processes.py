@@ -61,8 +61,6 @@ def _needed(library: Library, network: Network) -> Library | None:
 
 
 class _Processes:
-    """Each has a lane of its own, and a batch at a time."""
-
     most_ends = 3
     why = f"the process that computed it stopped {most_ends} times"
 
@@ -103,7 +101,6 @@ class _Process:
         self._stopped = False
 
     def rows(self, batch: list[Task]) -> list[Row]:
-        """The rows of the first points, of one at least."""
         if self._process is None:
             self._begin()
         try:

@@ -45,7 +45,6 @@ class Solution:
 
     @property
     def nearest(self) -> tuple[Sample, Sample]:
-        """The least and the greatest read-out of all."""
         by_figure = sorted(self.seen, key=lambda sample: sample.figure)
         return by_figure[0], by_figure[-1]
 
@@ -191,8 +190,6 @@ _LINEAR_STEPS, _STEPS_A_DECADE, _MOST_STEPS = 32, 3, 60
 
 @dataclass(frozen=True)
 class SearchRange:
-    """From one number to a greater one."""
-
     # the ends
     low: float
     high: float

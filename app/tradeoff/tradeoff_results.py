@@ -89,7 +89,6 @@ class Results:
         return gaps[0] if gaps else ""
 
     def failures(self) -> list[tuple[str, str]]:
-        """Where the network or a figure fails, and why; in words."""
         gaps = []
         for curve, point in self.rows():
             reasons = dict.fromkeys(
@@ -101,7 +100,6 @@ class Results:
         return gaps
 
     def warnings(self) -> list[tuple[str, str]]:
-        """Where the nodes warn, and of what; in words."""
         return [
             (self._place(c, point), line) for c, point in self.rows() for line in point.warnings
         ]
@@ -215,7 +213,6 @@ class PointEvaluator:
         return tuple(dict.fromkeys(lines))
 
     def _read(self, plan: Plan, also: Iterable[Recipe]) -> set[str]:
-        """Keys of all values that the figures are made of."""
         waiting = list(also)
         for node in dict.fromkeys(figure.node for figure in self.figures if not figure.is_total):
             names = [figure.name for figure in self.figures if figure.node == node]

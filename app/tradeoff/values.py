@@ -46,7 +46,6 @@ class Variation:
 
 
 def is_number(value: object) -> bool:
-    """Whether it has a place on an axis."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 

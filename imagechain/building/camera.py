@@ -189,7 +189,6 @@ def _checked_size(size: Any) -> tuple[int, int]:
 
 
 def _ports(plan: Plan, outputs: str | Sequence[str] | None) -> tuple[str, ...]:
-    """What is made: ports that there are."""
     if outputs is None:
         final = find_output(plan)
         if final.port is None:

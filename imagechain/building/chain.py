@@ -539,7 +539,6 @@ class Chain:
         return f"{head}\n{columns(rows)}" if rows else head
 
     def _rows(self) -> list[tuple[str, str, str]]:
-        """Name, module's title and what comes in, of every node."""
         rows = []
         for name, node in self.network.nodes.items():
             declared = declared_node(node, self._engine.library)

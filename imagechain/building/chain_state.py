@@ -283,7 +283,6 @@ def no_module(key: str, library: Library) -> str:
 
 
 def _is_of(planned: PlannedNode, samples: HeldSamples) -> bool:
-    """Whether a planned scene is that of an array."""
     recipe = getattr(planned.outputs.get("image"), "recipe", None)
     return isinstance(recipe, Step) and dict(recipe.parameters).get("held") is samples
 

@@ -154,7 +154,6 @@ def _check_kinds(
 
 
 def _texts(name: str, given: Any, kind: Any, taken: str) -> list[Any]:
-    """One or several."""
     if given is None or isinstance(given, kind):
         return [] if given is None else [given]
     texts = list(given) if isinstance(given, Iterable) else [given]

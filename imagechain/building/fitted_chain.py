@@ -199,7 +199,6 @@ def _texts(free: Any) -> list[str]:
 
 
 def _pictures(to: Any, band: int | None) -> tuple[tuple[str, ...], FittedPictures]:
-    """Names for a title, and the frames of all files or of all arrays."""
     one = isinstance(to, str | PathLike | np.ndarray)
     if not one and not isinstance(to, Sequence):
         raise UsageError("to: give a picture (a file or an array), or a list of pictures")

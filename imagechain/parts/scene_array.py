@@ -113,7 +113,6 @@ def _pair(band: Any) -> tuple[Any, Any]:
 
 
 def _of_xarray(array: Any) -> tuple[Any, dict[str, Any]]:
-    """Samples of a `DataArray`, and what it says of them."""
     dims = tuple(map(str, array.dims))
     spectral = [dim for dim in dims if dim in _SPECTRAL] if len(dims) == 3 else []
     across = [dim for dim in dims if dim not in spectral]

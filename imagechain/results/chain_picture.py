@@ -153,7 +153,6 @@ class Picture:
 
     @property
     def _band_unit(self) -> str:
-        """Unit of one band."""
         density = self._image.bands is not None and self._image.bands.density
         return f"{self.unit}/µm" if density else self.unit
 
