@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -197,8 +197,3 @@ class ChainAt:
 
     def image(self, values: Sequence[float]) -> Image:
         return final_image(self.plan(values))
-
-    @property
-    def held(self) -> Mapping[str, Any]:
-        """Nodes as they were last planned."""
-        return self._last.nodes

@@ -165,7 +165,7 @@ def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
         f"registered with a shift of {how.shift_x:.3f}, {how.shift_y:.3f} samples, a scale of "
         f"{how.scale:.6f}, a gain of {how.gain:.6g} and an offset of {how.offset:.6g}"
     )
-    whole = SceneFit(problem.match.picture, registered, problem.match.noise_sigma, how)
+    whole = SceneFit(problem.match.picture, registered, problem.match.noise_sigma)
     warnings = result.warnings
     if problem.why_after:
         warnings = (

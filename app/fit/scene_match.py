@@ -61,7 +61,6 @@ class SceneFit:
     real: Matrix
     simulated: Matrix
     noise_sigma: float  # white noise of the picture's samples
-    registration: Registration  # how it lies in the picture
 
 
 class SceneMatch:

@@ -25,7 +25,6 @@ from core.machine import Workers
 from core.modules.panel_sections import Caution, PendingCheck
 from core.network.network import Network
 from core.network.validation import NetworkProblems
-from core.scratch import BlockRun
 from nodes.files.read import check_finite
 
 Readouts = dict[str, dict[str, Any]]
@@ -40,10 +39,9 @@ class TimedWork(Work):
         store: Store,
         progress: Callable[[str | None], None] | None = None,
         cancel: threading.Event | None = None,
-        blocks: BlockRun | None = None,
         workers: Workers | None = None,
     ) -> None:
-        super().__init__(policy, store, cancel, progress, workers, blocks=blocks)
+        super().__init__(policy, store, cancel, progress, workers)
         self.seconds: dict[str, float] = {}
         self._lock = threading.Lock()
         self._local = threading.local()

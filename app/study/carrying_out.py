@@ -22,7 +22,6 @@ from app.study.study_request import Study, StudyRows, make_study
 from app.study.worker_processes import process_rows
 from core.errors import Cancelled, ImagechainError, Suspended, UsageError, how_to_install
 from core.evaluation.policy import Policy
-from core.modules.declaration import Library
 from core.names import shown
 from core.network.file import load_network
 from core.network.network import Network
@@ -145,24 +144,23 @@ def run_study(
     fresh: bool = False,
     policy: Policy | None = None,
     folder: str | Path | None = None,
-    library: Library | None = None,
 ) -> StudyRows:
     """A study from Python, with the words of `imagechain.study`, as the command carries it out.
 
     `folder` is what file names in a `Network` are relative to; the current one, if not given.
     """
-    known = library if library is not None else standard_library()
+    library = standard_library()
     name, place, read = "", Path(folder or "."), []
     if not isinstance(network, Network):
         found = find_network(str(network))
         name, place, read = found.name, found.folder, [found.path]
-        network = load_network(found.path, library=known)
-    plain = plain_network(network, library=known)
-    check_network(plain, library=known)
+        network = load_network(found.path, library=library)
+    plain = plain_network(network, library=library)
+    check_network(plain, library=library)
     path = None if output is None else study_path("--output", str(output))
     pages = [summary_path("--summary", str(page)) for page in summaries]
     study = make_study(
-        plain, name=plain.name or name, folder=place, library=known, vary=vary or {},
+        plain, name=plain.name or name, folder=place, library=library, vary=vary or {},
         over=[f"{k}={v}" for k, v in (over or {}).items()], sample=str(sample), points=points,
         figures=figures, policy=policy or Policy(), read=read, output=path, summaries=pages,
         saves=[save_target(f"{port}={pattern}") for port, pattern in (saves or {}).items()],

@@ -273,14 +273,12 @@ def span_axis(text: str, network: Network, *, library: Library) -> Axis:
     return Axis(setting.port, inner.node, parameter, (), ends, log)
 
 
-def values_axis(
-    label: str, values: Sequence[Any], network: Network, *, library: Library, option: str = OPTION
-) -> Axis:
-    node, parameter = target(option, label, network, library=library)
+def values_axis(label: str, values: Sequence[Any], network: Network, *, library: Library) -> Axis:
+    node, parameter = target(OPTION, label, network, library=library)
     items = (value.item() if isinstance(value, np.generic) else value for value in values)
     taken = tuple(dict.fromkeys(_plain_value(parameter, item, node) for item in items))
     if not taken:
-        raise UsageError(f"{option} {label}: there are no values")
+        raise UsageError(f"{OPTION} {label}: there are no values")
     return of_files(Axis(label, node, parameter, taken))
 
 
