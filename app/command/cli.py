@@ -22,8 +22,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run a command line; stderr gets one line if it fails, else nothing.
 
     With ``--debug`` anywhere among the words, Python's traceback comes before that line.
-
-    Gives the exit code.
     """
     given = list(sys.argv[1:] if argv is None else argv)
     words = [word for word in given if word != DEBUG]

@@ -128,9 +128,6 @@ class NoiseProblem:
         return self._levels.at(plan, self._places)
 
     def residual(self, plan: Plan) -> Vector:
-        """Predicted less measured, of logarithms, in standard errors.
-
-        Logarithms, as parameters may begin far off, where variances differ by orders.
-        """
+        """Predicted less measured logarithms (variances begin orders apart), in standard errors."""
         predicted = np.maximum(self.predicted(plan), 1e-300)
         return np.asarray((np.log(predicted) - self._log) / self._error, np.float64)

@@ -229,25 +229,11 @@ def profiled_spread(
 ) -> Vector | None:
     """How far parameters go as one goes from 0 to where the sum of squares lets it be.
 
-    Parameters
-    ----------
-    refit : callable
-        Fits the others beside one that is held.
-    index : int
-        Which one is held.
-    values : ndarray
-        The best ones.
-    least, unit : float
-        The sum of squares there, and how much of it counts as 1.
-    first, high : float
-        How far above its value the parameter is tried first, and the end of its range.
-
-    Returns
-    -------
-    ndarray or None
-        For each parameter the largest change, over as many standard errors as its sum of squares
-        is more by, at least one. None where that is more by 4 at 0: the parameter is known to
-        differ from 0.
+    `refit` fits the others beside the one at `index` that is held; `values` are the best ones,
+    `least` is the sum of squares there, and `unit` how much of it counts as 1. The parameter is
+    tried at `first` above its value first, and up to `high`. For each parameter the largest change
+    is given, over as many standard errors as its sum of squares is more by, at least one; None
+    where that is more by 4 at 0: the parameter is known to differ from 0.
     """
     spread = np.zeros(len(values))
 

@@ -59,13 +59,7 @@ class PictureFile:
     band_um: tuple[float, float] | None = None
 
     def pictures(self) -> Iterator[Matrix]:
-        """The frames in turn, in double precision.
-
-        Raises
-        ------
-        ImagechainError
-            The file is damaged, or has samples that are not finite.
-        """
+        """The frames in turn, in double precision."""
         if self.frames > 1 or self.is_stack:
             for frame in open_frames(self.path).each():
                 yield np.asarray(frame, np.float64)
@@ -99,16 +93,8 @@ class BandsError(UsageError):
 def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
     """Describe a file to be measured without reading its samples.
 
-    Parameters
-    ----------
-    band : int, optional
-        Band or colour, counted from 0; without it luminance of colours, and the frames of a file
-        whose bands have no wavelengths.
-
-    Raises
-    ------
-    ImagechainError
-        The file cannot be read, or `band` is missing or not in it.
+    `band` counts from 0; without it luminance of colours, and the frames of a file whose bands have
+    no wavelengths.
     """
     file = readable_file(path)
     if format_of(file) is NPY and band is None:
@@ -211,11 +197,7 @@ def same_size(files: Sequence[PictureFile]) -> None:
 def common_limits(files: Sequence[PictureFile]) -> tuple[float, float] | None:
     """Ends of the numbers of all files; None where not all are whole numbers.
 
-    Raises
-    ------
-    DataError
-        If two have whole numbers of different ends: at those of one the other is clipped nowhere,
-        or everywhere.
+    Different ends are refused: at those of one the other is clipped nowhere, or everywhere.
     """
     known = [(file.path, file.limits) for file in files if file.limits is not None]
     for path, (low, high) in known:

@@ -141,10 +141,7 @@ class _Version(argparse.Action):
 
 
 def parse(argv: list[str]) -> Options:
-    """Read the command line.
-
-    After printing the help or version it ends by SystemExit.
-    """
+    """Read the command line; after printing the help or version, end by SystemExit."""
     if argv[0] == "help":  # as `--help`, of a command where one is named
         argv = [*(word for word in argv[1:2] if word != "help"), "--help"]
     first = argv[0]

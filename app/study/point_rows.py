@@ -57,10 +57,7 @@ class Setting:
 
 
 class RowMaker:
-    """Makes the rows of a study, one after the other, over a store of its own.
-
-    `share` processes share the machine's memory.
-    """
+    """Makes the rows of a study over a store of its own; `share` processes share the memory."""
 
     def __init__(self, setting: Setting, library: Library, share: int = 1) -> None:
         self.setting = setting

@@ -201,10 +201,7 @@ def failures(results: Results) -> list[str]:
 
 
 def csv_text(results: Results) -> str:
-    """A row for each point in full precision; what is not there is empty, its reason at the end.
-
-    Behind it the warnings.
-    """
+    """A row for each point in full precision; gaps are empty, reasons and warnings at the end."""
     names = [shown.text for shown in _shown(results)]
     lines: list[list[Any]] = [[*names, "failed", "warnings"]]
     for curve, point in results.rows():

@@ -24,10 +24,7 @@ from core.network.network import Network
 
 @dataclass(frozen=True)
 class Point:
-    """The figures at one value, by ``NODE.READOUT``; `reasons` has why there is none.
-
-    `warnings` has what the nodes warn of there.
-    """
+    """The figures at one value, by ``NODE.READOUT``; `reasons` has why there is none."""
 
     value: Any
     figures: Mapping[str, float] = field(default_factory=dict)
@@ -44,10 +41,7 @@ class TradeOff:
     figures: tuple[Figure, ...]  # figures of the network at each of them
 
     def points(self, engine: Engine, plan: Plan, work: Work) -> Iterator[Point]:
-        """Evaluate value by value; what the parameter does not touch is made once.
-
-        A value at which the network, or a figure, cannot be evaluated leaves a gap with its reason.
-        """
+        """Evaluate value by value; what the parameter does not touch is made once."""
         evaluator = PointEvaluator(engine, plan, [(self.node, self.parameter)], self.figures)
         for value in self.values:
             work.check()
