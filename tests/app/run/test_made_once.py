@@ -20,7 +20,8 @@ SMALL = 256
 # The camera needs a large scene, and the sampled pupil of 1996 takes long: its sibling has one too.
 # The means of a cube's bands, and the wavelengths that stand for them, are small values that only
 # laws read: a store that holds nothing at all makes them anew for each curve.
-LEFT_OUT = ("camera_and_sensor", "kodak_kir310_1996", "dirsig_cube")
+SPECTRAL = ("dirsig_cube", "swir_camera", "visible_camera")
+LEFT_OUT = ("camera_and_sensor", "kodak_kir310_1996", *SPECTRAL)
 NAMES = sorted(path.stem for path in NETWORKS.glob("*.json") if path.stem not in LEFT_OUT)
 
 
