@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Image
-from core.errors import DataError
+from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Formula, Param
 from core.physics.detector.readout import persistence
 from nodes.shared.module_ports import ImageOutput
+from nodes.shared.shared_warnings import is_radiance
 
 Array = NDArray[Any]
 
@@ -51,11 +52,25 @@ class Persistence(Module, key="persistence", title="Persistence", group="Detecto
         float, Param("time since the earlier exposure", unit="s", low=0, high=1e9, slider=(0, 600))
     ] = 0.0
 
+    def check(self) -> None:
+        """Refuse a lag of more than the earlier exposure."""
+        if self.fast_percent + self.slow_percent > 100.0 + 1e-9:  # rounding
+            allowed = (
+                f"both shares may add up to 100 %, and fast_percent is {self.fast_percent:g} %"
+            )
+            raise ParameterError("slow_percent", self.slow_percent, allowed, unit="%")
+
     def run(self, image: Image, earlier: Image, here: NodeContext) -> ImageOutput:
         if image.shape != earlier.shape:
             raise DataError(
                 f"the earlier picture has {earlier.columns} × {earlier.rows} samples and the image "
                 f"{image.columns} × {image.rows}: both must have the same size"
+            )
+        units = image.unit.strip(), earlier.unit.strip()
+        if units[0] != units[1] and not all(map(is_radiance, units)):
+            raise DataError(
+                f"the earlier picture is in {units[1]!r:.40} and the image in {units[0]!r:.40}: "
+                "both must have the same unit"
             )
         if not self._share():
             return ImageOutput(image)

@@ -98,20 +98,28 @@ def test_finer_samples_are_no_pixels(tmp_path):
 
 def test_what_is_left_of_an_earlier_picture(tmp_path):
     scene = {"width": 33, "height": 21}
+    np.save(tmp_path / "kelvin.npy", np.full((21, 33), 300.0))
     nodes = {
         "now": ("test_scene", scene),
         "before": ("test_scene", {**scene, "kind": "sine"}),
         "small": ("test_scene", {**scene, "width": 32}),
         "it": ("persistence", {"fast_percent": 5, "delay_s": 2}),
         "wrong": ("persistence", {}),
+        "kelvin": ("read_image", {"path": "kelvin.npy", "unit": "K"}),
+        "mixed": ("persistence", {"fast_percent": 5}),
+        "more": ("persistence", {"fast_percent": 80, "slow_percent": 30}),
     }
     links = [("now.image", "it.image"), ("before.image", "it.earlier"),
-             ("now.image", "wrong.image"), ("small.image", "wrong.earlier")]  # fmt: skip
+             ("now.image", "wrong.image"), ("small.image", "wrong.earlier"),
+             ("now.image", "mixed.image"), ("kelvin.image", "mixed.earlier"),
+             ("now.image", "more.image"), ("before.image", "more.earlier")]  # fmt: skip
     bench = NodeBench(standard_library(), tmp_path, nodes, links)
     expected = bench.value("now.image") + 0.05 * np.exp(-2) * bench.value("before.image")
     np.testing.assert_allclose(bench.value("it.image"), expected, rtol=1e-14)
     assert bench.readouts("it")["lag_percent"] == pytest.approx(5 * np.exp(-2))
     assert "32 × 21" in str(bench.error("wrong"))
+    assert "is in 'K' and the image in 'W/m²/sr'" in str(bench.error("mixed"))
+    assert "slow_percent = 30.0 % is not allowed" in str(bench.error("more"))
 
 
 @pytest.mark.parametrize(
