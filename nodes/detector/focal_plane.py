@@ -16,6 +16,7 @@ from core.modules.panel_sections import Caution
 from core.modules.parameters import Formula
 from core.modules.preview import Preview
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.detector.readout import smear_mtf
 from core.physics.detector.spectral_photons import QuantumEfficiency
 from core.physics.optics.diffraction_otf import Aperture
 from core.physics.sampling.detector_sampling import ifov_mrad
@@ -42,7 +43,14 @@ from nodes.detector.spectral_response import (
 from nodes.shared.context_defaults import of_context, t_number_caution
 from nodes.shared.factors import passed_factors
 from nodes.shared.module_ports import table_figure
-from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, Band, alike, unit_caution
+from nodes.shared.shared_warnings import (
+    F_NUMBER_NEAR,
+    NEAR,
+    Band,
+    alike,
+    apart_caution,
+    unit_caution,
+)
 from nodes.shared.steps import difference, picture_range
 
 
@@ -358,6 +366,22 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
                         "and blur belong to different detectors",
                         f"enter the number once, and link it: tdi_stages = {factor.node}.stages",
                     )
+        return None
+
+    @warning
+    def exposure(self, image: Image) -> Caution | None:
+        """The integration time differs from the one on Frame Transfer Smear."""
+        for factor in passed_factors(image):
+            if any(law.function is smear_mtf for law in factor.laws):
+                return apart_caution(
+                    "integration_time_s",
+                    self.integration_time_s,
+                    image.exposure_s,
+                    unit="s",
+                    where=f"on {factor.node}",
+                    remedy="enter the time once, and link it: "
+                    f"integration_time_s = {factor.node}.integration_time_s",
+                )
         return None
 
     @warning

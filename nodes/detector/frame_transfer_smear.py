@@ -47,8 +47,10 @@ class FrameTransferSmear(
         float, Param("time of one transfer", unit="s", low=0, high=1, slider=(0, 1e-5))
     ] = 0.0
     integration_time_s: Annotated[
-        float, Param("exposure time", unit="s", low=1e-9, high=1e6, slider=(1e-4, 0.05))
-    ] = 0.01
+        float,
+        Param("exposure time, the same as on Focal Plane", unit="s", low=1e-9, high=1e6,
+              slider=(1e-4, 0.05)),
+    ] = 0.01  # fmt: skip
     passed: Annotated[
         Literal["both", "above", "below"], Param("rows that a packet passes in the light")
     ] = "both"
@@ -57,7 +59,9 @@ class FrameTransferSmear(
         change = self._change(image)
         if not change.ratio:
             return ImageOutput(image)
-        return ImageOutput(image.with_recipe(here.step(smeared, image.recipe, change=change)))
+        seconds = image.exposure_s or self.integration_time_s
+        step = here.step(smeared, image.recipe, change=change)
+        return ImageOutput(image.with_recipe(step, exposure_s=seconds))
 
     def _change(self, image: Image) -> Smearing:
         sides = [self.passed in ("both", side) for side in ("above", "below")]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from focal_plane_bench import CAMERA_SHEET, LIBRARY, SENSOR, cautions, focal_plane_bench
+from focal_plane_bench import CAMERA_SHEET, LIBRARY, MWIR, SENSOR, cautions, focal_plane_bench
 from node_bench import NodeBench
 
 
@@ -103,3 +103,29 @@ def test_a_response_that_breaks_off_within_the_band_is_warned_of(tmp_path, text,
     assert len(found) == bool(said)
     for words in said:
         assert words in found[0].text
+
+
+@pytest.mark.parametrize(
+    ("smear", "warned"),
+    [
+        ({"line_transfer_time_s": 1e-6}, True),
+        ({"line_transfer_time_s": 1e-6, "integration_time_s": 6e-4}, False),
+        ({}, False),
+    ],
+)
+def test_another_exposure_on_frame_transfer_smear_is_warned_of(tmp_path, smear, warned):
+    scene = {"kind": "uniform", "width": 8, "height": 8, **MWIR}
+    nodes = {
+        "scene": ("test_scene", scene),
+        "init": ("init_trans", SENSOR),
+        "smear": ("frame_transfer_smear", smear),
+        "lag": ("charge_trails", {"serial_efficiency": 0.999}),
+        "it": ("focal_plane", {"integration_time_s": 6e-4}),
+    }
+    links = [("scene.image", "init.image"), ("scene.image", "smear.image"),
+             ("smear.image", "lag.image"), ("lag.image", "it.image"),
+             ("init.context", "it.context")]  # fmt: skip
+    found = cautions(NodeBench(LIBRARY, tmp_path, nodes, links), "exposure")
+    assert len(found) == warned
+    if warned:
+        assert "0.0006 s here, 0.01 s on smear: enter" in found[0].text
