@@ -9,14 +9,17 @@ from numpy.typing import NDArray
 
 from core.chain.step_lineage import picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import in_blocks
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext
+from core.modules.declaration import NodeContext, warning
+from core.modules.panel_sections import Caution
 from core.modules.parameters import Formula, Param
 from core.physics.detector.readout import bloomed
 from nodes.shared.module_ports import ImageOutput, OfPixels
+from nodes.shared.steps import PictureRange, picture_range
 
 Array = NDArray[Any]
+_FAR = 10.0  # times the largest sample: a well beyond is probably in another unit
 
 
 class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
@@ -25,9 +28,10 @@ class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
     A full pixel passes its excess to the pixels above and below, half each, until every pixel holds
     its charge. What reaches the top or the bottom leaves the detector. The anti-blooming drain
     removes its share of the excess first. The picture may have any unit proportional to electrons.
-    Put this module after Sample Pixels or Combine Pixels and before Focal Plane, with the value
-    that fills its well. Predicted MTFs and budgets ignore blooming. Sources: Janesick 2001,
-    Scientific Charge-Coupled Devices, chapter 4; Levine and Peres 2009, Potential Analysis 30, 1.
+    Put this module after Sample Pixels or Combine Pixels and before Focal Plane. There the full
+    well is a radiance: saturation_radiance in Focal Plane's table. Predicted MTFs and budgets
+    ignore blooming. Sources: Janesick 2001, Scientific Charge-Coupled Devices, chapter 4; Levine
+    and Peres 2009, Potential Analysis 30, 1.
     """
 
     formulas = (
@@ -40,8 +44,8 @@ class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
 
     full_well: Annotated[
         float | None,
-        Param("sample value of a full pixel, in the picture's unit; empty: no blooming",
-              low=1e-12, high=1e12, slider=(1, 1e5)),
+        Param("sample value of a full pixel, in the picture's unit: W/m²/sr before Focal Plane, "
+              "not electrons; empty: no blooming", low=1e-12, high=1e12, slider=(1, 1e5)),
     ] = None  # fmt: skip
     anti_blooming_percent: Annotated[
         float,
@@ -53,6 +57,27 @@ class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
             return ImageOutput(image)
         how = {"full_well": self.full_well, "drained": self.anti_blooming_percent / 100.0}
         return ImageOutput(image.with_recipe(here.step(spilled, image.recipe, **how)))
+
+    @warning
+    def well(self, image: Image) -> Recipe | None:
+        """The full well is far above the picture's largest sample."""
+        if self.full_well is None:
+            return None
+        seen = Step.of(picture_range, image.recipe)
+        return Step.of(well_caution, seen, full_well=self.full_well, unit=image.unit)
+
+
+@ends_lineage
+def well_caution(work: Work, seen: PictureRange, *, full_well: float, unit: str) -> Caution | None:
+    """A well that no sample comes near."""
+    if full_well <= _FAR * max(seen.high, 0.0):
+        return None
+    return Caution(
+        f"nothing blooms: full_well = {full_well:g}, but the picture's largest sample is "
+        f"{seen.high:.3g} {unit}".rstrip(),
+        "give full_well in the picture's unit; before Focal Plane, that is saturation_radiance in "
+        "Focal Plane's table",
+    )
 
 
 @in_blocks()

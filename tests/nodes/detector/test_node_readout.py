@@ -96,6 +96,15 @@ def test_finer_samples_are_no_pixels(tmp_path):
     assert "4 samples per pixel" in str(caution)
 
 
+@pytest.mark.parametrize(("well", "warned"), [(10000.0, True), (150.0, False), (None, False)])
+def test_a_well_in_another_unit_is_warned_of(tmp_path, well, warned):
+    bench, _, _ = made(tmp_path, 20.0 * np.eye(9), "blooming", {"full_well": well})
+    found = bench.engine.warnings(bench.plan, bench.work)
+    assert [caution.check for caution in found] == ["well"] * warned
+    if warned:
+        assert "10000, but the picture's largest sample is 20 W/m²/sr: give" in str(found[0])
+
+
 def test_what_is_left_of_an_earlier_picture(tmp_path):
     scene = {"width": 33, "height": 21}
     np.save(tmp_path / "kelvin.npy", np.full((21, 33), 300.0))
