@@ -12,16 +12,16 @@ from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout
+from core.modules.declaration import NodeContext, readout
 from core.modules.parameters import Formula, Param
 from core.physics.detector.readout import persistence
-from nodes.shared.module_ports import ImageOutput
+from nodes.shared.module_ports import BeforeDigits, ImageOutput
 from nodes.shared.shared_warnings import is_radiance
 
 Array = NDArray[Any]
 
 
-class Persistence(Module, key="persistence", title="Persistence", group="Detector"):
+class Persistence(BeforeDigits, key="persistence", title="Persistence", group="Detector"):
     """Add what is left of an earlier exposure: image lag that decays with two time constants.
 
     Connect the picture of that exposure to `earlier`, with the same size and unit. The shares are

@@ -14,12 +14,12 @@ from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout
+from core.modules.declaration import NodeContext, readout
 from core.modules.parameters import Formula, Param
 from core.physics.detector.readout import REACH, sinc_weights
 from core.transfer.factors import Edges
 from nodes.shared.context_defaults import pitch_in_samples
-from nodes.shared.module_ports import ImageOutput
+from nodes.shared.module_ports import BeforeDigits, ImageOutput
 from nodes.transform.interpolate import within_frame
 
 Array = NDArray[Any]
@@ -27,7 +27,9 @@ _AROUND = np.arange(1 - REACH, REACH + 1)
 _BLOCK = 64  # rows
 
 
-class RollingShutter(Module, key="rolling_shutter", title="Rolling Shutter", group="Detector"):
+class RollingShutter(
+    BeforeDigits, key="rolling_shutter", title="Rolling Shutter", group="Detector"
+):
     """Skew and stretch the picture: lines are exposed in turn while the image moves.
 
     The top line is exposed first. Velocities are those of the image on the detector, in pixels. Put

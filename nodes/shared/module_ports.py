@@ -68,7 +68,21 @@ class NyquistReadouts(Module):
         return at_pixel_nyquist(outputs.mtf, context, "y")
 
 
-class OfPixels(Module):
+class BeforeDigits(Module):
+    """Base of modules that act on light or charge, which Focal Plane makes digital numbers of."""
+
+    @warning
+    def digits(self, image: Image) -> Caution | None:
+        """The picture is already in digital numbers."""
+        if image.unit.strip() != "DN":
+            return None
+        return Caution(
+            "this node acts on digital numbers, with their offset and noise",
+            "put it before Focal Plane",
+        )
+
+
+class OfPixels(BeforeDigits):
     """Base of modules that count every sample as a pixel."""
 
     @warning

@@ -105,6 +105,21 @@ def test_a_well_in_another_unit_is_warned_of(tmp_path, well, warned):
         assert "10000, but the picture's largest sample is 20 W/m²/sr: give" in str(found[0])
 
 
+@pytest.mark.parametrize("module", [*CHAIN, "persistence"])
+def test_digital_numbers_are_warned_of(tmp_path, module):
+    np.save(tmp_path / "dn.npy", np.full((8, 8), 100.0))
+
+    def warned(unit):
+        nodes = {"file": ("read_image", {"path": "dn.npy", "unit": unit}), "it": (module, {})}
+        links = [("file.image", "it.image")]
+        links += [("file.image", "it.earlier")] if module == "persistence" else []
+        bench = NodeBench(standard_library(), tmp_path, nodes, links)
+        return [c.check for c in bench.engine.warnings(bench.plan, bench.work) if c.node == "it"]
+
+    assert warned("DN") == ["digits"]
+    assert warned("e-") == []
+
+
 def test_what_is_left_of_an_earlier_picture(tmp_path):
     scene = {"width": 33, "height": 21}
     np.save(tmp_path / "kelvin.npy", np.full((21, 33), 300.0))
