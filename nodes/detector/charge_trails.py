@@ -15,16 +15,18 @@ from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import NodeContext, readout
+from core.modules.declaration import NodeContext, readout, warning
+from core.modules.panel_sections import Caution
 from core.modules.parameters import Formula, Param
 from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
 from core.physics.detector.readout import trail_length, trailed
-from core.transfer.factors import Factor, Grid
-from nodes.shared.factors import separable
+from core.transfer.factors import Factor, Grid, Separable
+from nodes.shared.factors import passed_factors, separable
 from nodes.shared.module_ports import ImageOutput, OfPixels
 
 Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 18
+_TRANSFER = (charge_transfer_mtf, charge_transfer_ptf)
 
 
 class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="Detector"):
@@ -79,6 +81,18 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
             Trails("y", self.parallel_efficiency, self.extra_parallel, image.rows, far_y),
             Trails("x", self.serial_efficiency, self.extra_serial, image.columns, far_x),
         )
+
+    @warning
+    def twice(self, image: Image) -> Caution | None:
+        """Incomplete transfer along the rows has already blurred the picture."""
+        for factor in passed_factors(image) if self.serial_efficiency < 1.0 else ():
+            if isinstance(factor, Separable) and factor.x and factor.x.function in _TRANSFER:
+                return Caution(
+                    "incomplete charge transfer along the rows counts twice: "
+                    f"{factor.node} also blurs the picture",
+                    "delete one of the two nodes, or set its efficiency to 1",
+                )
+        return None
 
     @readout("%")
     def trail_percent(self, image: Image) -> float:

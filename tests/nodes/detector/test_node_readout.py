@@ -120,6 +120,25 @@ def test_digital_numbers_are_warned_of(tmp_path, module):
     assert warned("e-") == []
 
 
+@pytest.mark.parametrize(
+    ("module", "axis", "warned"),
+    [
+        ("charge_eff_mtf", "serial", True),
+        ("charge_eff_phase", "serial", True),
+        ("charge_eff_mtf", "parallel", False),
+        ("detector_mtf", "serial", False),
+    ],
+)
+def test_charge_transfer_that_counts_twice_is_warned_of(tmp_path, module, axis, warned):
+    chain = [(module, {}), ("charge_trails", {f"{axis}_efficiency": 0.999})]
+    init = {**ONE_SAMPLE, "platform": "array"}
+    bench, _ = short_chain(tmp_path, np.eye(9), chain, interval_mrad=INTERVAL, init=init)
+    found = bench.engine.warnings(bench.plan, bench.work)
+    twice = [str(caution) for caution in found if caution.check == "twice"]
+    assert len(twice) == warned
+    assert all(f"{module} also blurs" in text for text in twice)
+
+
 def test_what_is_left_of_an_earlier_picture(tmp_path):
     scene = {"width": 33, "height": 21}
     np.save(tmp_path / "kelvin.npy", np.full((21, 33), 300.0))
