@@ -41,8 +41,10 @@ def crosstalk_kernel(text: str) -> Kernel:
     except ValueError as error:
         raise ParameterError("kernel", text, f"numbers, rows separated by ; ({error})") from None
     if size not in SIZES or any(len(row) != size for row in numbers):
-        found = f"{size} rows of {', '.join(str(len(row)) for row in numbers)}"
-        raise ParameterError("kernel", found, "3 × 3 or 5 × 5 numbers, rows separated by ;")
+        counts = ", ".join(str(len(row)) for row in numbers)
+        found = f"{size} row{'s' if size > 1 else ''} of {counts}"
+        allowed = f"give 3 × 3 or 5 × 5 numbers, rows separated by semicolons, not {found}"
+        raise ParameterError("kernel", text, allowed)
     flat = [value for row in numbers for value in row]
     if not all(0.0 <= value < math.inf for value in flat):
         raise ParameterError("kernel", text, "numbers of 0 or above")
