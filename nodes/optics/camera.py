@@ -324,9 +324,11 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
                     "use a picture with two or more samples per pixel",
                 )
             if pitch and interval and pitch < 2 * interval * (1 - NEAR):
+                number = f"{pitch / interval:.3g}"
+                samples = "1 sample" if number == "1" else f"{number} samples"
                 return Caution(
-                    f"aliasing is simulated in part only: the picture has {pitch / interval:.3g} "
-                    f"samples per pixel, each {interval:.4g} mrad {name}",
+                    f"aliasing is simulated in part only: the picture has {samples} per pixel, "
+                    f"each {interval:.4g} mrad {name}",
                     "use a picture with two or more samples per pixel",
                 )
         return None

@@ -184,6 +184,13 @@ def test_an_orbit_is_entered_once(planned):
     assert found["line_rate_Hz"] == pytest.approx(view.velocity_m_per_s / gsd, rel=1e-12)
 
 
+@pytest.mark.parametrize(("scale", "words"), [(1.0, "1 sample per"), (1.5, "1.5 samples per")])
+def test_few_samples_are_counted(planned, scale, words):
+    fov = {f"fov_{a}_deg": math.degrees(0.15e-3 / scale * n) for a, n in (("x", 1280), ("y", 1024))}
+    _, plan = planned(MWIR, read=fov)
+    assert any(f"the picture has {words} pixel, each" in text for text in texts(plan))
+
+
 @pytest.mark.parametrize(
     ("camera", "init", "words"),
     [
