@@ -23,6 +23,7 @@ from core.physics.detector.readout import trail_length, trailed
 from core.transfer.factors import Factor, Grid, Separable
 from nodes.shared.factors import passed_factors, separable
 from nodes.shared.module_ports import ImageOutput, OfPixels
+from nodes.shared.steps import stepped
 
 Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 18
@@ -72,7 +73,8 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
     def run(self, image: Image, here: NodeContext) -> ImageOutput:
         for change in self._changes(image):
             if change.efficiency < 1.0:
-                image = image.with_recipe(here.step(with_trails, image.recipe, change=change))
+                step = here.step(with_trails, image.recipe, change=change)
+                image = stepped(image, step, gain=change.gain)
         return ImageOutput(image)
 
     def _changes(self, image: Image) -> tuple[Trails, Trails]:

@@ -18,6 +18,7 @@ from core.modules.parameters import Formula, Param
 from core.physics.detector.readout import smear, smear_mtf
 from core.transfer.factors import Factor, Grid, Law, Separable
 from nodes.shared.module_ports import ImageOutput, OfPixels
+from nodes.shared.steps import stepped
 
 Array = NDArray[Any]
 _BLOCK = 256  # rows
@@ -61,7 +62,7 @@ class FrameTransferSmear(
             return ImageOutput(image)
         seconds = image.exposure_s or self.integration_time_s
         step = here.step(smeared, image.recipe, change=change)
-        return ImageOutput(image.with_recipe(step, exposure_s=seconds))
+        return ImageOutput(stepped(image, step, gain=change.gain, exposure_s=seconds))
 
     def _change(self, image: Image) -> Smearing:
         sides = [self.passed in ("both", side) for side in ("above", "below")]

@@ -20,6 +20,7 @@ from core.physics.detector.readout import REACH, sinc_weights
 from core.transfer.factors import Edges
 from nodes.shared.context_defaults import pitch_in_samples
 from nodes.shared.module_ports import BeforeDigits, ImageOutput
+from nodes.shared.steps import stepped
 from nodes.transform.interpolate import within_frame
 
 Array = NDArray[Any]
@@ -69,9 +70,8 @@ class RollingShutter(
             return ImageOutput(image)
         x, y = (max(1.0, pitch_in_samples(axis, image) or 1.0) for axis in ("x", "y"))
         how = {"step_x": steps[0] * x, "step_y": steps[1] * y, "line": y, "edges": image.edges}
-        return ImageOutput(
-            image.with_recipe(here.step(skewed, image.recipe, shape=image.shape, **how))
-        )
+        step = here.step(skewed, image.recipe, shape=image.shape, **how)
+        return ImageOutput(stepped(image, step))
 
     @readout("px")
     def skew_px(self, image: Image) -> float:

@@ -6,6 +6,7 @@ import pytest
 from core.chain.noise_power import NoisePower
 from core.errors import ParameterError
 from core.transfer.product import Product
+from cube_files import centres, write_cube
 from linked_network import linked_network
 from node_bench import NodeBench
 from nodes.analysis.lineage.line_transfer import transfer_of
@@ -13,6 +14,7 @@ from nodes.library import standard_library
 from region_checks import assert_parts
 from short_chain import short_chain
 
+LIBRARY = standard_library()
 SIZE, INTERVAL = 160, 0.1
 ONE_SAMPLE = {"detector_x_um": 10, "detector_y_um": 10, "focal_length_mm": 100}
 CHAIN = {
@@ -88,6 +90,27 @@ def test_the_predicted_transfer_is_that_of_the_middle_pixel(tmp_path, module, pa
     factors = tuple(factor for stage in stages for factor in stage.factors)
     found = Product(factors).total(bench.work, np.zeros(1), eta)[:, 0]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("module", [key for key in CHAIN if key != "blooming"])
+def test_each_band_is_read_alone(tmp_path, module):
+    """A Focal Plane behind it weights each band by its response: their sum would not do."""
+    waves, width = centres(3, low=3.0, high=5.0)
+    cube = np.random.default_rng(1).random((3, 30, 43)) + 1.0
+    write_cube(tmp_path, cube, waves, width, kind="f8", unit="W/m^2/sr/um")
+    read = {"path": "cube.img", "bands": "all", "fov_x_deg": 1, "fov_y_deg": 1}
+    nodes, links = {"read": ("read_image", read), "it": (module, CHAIN[module])}, [
+        ("read.image", "it.image")]  # fmt: skip
+    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    bands = bench.port("it.image").bands
+    for number in range(3):
+        alone = {**read, "bands": "one", "band": number}
+        single = NodeBench(LIBRARY, tmp_path, {**nodes, "read": ("read_image", alone)}, links)
+        band = bench.work.value(bands.band(number))
+        np.testing.assert_allclose(band, single.value("it.image"), rtol=1e-6)
+    means = bench.work.value(bands.means())
+    wanted = [bench.work.value(bands.band(number)).mean() for number in range(3)]
+    np.testing.assert_allclose(means, wanted, rtol=0.006)  # predicted for a uniform picture
 
 
 def test_finer_samples_are_no_pixels(tmp_path):
